@@ -1,0 +1,74 @@
+"""Pressure of a catch on netting, as a law of the angle between the flow and the netting's outward normal.
+
+Inside the catch the water stands still at stagnation pressure q = rho V^2 / 2; outside, the pressure is that on a
+sphere, q Cp(theta) (Le Bris et al. 1999, section 5 and figure 9). The net pressure is q (1 - Cp(theta)). The second
+law is uniform, q C. Both are held as one piecewise cubic in theta, so that every consumer needs one evaluation only.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import PchipInterpolator, PPoly
+
+UNIFORM_COEFFICIENT = 1.4
+"""Net pressure over stagnation pressure in common practice: 1 inside, 0.4 of suction outside."""
+
+
+@dataclass(frozen=True)
+class PressureLaw:
+    """Net pressure coefficient (inside minus outside, over q) as a piecewise cubic in theta.
+
+    theta is the angle between the upstream direction and the outward normal, 0 on the upstream stagnation point.
+    """
+
+    name: str
+    angles_rad: NDArray[np.float64]
+    """Breaks of the pieces, shape (k + 1,), rising from 0 to pi."""
+    coefficients: NDArray[np.float64]
+    """Coefficients of (theta - break)^3 .. ^0 for each piece, shape (4, k)."""
+
+    def __call__(self, theta_rad: ArrayLike) -> NDArray[np.float64]:
+        """Net pressure coefficient at ``theta_rad`` (any shape)."""
+        return np.asarray(PPoly(self.coefficients, self.angles_rad)(theta_rad))
+
+    def derivative(self, theta_rad: ArrayLike) -> NDArray[np.float64]:
+        """Derivative of the net pressure coefficient with respect to theta, per radian."""
+        return np.asarray(PPoly(self.coefficients, self.angles_rad).derivative()(theta_rad))
+
+
+def uniform_law(coefficient: float = UNIFORM_COEFFICIENT) -> PressureLaw:
+    """The same net pressure, ``coefficient`` times q, at every angle."""
+    return PressureLaw("uniform", np.array([0.0, np.pi]), np.array([[0.0], [0.0], [0.0], [coefficient]]))
+
+
+def sphere_law(cp_csv: str | Path | None = None) -> PressureLaw:
+    """Stagnation pressure inside and a sphere's Cp outside: 1 - Cp(theta).
+
+    The default Cp curve is a *reconstruction* of the subcritical curve (Schlichting, Boundary-Layer Theory, figure
+    1.11), not a digitised measurement: see the header of ``catch_models/data/sphere_cp_subcritical.csv``. A CSV with
+    the columns ``theta_deg, cp`` from 0 to 180 degrees replaces it. Interpolation is monotone cubic (PCHIP) in theta.
+
+    Raises:
+        ValueError: the curve does not run from 0 to 180 degrees with rising angles.
+    """
+    if cp_csv is None:
+        return _default_sphere_law()
+    return _read_sphere_law(Path(cp_csv))
+
+
+@lru_cache(maxsize=1)
+def _default_sphere_law() -> PressureLaw:
+    return _read_sphere_law(Path(str(files("catch_models") / "data" / "sphere_cp_subcritical.csv")))
+
+
+def _read_sphere_law(path: Path) -> PressureLaw:
+    text = [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    theta_deg, cp = np.loadtxt(text, delimiter=",", skiprows=1, unpack=True)
+    if theta_deg[0] != 0.0 or theta_deg[-1] != 180.0 or np.any(np.diff(theta_deg) <= 0.0):
+        raise ValueError(f"{path}: theta_deg must rise from 0 to 180")
+    pieces = PchipInterpolator(np.radians(theta_deg), 1.0 - cp)
+    return PressureLaw("sphere", np.asarray(pieces.x), np.asarray(pieces.c))
