@@ -1,0 +1,1 @@
+"""Size selectivity: mesh penetration, retention curves, and curves fitted to sea-trial data."""

@@ -1,0 +1,182 @@
+"""Field data of selectivity trials: covered-codend and paired-gear tables, read and checked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codend.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+_Check = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+
+
+class DesignColumns(NamedTuple):
+    """The two columns of counts of a design: the gear under test, and the cover or control."""
+
+    test: str
+    other: str
+
+
+DESIGNS: Final = MappingProxyType(
+    {"covered": DesignColumns("codend", "cover"), "paired": DesignColumns("test", "control")}
+)
+
+
+@dataclass(frozen=True)
+class FieldData:
+    """Counted fish of a selectivity trial, R rows (a haul and length class each).
+
+    Attributes:
+        source: the file, for messages.
+        design: "covered" (codend and cover) or "paired" (test and control gear).
+        haul_names: the H hauls, in order of appearance.
+        haul: (R,) index into `haul_names`.
+        length_cm: (R,) length class.
+        test_count: (R,) fish counted in the codend or test gear; never raised numbers.
+        other_count: (R,) fish counted in the cover or control gear.
+        test_raising: (R,) raising factor >= 1 of the codend or test gear: raised number = count * factor.
+        other_raising: (R,) raising factor >= 1 of the cover or control gear.
+        covariate_names: the C haul covariates.
+        covariates: (H, C) their values.
+    """
+
+    source: str
+    design: str
+    haul_names: tuple[str, ...]
+    haul: NDArray[np.int64]
+    length_cm: Array
+    test_count: Array
+    other_count: Array
+    test_raising: Array
+    other_raising: Array
+    covariate_names: tuple[str, ...]
+    covariates: Array
+
+    @property
+    def log_offset(self) -> Array:
+        """(R,) ln of the ratio of the counted fractions, test to other: ln(other_raising / test_raising)."""
+        return np.log(self.other_raising / self.test_raising)
+
+
+def read_field_data(data: str | Path | pd.DataFrame, design: str, covariates: Sequence[str] = ()) -> FieldData:
+    """Read and check a table of counted fish.
+
+    Args:
+        data: CSV file (lines starting with `#` are comments) or DataFrame. Columns `haul, length_cm, codend, cover`
+            with optional `codend_raising, cover_raising` (design "covered"), or `haul, length_cm, test, control` with
+            optional `test_raising, control_raising` ("paired").
+        design: "covered" or "paired".
+        covariates: names of numeric columns, constant within a haul, that L50 and SR may depend on.
+
+    Raises:
+        InputError: a missing or empty table or column, a value that is not a number, not in range, or not whole,
+            a length class given twice in a haul, a covariate that changes within a haul or not at all.
+    """
+    import pandas as pd
+
+    source = "data frame" if isinstance(data, pd.DataFrame) else str(data)
+    if design not in DESIGNS:
+        raise InputError(source, "design", design, " or ".join(DESIGNS))
+    frame = data if isinstance(data, pd.DataFrame) else _read_csv(Path(data))
+    if frame.empty:
+        raise InputError(source, "", None, "a header and at least one row", "the table has no rows")
+    test, other = DESIGNS[design]
+    for column in ("haul", "length_cm", test, other, *covariates):
+        if column not in frame.columns:
+            found = ", ".join(map(str, frame.columns))
+            raise InputError(source, column, None, f"a column of that name (found: {found})", "is missing")
+    if frame["haul"].isna().any():
+        raise InputError(source, "haul", None, "a name or number in every row", "is empty in some row")
+
+    table = _Table(source, frame)
+    length_cm = table.numbers("length_cm", "a length above 0", lambda v: v > 0.0)
+    test_count, other_count = (
+        table.numbers(
+            name,
+            f"a whole number of counted fish, 0 or more (raised numbers: give the count here and {name}_raising)",
+            lambda v: (v >= 0.0) & (v == np.round(v)),
+        )
+        for name in (test, other)
+    )
+    test_raising, other_raising = (
+        table.numbers(f"{name}_raising", "a factor of 1 or more (raised number = count * factor)", lambda v: v >= 1.0)
+        if f"{name}_raising" in frame.columns
+        else np.ones(len(frame))
+        for name in (test, other)
+    )
+    if test_count.sum() + other_count.sum() == 0.0:
+        raise InputError(source, test, None, "at least one fish", "and the other column hold no fish")
+
+    haul, names = pd.factorize(frame["haul"].astype(str).to_numpy())
+    repeated = pd.DataFrame({"haul": haul, "length": length_cm}).duplicated().to_numpy()
+    if repeated.any():
+        row = int(np.flatnonzero(repeated)[0])
+        where = f"{length_cm[row]:g} (haul {names[haul[row]]})"
+        raise InputError(source, "length_cm", where, "each length once in a haul", "is given twice")
+    per_haul = [table.haul_values(name, haul, len(names)) for name in covariates]
+    return FieldData(
+        source=source,
+        design=design,
+        haul_names=tuple(map(str, names)),
+        haul=haul.astype(np.int64),
+        length_cm=length_cm,
+        test_count=test_count,
+        other_count=other_count,
+        test_raising=test_raising,
+        other_raising=other_raising,
+        covariate_names=tuple(covariates),
+        covariates=np.stack(per_haul, axis=-1) if per_haul else np.empty((len(names), 0)),
+    )
+
+
+def _read_csv(path: Path) -> pd.DataFrame:
+    import pandas as pd
+
+    try:
+        return pd.read_csv(path, comment="#", skipinitialspace=True, dtype={"haul": str})
+    except FileNotFoundError:
+        raise InputError(path, "", None, "the path of a CSV table", "there is no such file") from None
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError, OSError) as error:
+        raise InputError(path, "", None, "a CSV table with a header", f"cannot be read ({error})") from None
+
+
+class _Table:
+    """Columns of a frame as checked arrays."""
+
+    def __init__(self, source: str, frame: pd.DataFrame) -> None:
+        self.source, self.frame = source, frame
+
+    def numbers(self, column: str, allowed: str, is_allowed: _Check) -> Array:
+        """The column as finite floats that satisfy `is_allowed`."""
+        import pandas as pd
+
+        values = pd.to_numeric(self.frame[column], errors="coerce").to_numpy(dtype=float)
+        finite = np.isfinite(values)
+        bad = ~finite | ~is_allowed(np.where(finite, values, 0.0))
+        if bad.any():
+            row = int(np.flatnonzero(bad)[0])
+            found = self.frame[column].iloc[row]
+            shown = "(empty)" if pd.isna(found) else str(found)
+            raise InputError(self.source, column, shown, allowed, f"in data row {row + 1} is not allowed")
+        return values
+
+    def haul_values(self, column: str, haul: NDArray[np.int64], n_hauls: int) -> Array:
+        """(H,) values of a covariate, one a haul."""
+        values = self.numbers(column, "a number", lambda v: np.ones(v.shape, dtype=bool))
+        first = np.array([values[haul == h][0] for h in range(n_hauls)])
+        if np.any(values != first[haul]):
+            row = int(np.flatnonzero(values != first[haul])[0])
+            raise InputError(self.source, column, values[row].item(), "one value a haul", "changes within its haul")
+        if np.all(first == first[0]):
+            raise InputError(self.source, column, first[0].item(), "values that differ between hauls", "never changes")
+        return first
