@@ -1,0 +1,62 @@
+"""The one exception for errors a user can mend: a file, a key in it, the value found and what is allowed there."""
+
+from pathlib import Path
+
+_LONGEST_VALUE = 60
+
+
+class InputError(Exception):
+    """Something the user wrote cannot be used; ``str()`` is one line that says where, what and what is allowed.
+
+    ``InputError("p.toml", "tow.speed_m_s", -1, "a number above 0")`` reads
+    ``p.toml: tow.speed_m_s = -1 is not allowed; allowed: a number above 0``.
+    """
+
+    def __init__(
+        self,
+        file: str | Path,
+        key: str,
+        value: object,
+        allowed: str,
+        problem: str = "is not allowed",
+    ) -> None:
+        """Hold the four parts of the message.
+
+        Args:
+            file: the file the error is in.
+            key: dotted key or column, as the user would write it; "" when the whole file is at fault.
+            value: what was found; None when nothing was, and then it is not shown.
+            allowed: what would have been accepted.
+            problem: what is wrong, as the words between value and ``allowed``.
+        """
+        super().__init__(file, key, value, allowed, problem)
+        self.file = str(file)
+        self.key = key
+        self.value = value
+        self.allowed = allowed
+        self.problem = problem
+
+    def __str__(self) -> str:
+        found = self.key if self.value is None else f"{self.key} = {_shown(self.value)}"
+        return _one_line(f"{self.file}: {found} {self.problem}; allowed: {self.allowed}")
+
+
+def _shown(value: object) -> str:
+    """The value as TOML would spell it, shortened."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return _shortened(f'"{value}"')
+    try:
+        return _shortened(repr(value))
+    except (ValueError, RecursionError):  # whole numbers too long to print, arrays nested too deep
+        return f"a {type(value).__name__} too long to show"
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= _LONGEST_VALUE else f"{text[: _LONGEST_VALUE - 3]}..."
+
+
+def _one_line(text: str) -> str:
+    """Fold all white space to single blanks; control characters, which could rewrite a terminal, become "?"."""
+    return "".join(char if char.isprintable() else "?" for char in " ".join(text.split()))
