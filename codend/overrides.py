@@ -1,0 +1,80 @@
+"""Changes to a plan from the command line: ``netting.0.bar_mm=25`` laid over the TOML data before it is checked."""
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from codend.errors import InputError
+
+CatchKind = Literal["filled_meshes", "volume_m3", "mass_kg", "front_from_codline_m"]
+CATCH_QUANTITIES: tuple[CatchKind, ...] = get_args(CatchKind)
+"""Keys of which a plan's catch has exactly one."""
+MESH_SIZES: tuple[str, ...] = ("bar_mm", "mesh_mm")
+"""Keys of which each section of netting has exactly one."""
+
+_SHAPE = "KEY=VALUE, such as netting.0.bar_mm=25 or tow.speed_m_s=[1.0, 1.5]"
+
+
+def apply_overrides(data: Mapping[str, Any], overrides: Sequence[str], file: str | Path) -> dict[str, Any]:
+    """A copy of ``data`` with each ``dotted.key=value`` set, in order; nothing is validated here.
+
+    A value is read as a TOML value; what is not TOML is taken as a bare text, so ``catch.pressure=uniform`` works.
+    Tables that are missing are made. Of keys that exclude each other (``CATCH_QUANTITIES``, ``MESH_SIZES``) the
+    override takes the place of the one in the file: ``catch.volume_m3=0.1`` drops ``filled_meshes``. Two overrides
+    that exclude each other are both kept, so that validation refuses them.
+
+    Raises:
+        InputError: an override is not KEY=VALUE, or its key leads into something that is no table or list.
+    """
+    changed = deepcopy(dict(data))
+    wanted = [_parsed(override, file) for override in overrides]
+    overridden = {key for key, _ in wanted}
+    for key, value in wanted:
+        *parents, last = key
+        table: Any = changed
+        for depth, part in enumerate(parents):
+            if isinstance(table, dict):
+                table = table.setdefault(part, {})
+            else:
+                table = table[_position(table, part, key[: depth + 1], file)]
+        if isinstance(table, dict):
+            table[last] = value
+            for rival in _rivals(key):
+                if (*parents, rival) not in overridden:
+                    table.pop(rival, None)
+        else:
+            table[_position(table, last, key, file)] = value
+    return changed
+
+
+def _parsed(override: str, file: str | Path) -> tuple[tuple[str, ...], Any]:
+    dotted, equals, text = override.partition("=")
+    key = tuple(part.strip() for part in dotted.split("."))
+    if not equals or not all(key):
+        raise InputError(file, override, None, _SHAPE, "is not a change to a plan")
+    return key, _toml_value(text.strip())
+
+
+def _toml_value(text: str) -> Any:
+    try:
+        document = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return text
+    return document["value"] if document.keys() == {"value"} else text
+
+
+def _position(container: Any, part: str, key: Sequence[str], file: str | Path) -> int:
+    """Index of ``part`` in a list, refusing what is no list and what lies outside it."""
+    dotted = ".".join(key)
+    if not isinstance(container, list):
+        raise InputError(file, dotted, None, f"{'.'.join(key[:-1])} itself, which holds one value", "does not exist")
+    if not (part.isascii() and part.isdecimal() and len(part) < 10 and int(part) < len(container)):
+        raise InputError(file, dotted, None, f"a position from 0 to {len(container) - 1}", "does not exist")
+    return int(part)
+
+
+def _rivals(key: Sequence[str]) -> tuple[str, ...]:
+    group: tuple[str, ...] = {"catch": CATCH_QUANTITIES, "netting": MESH_SIZES}.get(key[0], ())
+    return tuple(name for name in group if name != key[-1]) if key[-1] in group else ()

@@ -1,0 +1,150 @@
+"""What the user said: a TOML plan of a codend and its tow, checked once and immutable ever after.
+
+All checks are made by ``plan_from_dict``, wherever the plan came from, and end in one ``InputError``.
+"""
+
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from annotated_types import MinLen
+from pydantic import PrivateAttr, ValidationError, model_validator
+
+from codend.errors import InputError
+from codend.overrides import CatchKind, apply_overrides
+from codend.plan_messages import Contradiction, input_error
+from codend.plan_tables import Catch, Drag, Entry, Model, Netting, Table, Text, Tow
+
+
+@dataclass(frozen=True)
+class Case:
+    """One speed and one catch of a plan."""
+
+    number: int
+    """Counted from 1."""
+    speed_m_s: float
+    catch_kind: CatchKind
+    catch_value: float
+    """In the unit of ``catch_kind``."""
+
+
+class Plan(Table):
+    """A whole plan: the sections of netting run from the entry to the codline."""
+
+    title: Text
+    tow: Tow
+    entry: Entry
+    netting: Annotated[tuple[Netting, ...], MinLen(1)]
+    catch: Catch
+    drag: Drag = Drag.model_validate({})
+    model: Model = Model()
+    _source: Path = PrivateAttr(default=Path("plan"))
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        first = self.netting[0]
+        limit_m = first.stretched_radius_m
+        if self.entry.radius_m > limit_m or (self.entry.radius_m == limit_m and first.mesh != "square"):
+            raise Contradiction(
+                "entry.radius_m", f"below {limit_m:.4g} m, that of the first section's meshes pulled fully open"
+            )
+        self._check_catch_fits()
+        if self.model.globalisation not in (divisors := self.globalisations):
+            allowed = ", ".join(map(str, divisors))
+            raise Contradiction("model.globalisation", f"{allowed} (divisors of all meshes_round and meshes_long)")
+        return self
+
+    def _check_catch_fits(self) -> None:
+        """Refuse a catch beyond what the netting could hold whatever its shape: errors of unit, mostly."""
+        hold_m3 = sum(math.pi * part.stretched_radius_m**2 * part.stretched_length_m for part in self.netting)
+        most = {
+            "filled_meshes": (float(sum(part.meshes_long for part in self.netting)), "the sum of meshes_long"),
+            "volume_m3": (hold_m3, "a cylinder of the netting stretched both ways"),
+            "mass_kg": (hold_m3 * self.catch_density_kg_m3, "a cylinder of the netting stretched both ways"),
+            "front_from_codline_m": (
+                sum(part.stretched_length_m for part in self.netting),
+                "the netting stretched lengthwise",
+            ),
+        }
+        limit, reason = most[self.catch.kind]
+        for index, size in enumerate(self.catch.sizes):
+            if size > limit:
+                raise Contradiction(f"catch.{self.catch.kind}.{index}", f"above 0, at most {limit:.6g}, {reason}")
+
+    @property
+    def source(self) -> Path:
+        """The file the plan came from."""
+        return self._source
+
+    @property
+    def catch_density_kg_m3(self) -> float:
+        """Density of the catch: its own, or the water's when the plan gives none."""
+        return self.catch.density_kg_m3 or self.tow.water_density_kg_m3
+
+    @property
+    def sphere_cp_path(self) -> Path | None:
+        """The user's own Cp curve for the sphere law; None for the one that is shipped."""
+        return None if self.catch.sphere_cp_csv is None else self.source.parent / self.catch.sphere_cp_csv
+
+    @property
+    def globalisations(self) -> tuple[int, ...]:
+        """Meshes that can be merged, each way: divisors of every mesh count that leave at least 3 meshes round."""
+        common = math.gcd(*(count for part in self.netting for count in (part.meshes_round, part.meshes_long)))
+        most = min(part.meshes_round for part in self.netting) // 3
+        return tuple(g for g in range(1, min(common, most) + 1) if common % g == 0)
+
+    def cases(self) -> tuple[Case, ...]:
+        """Every speed with every catch, catches running fastest."""
+        pairs = [(speed, size) for speed in self.tow.speed_m_s for size in self.catch.sizes]
+        return tuple(Case(n, speed, self.catch.kind, size) for n, (speed, size) in enumerate(pairs, start=1))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain tables, defaults filled in and absent keys left out; ``plan_from_dict`` reads them back."""
+        return self.model_dump(mode="json", exclude_none=True)
+
+
+def load_plan(path: str | Path, overrides: Sequence[str] = ()) -> Plan:
+    """Read a TOML plan, lay ``overrides`` such as ``"netting.0.bar_mm=25"`` over it, and check the result.
+
+    Raises:
+        InputError: no such file, not TOML, or anything ``plan_from_dict`` refuses.
+    """
+    return plan_from_dict(_read_toml(path), path, overrides)
+
+
+def _read_toml(path: str | Path) -> dict[str, Any]:
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise InputError(path, "", None, "the path of a TOML plan", f"cannot be read: {error.strerror}") from None
+    except ValueError as error:  # bytes that are not UTF-8, a null character in the path
+        raise InputError(path, "", None, "a TOML plan in UTF-8", f"cannot be read: {error}") from None
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise InputError(path, "", None, "a TOML plan", "is not a plan: arrays or tables nested too deep") from None
+    except ValueError as error:
+        lines = len(text.splitlines())
+        problem = str(error).replace("at end of document", f"at line {lines}, the end")
+        raise InputError(path, "", None, "a TOML plan", f"is not TOML: {problem}") from None
+
+
+def plan_from_dict(data: Mapping[str, Any], source: str | Path = "plan", overrides: Sequence[str] = ()) -> Plan:
+    """Check tables as ``tomllib`` returns them, after ``overrides`` (see ``apply_overrides`` for their rules).
+
+    Raises:
+        InputError: an unknown, missing, mistyped, out-of-range or contradictory key; a Cp curve that is no file.
+    """
+    changed = apply_overrides(data, overrides, source)
+    try:
+        plan = Plan.model_validate(changed)
+    except ValidationError as error:
+        raise input_error(error, Plan, changed, source) from None
+    plan._source = Path(source)
+    if plan.sphere_cp_path is not None and not plan.sphere_cp_path.is_file():
+        value = plan.catch.sphere_cp_csv
+        raise InputError(source, "catch.sphere_cp_csv", value, "a CSV file, its path relative to the plan's folder")
+    return plan

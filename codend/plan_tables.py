@@ -1,0 +1,219 @@
+"""The tables of a plan: tow, entry, netting, catch, drag and model, each with the checks that need no other table.
+
+Every number keeps the name and unit of its key in the file; properties without ``mm`` are the same in SI.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, Literal, Self
+
+from annotated_types import Ge, Gt, Le, Lt, MinLen
+from pydantic import AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Strict, model_validator
+
+from codend.overrides import CATCH_QUANTITIES, MESH_SIZES, CatchKind
+from codend.plan_messages import Contradiction
+
+Number = Annotated[float, Strict(), AllowInfNan(False)]
+Whole = Annotated[int, Strict()]
+Text = Annotated[str, MinLen(1)]
+Several = (MinLen(1), BeforeValidator(lambda found: found if isinstance(found, list | tuple) else (found,)))
+
+DRAG_COEFFICIENTS = {"le-bris-1999": (1.36, 0.07), "bessonneau-1997": (1.2, 0.1)}
+"""Normal and tangential coefficients each drag law takes when the plan names none (LB99 4.2; BM97 2.1.2)."""
+
+
+class Table(BaseModel):
+    """A TOML table: immutable, and with no key but its own."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Tow(Table):
+    """Speed of the codend through the water, and the water."""
+
+    speed_m_s: Annotated[tuple[Annotated[Number, Gt(0), Le(10)], ...], *Several]
+    water_density_kg_m3: Annotated[Number, Ge(900), Le(1300)]
+
+
+class Entry(Table):
+    """The rigid hoop, or the end of the section ahead, that holds the front row of meshes."""
+
+    radius_m: Annotated[Number, Gt(0), Le(100)]
+
+
+class Netting(Table):
+    """One section of netting. ``bar_mm`` is twine from knot to knot, without the knot.
+
+    With ``twines = 2`` a bar is two twines of diameter ``twine_mm`` side by side: twice the projected width and twice
+    the volume of one. The stiffnesses EA and EI are those of one *bar*, both twines together, and are never doubled.
+    """
+
+    mesh: Literal["diamond", "t90", "square"]
+    meshes_round: Annotated[Whole, Ge(3), Le(10_000)]
+    meshes_long: Annotated[Whole, Ge(1), Le(10_000)]
+    bar_mm: Annotated[Number, Gt(0), Le(10_000)] | None = None
+    mesh_mm: Annotated[Number, Gt(0), Le(20_000)] | None = None
+    knot_mm: Annotated[Number, Ge(0), Le(1000)] = 0.0
+    twine_mm: Annotated[Number, Gt(0), Le(100)]
+    twines: Annotated[Whole, Ge(1), Le(2)] = 1
+    twine_density_kg_m3: Annotated[Number, Ge(500), Le(10_000)] | None = None
+    """None: the twine is taken as neutrally buoyant and wet weight is left out."""
+    axial_stiffness_n: Annotated[Number, Gt(0), Le(1e9)] | None = None
+    """EA of one bar, N; None: inextensible."""
+    bending_stiffness_n_m2: Annotated[Number, Ge(0), Le(100)] = 0.0
+    """EI of one bar, N m^2."""
+    rest_opening_deg: Annotated[Number, Ge(0), Lt(180)] = 20.0
+    """Opening angle at which bending is at rest; no effect without bending stiffness."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        _exactly_one(self, MESH_SIZES)
+        if self.mesh == "square" and self.knot_mm > 0:
+            raise Contradiction("knot_mm", "0 for square mesh")
+        if self.bar_m <= 0:
+            raise Contradiction("mesh_mm", f"more than two knots, {2 * self.knot_mm:g} mm")
+        if self.twine_m >= self.bar_m:
+            raise Contradiction("twine_mm", f"thinner than a bar is long, {1000 * self.bar_m:g} mm")
+        return self
+
+    @property
+    def bar_m(self) -> float:
+        """Bar length b: twine between two knots, m."""
+        if self.bar_mm is not None:
+            return self.bar_mm / 1000
+        assert self.mesh_mm is not None
+        return (self.mesh_mm / 2 - self.knot_mm) / 1000
+
+    @property
+    def knot_m(self) -> float:
+        """Knot length l along the netting's N-direction, m."""
+        return self.knot_mm / 1000
+
+    @property
+    def full_mesh_m(self) -> float:
+        """Stretched full mesh 2 (b + l), knot centre to knot centre, m."""
+        return 2 * (self.bar_m + self.knot_m)
+
+    @property
+    def twine_m(self) -> float:
+        """Diameter of one twine, m."""
+        return self.twine_mm / 1000
+
+    @property
+    def drag_width_m(self) -> float:
+        """Projected width of a bar, the diameter its drag is reckoned with: all twines side by side, m."""
+        return self.twines * self.twine_m
+
+    @property
+    def solid_diameter_m(self) -> float:
+        """Diameter of the one round bar with the volume of all twines, m."""
+        return math.sqrt(self.twines) * self.twine_m
+
+    @property
+    def rest_half_angle_rad(self) -> float:
+        """Half opening angle phi0 at which bending is at rest, rad."""
+        return math.radians(self.rest_opening_deg) / 2
+
+    @property
+    def stretched_radius_m(self) -> float:
+        """Radius with meshes pulled fully open, m: N b / pi (diamond), N (b + l) / pi (T90), N b / 2 pi (square)."""
+        across_m = {"diamond": self.bar_m, "t90": self.bar_m + self.knot_m, "square": self.bar_m / 2}[self.mesh]
+        return self.meshes_round * across_m / math.pi
+
+    @property
+    def stretched_length_m(self) -> float:
+        """Length of the section pulled fully straight, knots included where they lie along it, m."""
+        return 2 * self.meshes_long * (self.bar_m + (self.knot_m if self.mesh == "diamond" else 0.0))
+
+
+class Catch(Table):
+    """How much is in the bag, by exactly one measure, and how it presses on the netting."""
+
+    filled_meshes: Annotated[tuple[Annotated[Number, Gt(0)], ...], *Several] | None = None
+    volume_m3: Annotated[tuple[Annotated[Number, Gt(0)], ...], *Several] | None = None
+    mass_kg: Annotated[tuple[Annotated[Number, Gt(0)], ...], *Several] | None = None
+    front_from_codline_m: Annotated[tuple[Annotated[Number, Gt(0)], ...], *Several] | None = None
+    density_kg_m3: Annotated[Number, Ge(100), Le(5000)] | None = None
+    """None: that of the water (LB99 5 takes the two as very close)."""
+    pressure: Literal["sphere", "uniform"] = "sphere"
+    coefficient: Annotated[Number, Gt(0), Le(10)] = 1.4
+    """Net pressure over rho V^2 / 2 under the uniform law."""
+    sphere_cp_csv: Text | None = None
+    """The user's own Cp curve for the sphere law, relative to the plan's folder; see ``Plan.sphere_cp_path``."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        _exactly_one(self, CATCH_QUANTITIES)
+        default = type(self).model_fields["coefficient"].default
+        if self.pressure == "sphere" and self.coefficient != default:
+            # The default is let through: a plan may name it and still switch between the laws by one key.
+            raise Contradiction("coefficient", f'{default:g}, or pressure = "uniform", which alone has a coefficient')
+        if self.pressure == "uniform" and self.sphere_cp_csv is not None:
+            raise Contradiction("sphere_cp_csv", 'only with pressure = "sphere"')
+        return self
+
+    @property
+    def kind(self) -> CatchKind:
+        """The key that gives the size of the catch."""
+        return next(kind for kind in CATCH_QUANTITIES if getattr(self, kind) is not None)
+
+    @property
+    def sizes(self) -> tuple[float, ...]:
+        """The sizes of catch to solve for, in the unit of ``kind``."""
+        sizes: tuple[float, ...] = getattr(self, self.kind)
+        return sizes
+
+
+class Drag(Table):
+    """The law of twine drag and its coefficients; left out, they are those of the law's paper.
+
+    Coefficients a plan names stay when an override changes the law, and ``tangential`` then means another thing.
+    """
+
+    law: Literal["le-bris-1999", "bessonneau-1997"] = "le-bris-1999"
+    normal: Annotated[Number, Ge(0), Le(10)]
+    tangential: Annotated[Number, Ge(0), Le(10)]
+    """f, a fraction of ``normal``, in le-bris-1999; Cf, a coefficient of its own, in bessonneau-1997."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _filled_in(cls, data: Any) -> Any:
+        if not isinstance(data, Mapping):
+            return data
+        law = data.get("law", cls.model_fields["law"].default)
+        # A law that is none gets any numbers: it is itself what will be refused.
+        normal, tangential = DRAG_COEFFICIENTS.get(str(law), (0.0, 0.0))
+        return {"normal": normal, "tangential": tangential, **data}
+
+    @property
+    def coefficients(self) -> tuple[float, float]:
+        """Normal and tangential coefficient as the loads use them: both 0 when ``normal`` is, for either law."""
+        return (self.normal, self.tangential) if self.normal > 0 else (0.0, 0.0)
+
+
+class Model(Table):
+    """How the plan is to be modelled and solved."""
+
+    fidelity: Literal["auto", "meridian", "sector", "globalised", "full"] = "auto"
+    globalisation: Annotated[Whole, Ge(1), Le(1000)] = 1
+    """Real meshes merged into one model mesh, each way."""
+    bars_per_side: Annotated[Whole, Ge(1), Le(2)] = 1
+    method: Literal["auto", "dynamic-relaxation", "newton", "rigid-bars"] = "auto"
+    damping: Literal["kinetic", "viscous"] = "kinetic"
+    """Of dynamic relaxation."""
+    tolerance: Annotated[Number, Ge(1e-12), Le(0.1)] = 1e-6
+    """Largest nodal residual over the total load."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.globalisation > 1 and self.fidelity != "globalised":
+            raise Contradiction("globalisation", f'1, or fidelity = "globalised" instead of "{self.fidelity}"')
+        return self
+
+
+def _exactly_one(table: BaseModel, keys: Sequence[str]) -> None:
+    given = [key for key in keys if getattr(table, key) is not None]
+    if not given:
+        raise Contradiction(keys[0], f"exactly one of {', '.join(keys)}", "is missing")
+    if len(given) > 1:
+        raise Contradiction(given[1], f"exactly one of {', '.join(keys)}", f"contradicts {given[0]}")
