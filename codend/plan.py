@@ -4,6 +4,7 @@ All checks are made by ``plan_from_dict``, wherever the plan came from, and end 
 """
 
 import math
+import os
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -144,7 +145,8 @@ def plan_from_dict(data: Mapping[str, Any], source: str | Path = "plan", overrid
     except ValidationError as error:
         raise input_error(error, Plan, changed, source) from None
     plan._source = Path(source)
-    if plan.sphere_cp_path is not None and not plan.sphere_cp_path.is_file():
+    # os.path.isfile, unlike Path.is_file, is False and not an error for names no file can have
+    if plan.sphere_cp_path is not None and not os.path.isfile(plan.sphere_cp_path):
         value = plan.catch.sphere_cp_csv
         raise InputError(source, "catch.sphere_cp_csv", value, "a CSV file, its path relative to the plan's folder")
     return plan

@@ -155,6 +155,12 @@ BAD_PLANS = [
         'sphere_cp_csv = "no_such_cp.csv"',
         "catch.sphere_cp_csv",
     ),
+    BadPlan(
+        "curve-with-a-name-no-file-can-have",
+        'pressure = "uniform"\ncoefficient = 1.3',
+        f'sphere_cp_csv = "{"x" * 5000}"',
+        "catch.sphere_cp_csv",
+    ),
     BadPlan("hoop-wider-than-netting", "radius_m = 0.30", "radius_m = 1.28", "entry.radius_m"),
     BadPlan("more-filled-than-there-is", CATCH, "filled_meshes = [20, 101]", "catch.filled_meshes.1"),
     BadPlan("front-ahead-of-entry", CATCH, "front_from_codline_m = 8.5", "catch.front_from_codline_m"),
