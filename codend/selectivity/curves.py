@@ -29,15 +29,22 @@ Array = NDArray[np.float64]
 ETA_LIMIT: Final = 600.0
 
 
-class LogRetention(NamedTuple):
-    """ln r and ln(1 - r) with their derivatives with respect to eta and delta; all of the shape of eta."""
+class LogProbability(NamedTuple):
+    """A log-probability at eta and ln delta, with first and second derivatives; arrays of one shape."""
 
-    log_retained: Array
-    log_escaped: Array
-    log_retained_by_eta: Array
-    log_escaped_by_eta: Array
-    log_retained_by_delta: Array
-    log_escaped_by_delta: Array
+    value: Array
+    eta: Array
+    eta_eta: Array
+    log_delta: Array = np.zeros(())
+    eta_log_delta: Array = np.zeros(())
+    log_delta_log_delta: Array = np.zeros(())
+
+
+class LogRetention(NamedTuple):
+    """ln r and ln(1 - r)."""
+
+    retained: LogProbability
+    escaped: LogProbability
 
 
 @dataclass(frozen=True)
@@ -74,19 +81,19 @@ class Curve:
         """Retention r(L), shape (..., n) for `parameters` (..., k) and `length_cm` (n,)."""
         a, b, delta = self._split(parameters)
         eta = a[..., None] + b[..., None] * np.asarray(length_cm, dtype=float)
-        return np.exp(self.log_parts(eta, delta[..., None]).log_retained)
+        return np.exp(self.log_parts(eta, delta[..., None]).retained.value)
 
     def retention_gradient(self, length_cm: ArrayLike, parameters: ArrayLike) -> Array:
         """Exact dr/dparameters, shape (..., n, k)."""
         a, b, delta = self._split(parameters)
         length = np.asarray(length_cm, dtype=float)
-        parts = self.log_parts(a[..., None] + b[..., None] * length, delta[..., None])
-        r = np.exp(parts.log_retained)
+        log_r = self.log_parts(a[..., None] + b[..., None] * length, delta[..., None]).retained
+        r = np.exp(log_r.value)
         # where r underflows its logarithmic slope may overflow; their product tends to zero
-        slope = np.where(r > 0.0, r * parts.log_retained_by_eta, 0.0)
+        slope = np.where(r > 0.0, r * log_r.eta, 0.0)
         columns = [slope, slope * length]
         if self.has_shape:
-            columns.append(np.where(r > 0.0, r * parts.log_retained_by_delta, 0.0))
+            columns.append(np.where(r > 0.0, r * log_r.log_delta, 0.0) / delta[..., None])
         return np.stack(columns, axis=-1)
 
     def length_at(self, retention: float, parameters: ArrayLike) -> Array:
@@ -114,13 +121,17 @@ class Curve:
 
 
 def _logit_parts(eta: Array, delta: Array) -> LogRetention:
-    zero = np.zeros_like(eta)
-    return LogRetention(log_expit(eta), log_expit(-eta), expit(-eta), -expit(eta), zero, zero)
+    r, escape = expit(eta), expit(-eta)
+    bend = -r * escape
+    return LogRetention(LogProbability(log_expit(eta), escape, bend), LogProbability(log_expit(-eta), -r, bend))
 
 
 def _probit_parts(eta: Array, delta: Array) -> LogRetention:
-    zero = np.zeros_like(eta)
-    return LogRetention(log_ndtr(eta), log_ndtr(-eta), _mills(eta), -_mills(-eta), zero, zero)
+    mills, mirror = _mills(eta), _mills(-eta)
+    return LogRetention(
+        LogProbability(log_ndtr(eta), mills, -mills * (mills + eta)),
+        LogProbability(log_ndtr(-eta), -mirror, -mirror * (mirror - eta)),
+    )
 
 
 def _mills(eta: Array) -> Array:
@@ -129,35 +140,35 @@ def _mills(eta: Array) -> Array:
 
 
 def _gompertz_parts(eta: Array, delta: Array) -> LogRetention:
-    u = np.exp(-np.maximum(eta, -ETA_LIMIT))
-    log_escaped = np.where(eta > 40.0, -eta, np.log(-np.expm1(-np.maximum(u, 1e-300))))
-    # u / (e^u - 1), written so that it neither overflows nor divides zero by zero
-    escaped_by_eta = -np.where(u > 1e-15, u * np.exp(-u) / -np.expm1(-np.maximum(u, 1e-300)), 1.0)
-    zero = np.zeros_like(u)
-    return LogRetention(-u, log_escaped, u, escaped_by_eta, zero, zero)
+    u = np.exp(-np.clip(eta, -ETA_LIMIT, ETA_LIMIT))
+    escape = -np.expm1(-u)
+    g = u * np.exp(-u) / escape  # u / (e^u - 1) without overflow
+    log_escape = np.where(eta < ETA_LIMIT, np.log(escape), -eta)
+    return LogRetention(LogProbability(-u, u, -u), LogProbability(log_escape, -g, g * (1.0 - g - u)))
 
 
 def _cloglog_parts(eta: Array, delta: Array) -> LogRetention:
-    mirror = _gompertz_parts(-eta, delta)
-    zero = np.zeros_like(mirror.log_retained)
-    return LogRetention(
-        mirror.log_escaped, mirror.log_retained, -mirror.log_escaped_by_eta, -mirror.log_retained_by_eta, zero, zero
-    )
+    retained, escaped = _gompertz_parts(-eta, delta)
+    return LogRetention(escaped._replace(eta=-escaped.eta), retained._replace(eta=-retained.eta))
 
 
 def _richards_parts(eta: Array, delta: Array) -> LogRetention:
-    log_retained = log_expit(eta) / delta
-    # for eta -> infinity: 1 - r -> exp(-eta) / delta, beyond the reach of expm1
+    log_r, slope = log_expit(eta) / delta, expit(-eta) / delta
+    # r / (1 - r) times the derivatives of ln r; for eta -> infinity, 1 - r -> exp(-eta) / delta, both tend to 1
     reachable = eta < ETA_LIMIT
-    log_escaped = np.where(
-        reachable, np.log(-np.expm1(np.where(reachable, log_retained, -1.0))), -eta - np.log(delta)
-    )
-    odds = np.exp(np.where(reachable, log_retained - log_escaped, 0.0))
-    retained_by_eta = expit(-eta) / delta
-    escaped_by_eta = -np.where(reachable, odds * retained_by_eta, 1.0)
-    escaped_by_delta = np.where(reachable, odds * log_retained, -1.0) / delta
+    log_escape = np.where(reachable, np.log(-np.expm1(np.where(reachable, log_r, -1.0))), -eta - np.log(delta))
+    odds = np.exp(np.where(reachable, log_r - log_escape, 0.0))
+    p, t = np.where(reachable, odds * slope, 1.0), np.where(reachable, -odds * log_r, 1.0)
     return LogRetention(
-        log_retained, log_escaped, retained_by_eta, escaped_by_eta, -log_retained / delta, escaped_by_delta
+        LogProbability(log_r, slope, -slope * expit(eta), -log_r, -slope, log_r),
+        LogProbability(
+            value=log_escape,
+            eta=-p,
+            eta_eta=p * (expit(eta) - p - slope),
+            log_delta=-t,
+            eta_log_delta=p * (1.0 - t + log_r),
+            log_delta_log_delta=t * (1.0 - t + log_r),
+        ),
     )
 
 
