@@ -1,0 +1,68 @@
+"""How far a catch fills the bag: the share of every band of netting, counted from the entry, that lies in the catch.
+
+The front moves continuously: the band it stands in is filled in part, its lid placed in proportion between the two rows
+of knots, so that volume and load do not jump from row to row.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@njit(cache=True)
+def fill_by_meshes(band_meshes: Floats, filled: float, share: Floats) -> bool:
+    """Write the share of every band for ``filled`` meshes from the codline; False if the bag has fewer."""
+    left = filled
+    for band in range(len(share) - 1, -1, -1):
+        share[band] = min(max(left / band_meshes[band], 0.0), 1.0)
+        left -= band_meshes[band]
+    return left <= 1e-9
+
+
+@njit(cache=True)
+def fill_to_plane(row_x: Floats, distance: float, share: Floats) -> bool:
+    """Write the share of every band aft of the plane ``distance`` metres ahead of the codline; False if out of the bag."""
+    bands = len(share)
+    plane = row_x[bands] - distance
+    for band in range(bands):
+        depth = row_x[band + 1] - row_x[band]
+        share[band] = min(max((row_x[band + 1] - plane) / depth, 0.0), 1.0) if depth > 0.0 else 0.0
+    # a row that lies ahead of its neighbour makes no second front: all is filled behind the foremost filled row
+    for band in range(1, bands):
+        if share[band - 1] > 0.0:
+            share[band] = 1.0
+    return plane >= row_x[0] - 1e-9 * distance
+
+
+@njit(cache=True)
+def fill_to_volume(row_x: Floats, band_area: Floats, band_moment: Floats, volume: float, share: Floats) -> bool:
+    """Write the share of every band for a catch of ``volume`` m3; False if the bag holds less.
+
+    Args:
+        row_x: axial position of the rows, m, (bands + 1,).
+        band_area: area of each band projected on the axis, positive where it faces aft, m2, (bands,).
+        band_moment: integral of x over that projected area, m3, (bands,).
+        volume: what is to be enclosed between the netting, the codline and a plane lid, m3.
+        share: result, (bands,).
+
+    The volume behind a lid at x is (sum of moments) - x (sum of areas), the flux of (x, 0, 0); within a band it is a
+    quadratic of the share.
+    """
+    share[:] = 0.0
+    area, enclosed = 0.0, 0.0
+    for band in range(len(share) - 1, -1, -1):
+        depth = row_x[band + 1] - row_x[band]
+        linear = band_moment[band] - row_x[band + 1] * band_area[band] + depth * area
+        square = depth * band_area[band]
+        missing = volume - enclosed
+        if linear + square >= missing:
+            # the form of the quadratic's root that keeps its digits when the square term is small
+            root = np.sqrt(max(linear * linear + 4.0 * square * missing, 0.0))
+            share[band] = min(max(2.0 * missing / (linear + root), 0.0), 1.0) if linear + root > 0.0 else 1.0
+            return True
+        share[band] = 1.0
+        area += band_area[band]
+        enclosed += linear + square
+    return False

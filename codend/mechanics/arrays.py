@@ -1,0 +1,85 @@
+"""What the kernels read: the net and its loading as named tuples of plain arrays."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from codend.net import Floats, Ints, Net
+
+FILLED_MESHES, FRONT_FROM_CODLINE, VOLUME = range(3)
+LE_BRIS_1999, BESSONNEAU_1997 = range(2)
+
+
+class Structure(NamedTuple):
+    """A net as the kernels see it; shapes as in ``codend.net.Net``."""
+
+    first: Ints
+    second: Ints
+    image: Ints
+    rotations: Floats
+    """Cosine and sine for the images -K .. K, (2 K + 1, 2)."""
+    length: Floats
+    flexibility: Floats
+    drag_diameter: Floats
+    bar_band: Ints
+    facets: Ints
+    facet_image: Ints
+    facet_weight: Floats
+    facet_band: Ints
+    free: Floats
+    """1 for coordinates that move, 0 for held ones, (n, 3)."""
+    node_row: Ints
+    row_size: Floats
+    """Nodes in the ring polygon of each row, (rows + 1,)."""
+    band_meshes: Floats
+    order: float
+
+
+class Loading(NamedTuple):
+    """What acts on a net: dead loads, the current, and the catch."""
+
+    dead: Floats
+    """Constant nodal forces in N, (n, 3)."""
+    speed: float
+    density: float
+    drag_law: int
+    normal: float
+    tangential: float
+    stagnation_pressure: float
+    angles: Floats
+    """Breaks of the pressure law in theta, rad, (k + 1,)."""
+    coefficients: Floats
+    """Piecewise cubic net pressure coefficient, (4, k)."""
+    catch_kind: int
+    catch_value: float
+    """Filled meshes, distance of the front from the codline in m, or volume in m3."""
+
+
+def structure_of(net: Net) -> Structure:
+    """The net as named arrays; every bar is written from the lower to the higher node number."""
+    swap = net.bars[:, 0] > net.bars[:, 1]
+    first = np.where(swap, net.bars[:, 1], net.bars[:, 0])
+    second = np.where(swap, net.bars[:, 0], net.bars[:, 1])
+    image = np.where(swap, -net.bar_image, net.bar_image)
+    reach = int(max(np.abs(image).max(initial=0), np.abs(net.facet_image).max(initial=0), 1))
+    angle = 2.0 * np.pi * np.arange(-reach, reach + 1) / net.order
+    rings = net.node_row[net.node_row >= 0]
+    return Structure(
+        first=first.astype(np.int32),
+        second=second.astype(np.int32),
+        image=image.astype(np.int32),
+        rotations=np.ascontiguousarray(np.stack([np.cos(angle), np.sin(angle)], axis=1)),
+        length=net.bar_length,
+        flexibility=net.bar_flexibility,
+        drag_diameter=net.bar_drag_diameter,
+        bar_band=net.bar_band,
+        facets=net.facets,
+        facet_image=net.facet_image,
+        facet_weight=net.facet_weight,
+        facet_band=net.facet_band,
+        free=(~net.fixed).astype(np.float64),
+        node_row=net.node_row,
+        row_size=np.bincount(rings, minlength=net.bands + 1).astype(np.float64),
+        band_meshes=net.band_meshes,
+        order=float(net.order),
+    )

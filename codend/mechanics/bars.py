@@ -1,0 +1,90 @@
+"""Tension in the bars: kernels.
+
+A taut bar obeys the law  1/l0 - 1/l = q / EA,  with l0 its length without load, l its length and q = T / l its force
+density: T = EA (l - l0) / l0, and l = l0 where the bar is inextensible. A slack bar carries nothing. Both come out of
+one augmented law, in which c (in newtons) is a penalty and m a multiplier:
+
+    q = max(0, (m + c (1/l0 - 1/l)) / (1 + c / EA))
+
+The law holds exactly where q = m, so the multipliers are set to q again and again. Bars softer than the penalty need no
+multiplier: c is then taken as infinite, which gives the elastic law itself.
+"""
+
+import numpy as np
+from numba import njit
+
+from codend.mechanics.arrays import Structure
+from codend.mechanics.images import add_turned_back, turned
+from codend.net import Floats
+
+
+@njit(cache=True)
+def augmented_law(structure: Structure, penalty: float, relief: Floats, gain: Floats) -> None:
+    """Write q's derivatives with respect to multiplier (``relief``) and to 1/l0 - 1/l (``gain``, N), each (m,)."""
+    for bar in range(len(structure.first)):
+        flexibility = structure.flexibility[bar]
+        if flexibility * penalty >= 1.0:
+            relief[bar] = 0.0
+            gain[bar] = 1.0 / flexibility
+        else:
+            relief[bar] = 1.0 / (1.0 + penalty * flexibility)
+            gain[bar] = penalty * relief[bar]
+
+
+@njit(cache=True, inline="always")
+def bar_vector(position: Floats, structure: Structure, bar: int) -> tuple[float, float, float]:
+    """Vector from the first to the second end."""
+    first, second = structure.first[bar], structure.second[bar]
+    y, z = turned(position[second, 1], position[second, 2], structure.image[bar], structure.rotations)
+    return position[second, 0] - position[first, 0], y - position[first, 1], z - position[first, 2]
+
+
+@njit(cache=True)
+def add_bar_forces(position: Floats, structure: Structure, density: Floats, force: Floats) -> None:
+    """Add to the nodal forces the pull of bars with force densities ``density`` (N/m), (m,)."""
+    for bar in range(len(structure.first)):
+        q = density[bar]
+        if q == 0.0:
+            continue
+        dx, dy, dz = bar_vector(position, structure, bar)
+        first, second = structure.first[bar], structure.second[bar]
+        force[first, 0] += q * dx
+        force[first, 1] += q * dy
+        force[first, 2] += q * dz
+        add_turned_back(force, second, -q * dx, -q * dy, -q * dz, structure.image[bar], structure.rotations)
+
+
+@njit(cache=True)
+def bar_lengths(position: Floats, structure: Structure, length: Floats) -> None:
+    """Write the length of every bar, m, (m,)."""
+    for bar in range(len(structure.first)):
+        dx, dy, dz = bar_vector(position, structure, bar)
+        length[bar] = np.sqrt(dx * dx + dy * dy + dz * dz)
+
+
+@njit(cache=True)
+def augmented_density(
+    structure: Structure, length: Floats, multiplier: Floats, relief: Floats, gain: Floats, density: Floats
+) -> None:
+    """Write the force density of every bar by the augmented law, N/m, (m,)."""
+    for bar in range(len(structure.first)):
+        stretch = 1.0 / structure.length[bar] - 1.0 / length[bar] if length[bar] > 0.0 else -np.inf
+        density[bar] = max(0.0, relief[bar] * multiplier[bar] + gain[bar] * stretch)
+
+
+@njit(cache=True)
+def length_error(structure: Structure, length: Floats, density: Floats) -> float:
+    """Largest departure from the law of the twine, relative to the bar's length.
+
+    A taut bar should be as long as its tension makes it, a slack one no longer than without load.
+    """
+    worst = 0.0
+    for bar in range(len(structure.first)):
+        rest = structure.length[bar]
+        if density[bar] > 0.0:
+            tension = density[bar] * length[bar]
+            error = abs(length[bar] / rest - 1.0 - tension * structure.flexibility[bar])
+        else:
+            error = length[bar] / rest - 1.0
+        worst = max(worst, error)
+    return worst

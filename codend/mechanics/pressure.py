@@ -1,0 +1,104 @@
+"""Pressure of the catch on the facets, and how far the catch fills the net: kernels."""
+
+import numpy as np
+from numba import njit
+
+from catch_models.filling import fill_by_meshes, fill_to_plane, fill_to_volume
+from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, Loading, Structure
+from codend.mechanics.images import add_turned_back, turned
+from codend.net import Floats
+
+
+@njit(cache=True, inline="always")
+def _corners(position: Floats, structure: Structure, facet: int) -> tuple[float, ...]:
+    a, b, c = structure.facets[facet, 0], structure.facets[facet, 1], structure.facets[facet, 2]
+    rotations = structure.rotations
+    ay, az = turned(position[a, 1], position[a, 2], structure.facet_image[facet, 0], rotations)
+    by, bz = turned(position[b, 1], position[b, 2], structure.facet_image[facet, 1], rotations)
+    cy, cz = turned(position[c, 1], position[c, 2], structure.facet_image[facet, 2], rotations)
+    return position[a, 0], ay, az, position[b, 0], by, bz, position[c, 0], cy, cz
+
+
+@njit(cache=True, inline="always")
+def _area_vector(corners: tuple[float, ...]) -> tuple[float, float, float]:
+    """Half the cross product of two edges: points outward, as long as the facet's area."""
+    ax, ay, az, bx, by, bz, cx, cy, cz = corners
+    ux, uy, uz = bx - ax, by - ay, bz - az
+    vx, vy, vz = cx - ax, cy - ay, cz - az
+    return 0.5 * (uy * vz - uz * vy), 0.5 * (uz * vx - ux * vz), 0.5 * (ux * vy - uy * vx)
+
+
+@njit(cache=True)
+def pressure_coefficient(theta: float, angles: Floats, coefficients: Floats) -> float:
+    """Net pressure over stagnation pressure at angle theta (rad): a piecewise cubic."""
+    piece = len(angles) - 2
+    while piece > 0 and theta < angles[piece]:
+        piece -= 1
+    t = theta - angles[piece]
+    c = coefficients
+    return ((c[0, piece] * t + c[1, piece]) * t + c[2, piece]) * t + c[3, piece]
+
+
+@njit(cache=True)
+def add_pressure(position: Floats, structure: Structure, loading: Loading, share: Floats, force: Floats) -> None:
+    """Add the catch's pressure on every facet to the nodal forces, a third to each corner.
+
+    Facet load = share of the facet within the catch x q (1 - Cp(theta)) x area vector, theta between the upstream
+    direction and the outward normal (Le Bris et al. 1999, section 5). Nothing acts at the front, which is open.
+    """
+    uniform = len(loading.angles) == 2 and not np.any(loading.coefficients[:3] != 0.0)
+    for facet in range(len(structure.facet_band)):
+        filled = share[structure.facet_band[facet]]
+        if filled == 0.0:
+            continue
+        x, y, z = _area_vector(_corners(position, structure, facet))
+        if uniform:
+            coefficient = loading.coefficients[3, 0]
+        else:
+            area = np.sqrt(x * x + y * y + z * z)
+            if area == 0.0:
+                continue
+            theta = np.arccos(min(max(-x / area, -1.0), 1.0))
+            coefficient = pressure_coefficient(theta, loading.angles, loading.coefficients)
+        third = filled * structure.facet_weight[facet] * loading.stagnation_pressure * coefficient / 3.0
+        x, y, z = third * x, third * y, third * z
+        for corner in range(3):
+            image = structure.facet_image[facet, corner]
+            add_turned_back(force, structure.facets[facet, corner], x, y, z, image, structure.rotations)
+
+
+@njit(cache=True)
+def row_positions(position: Floats, structure: Structure, row_x: Floats) -> None:
+    """Write the mean axial position of every row's ring of nodes, (rows + 1,)."""
+    row_x[:] = 0.0
+    for node in range(len(structure.node_row)):
+        row = structure.node_row[node]
+        if row >= 0:
+            row_x[row] += position[node, 0] / structure.row_size[row]
+
+
+@njit(cache=True)
+def band_geometry(position: Floats, structure: Structure, band_area: Floats, band_moment: Floats) -> None:
+    """Write area projected on the axis (m2) and its integral of x (m3) for every band, all round."""
+    band_area[:] = 0.0
+    band_moment[:] = 0.0
+    for facet in range(len(structure.facet_band)):
+        corners = _corners(position, structure, facet)
+        area = _area_vector(corners)[0] * structure.facet_weight[facet] * structure.order
+        band = structure.facet_band[facet]
+        band_area[band] += area
+        band_moment[band] += area * (corners[0] + corners[3] + corners[6]) / 3.0
+
+
+@njit(cache=True)
+def fill(position: Floats, structure: Structure, loading: Loading, share: Floats) -> bool:
+    """Write the share of every band that lies in the catch; False if the catch does not fit into the net."""
+    if loading.catch_kind == FILLED_MESHES:
+        return fill_by_meshes(structure.band_meshes, loading.catch_value, share)
+    row_x = np.empty(len(share) + 1)
+    row_positions(position, structure, row_x)
+    if loading.catch_kind == FRONT_FROM_CODLINE:
+        return fill_to_plane(row_x, loading.catch_value, share)
+    band_area, band_moment = np.empty(len(share)), np.empty(len(share))
+    band_geometry(position, structure, band_area, band_moment)
+    return fill_to_volume(row_x, band_area, band_moment, loading.catch_value, share)

@@ -1,0 +1,326 @@
+"""Steps of dynamic relaxation: the inner loop of the solver, compiled.
+
+One pass over the nodes does everything: a bar is written from its lower to its higher node, so when the pass reaches a
+node all bars from lower nodes have already left their pull in its force, and the node can be moved at once. Between two
+refreshes the loads stand still and the force density of a bar is linear in the square of its length, which needs
+neither root nor division; loads, law and masses are set afresh every ``REFRESH`` steps and whenever the motion is
+stopped, and convergence is judged on fresh values only.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from codend.mechanics.arrays import Loading, Structure
+from codend.mechanics.bars import add_bar_forces, augmented_density, bar_lengths
+from codend.mechanics.drag import add_drag
+from codend.mechanics.pressure import add_pressure, fill
+from codend.net import Floats, Ints
+
+REFRESH = 10
+X, FORCE, VELOCITY, MOBILITY, LOAD = 0, 3, 6, 9, 12
+WIDTH = 16
+"""Columns of the packed state of a node: position, force, velocity, 1 / mass, load; one column is spare."""
+
+CONVERGED, STEPS_SPENT, NOT_FINITE, OVERSTRETCHED, OVERFULL = range(5)
+
+
+class Workspace(NamedTuple):
+    """Arrays that the relaxation writes."""
+
+    state: Floats
+    """Packed state of the nodes, (n, 16)."""
+    chain: Ints
+    """Where the bars of each node begin in the order of ``bars``, (n + 1,)."""
+    bar_order: Ints
+    """Bars in the order of their first node, (m,)."""
+    bar_ends: Ints
+    """Second node and image of the bars in that order, (m, 2)."""
+    law: Floats
+    """Force density of the bars in that order as a + k l^2: a and k, (m, 2)."""
+    multiplier: Floats
+    relief: Floats
+    gain: Floats
+    density: Floats
+    """Force density of the bars, N/m, (m,)."""
+    length: Floats
+    share: Floats
+    """Share of each band in the catch, (bands,)."""
+    force: Floats
+    """Out-of-balance force of the nodes, (n, 3)."""
+
+
+def workspace(structure: Structure, position: Floats) -> Workspace:
+    """Arrays for a relaxation that starts from ``position``."""
+    nodes, bars = len(structure.free), len(structure.first)
+    order = np.argsort(structure.first, kind="stable")
+    state = np.zeros((nodes, WIDTH))
+    state[:, X : X + 3] = position
+    ends = np.stack([structure.second, structure.image], axis=1)[order]
+    return Workspace(
+        state=state,
+        chain=np.searchsorted(structure.first[order], np.arange(nodes + 1)).astype(np.uint32),
+        bar_order=order.astype(np.int32),
+        bar_ends=np.ascontiguousarray(ends).astype(np.int32),
+        law=np.zeros((bars, 2)),
+        multiplier=np.zeros(bars),
+        relief=np.ones(bars),
+        gain=np.zeros(bars),
+        density=np.zeros(bars),
+        length=np.zeros(bars),
+        share=np.zeros(len(structure.band_meshes)),
+        force=np.zeros((nodes, 3)),
+    )
+
+
+@njit(cache=True)
+def add_loads(position: Floats, structure: Structure, loading: Loading, share: Floats, force: Floats) -> None:
+    """Add dead loads, twine drag and catch pressure to the nodal forces."""
+    force += loading.dead
+    add_drag(position, structure, loading, share, force)
+    add_pressure(position, structure, loading, share, force)
+
+
+@njit(cache=True)
+def out_of_balance(structure: Structure, force: Floats, load: Floats) -> tuple[float, float]:
+    """Largest nodal residual and axial imbalance of the free nodes, both over the resultant of the loads."""
+    largest, axial = 0.0, 0.0
+    total = np.zeros(3)
+    for node in range(len(force)):
+        squares = 0.0
+        for i in range(3):
+            total[i] += structure.order * load[node, i]
+            squares += structure.free[node, i] * force[node, i] ** 2
+        largest = max(largest, squares)
+        axial += structure.order * structure.free[node, 0] * force[node, 0]
+    if structure.order > 1.0:
+        total[1:] = 0.0
+    resultant = np.sqrt(np.sum(total**2))
+    if not np.isfinite(largest) or not np.isfinite(resultant):
+        return np.inf, np.inf
+    if resultant == 0.0:
+        return (0.0, 0.0) if largest == 0.0 else (np.inf, np.inf)
+    return np.sqrt(largest) / resultant, abs(axial) / resultant
+
+
+@njit(cache=True)
+def refresh(work: Workspace, structure: Structure, loading: Loading, mass_factor: float) -> tuple[float, float, bool]:
+    """Set loads, tensions, masses and the linearised law afresh; residual, axial imbalance and whether the catch fits."""
+    state, force = work.state, work.force
+    position = state[:, X : X + 3].copy()
+    fits = fill(position, structure, loading, work.share)
+    force[:] = 0.0
+    add_loads(position, structure, loading, work.share, force)
+    state[:, LOAD : LOAD + 3] = force
+    state[:, FORCE : FORCE + 3] = force
+    load = force.copy()
+    bar_lengths(position, structure, work.length)
+    augmented_density(structure, work.length, work.multiplier, work.relief, work.gain, work.density)
+    add_bar_forces(position, structure, work.density, force)
+
+    # masses that keep a unit time step stable: half the sum of the moduli of a node's row of the stiffness matrix
+    stiffness = np.zeros(len(force))
+    for place in range(len(work.bar_order)):
+        bar = work.bar_order[place]
+        # a slack bar is seen at the length at which it will come taut
+        length = max(work.length[bar], structure.length[bar])
+        slope = 0.5 * work.gain[bar] / length**3
+        trial = work.relief[bar] * work.multiplier[bar] + work.gain[bar] * (1.0 / structure.length[bar] - 1.0 / length)
+        work.law[place, 0] = trial - slope * length * length
+        work.law[place, 1] = slope
+        bound = work.density[bar] + work.gain[bar] / length
+        stiffness[structure.first[bar]] += bound
+        stiffness[structure.second[bar]] += bound
+    add_pressure_bound(position, structure, loading, work.share, stiffness)
+    for node in range(len(force)):
+        mobility = 2.0 / (mass_factor * stiffness[node]) if stiffness[node] > 0.0 else 0.0
+        for i in range(3):
+            state[node, MOBILITY + i] = mobility * structure.free[node, i]
+    residual, imbalance = out_of_balance(structure, force, load)
+    return residual, imbalance, fits
+
+
+@njit(cache=True)
+def add_pressure_bound(
+    position: Floats, structure: Structure, loading: Loading, share: Floats, stiffness: Floats
+) -> None:
+    """Add a bound on the pressure's part of each node's row of the stiffness matrix: p times perimeter / 6 a facet."""
+    largest = 0.0
+    for piece in range(len(loading.angles) - 1):
+        largest = max(largest, abs(loading.coefficients[3, piece]))
+    pressure = loading.stagnation_pressure * largest
+    for facet in range(len(structure.facet_band)):
+        filled = share[structure.facet_band[facet]]
+        if filled == 0.0:
+            continue
+        perimeter = 0.0
+        for corner in range(3):
+            a, b = structure.facets[facet, corner], structure.facets[facet, (corner + 1) % 3]
+            # images turn both ends alike or by one sector; the axial and radial parts bound the edge well enough
+            ra = np.sqrt(position[a, 1] ** 2 + position[a, 2] ** 2)
+            rb = np.sqrt(position[b, 1] ** 2 + position[b, 2] ** 2)
+            chord = (
+                2.0 * np.sin(np.pi / structure.order) * max(ra, rb)
+                if structure.order > 1.0
+                else abs(position[a, 1] - position[b, 1]) + abs(position[a, 2] - position[b, 2])
+            )
+            perimeter += abs(position[a, 0] - position[b, 0]) + abs(ra - rb) + chord
+        bound = filled * structure.facet_weight[facet] * pressure * perimeter / 6.0
+        for corner in range(3):
+            stiffness[structure.facets[facet, corner]] += bound
+
+
+@njit(cache=True, fastmath={"nsz", "arcp", "contract", "reassoc"}, error_model="numpy")
+def step(state: Floats, chain: Ints, bar_ends: Ints, law: Floats, rotations: Floats, keep: float, push: float) -> float:
+    """Move all nodes by one step, v <- keep v + push f / m, x <- x + v; return the work done by the forces.
+
+    With keep = push = 1 that work is the change of kinetic energy.
+    """
+    gain = 0.0
+    middle = (rotations.shape[0] - 1) // 2
+    one = np.uint64(1)
+    for count in range(state.shape[0]):
+        node = np.uint64(count)
+        x, y, z = state[node, 0], state[node, 1], state[node, 2]
+        fx, fy, fz = state[node, 3], state[node, 4], state[node, 5]
+        for bar in range(np.uint64(chain[node]), np.uint64(chain[node + one])):
+            end = np.uint64(bar_ends[bar, 0])
+            image = bar_ends[bar, 1]
+            if image == 0:
+                dx, dy, dz = state[end, 0] - x, state[end, 1] - y, state[end, 2] - z
+                q = max(0.0, law[bar, 0] + law[bar, 1] * (dx * dx + dy * dy + dz * dz))
+                dx, dy, dz = q * dx, q * dy, q * dz
+                state[end, 3] -= dx
+                state[end, 4] -= dy
+                state[end, 5] -= dz
+            else:
+                cosine, sine = rotations[middle + image, 0], rotations[middle + image, 1]
+                dx = state[end, 0] - x
+                dy = cosine * state[end, 1] - sine * state[end, 2] - y
+                dz = sine * state[end, 1] + cosine * state[end, 2] - z
+                q = max(0.0, law[bar, 0] + law[bar, 1] * (dx * dx + dy * dy + dz * dz))
+                dx, dy, dz = q * dx, q * dy, q * dz
+                state[end, 3] -= dx
+                state[end, 4] -= cosine * dy + sine * dz
+                state[end, 5] -= cosine * dz - sine * dy
+                if end == node:
+                    # a ring bar joins a node to its own image: its pull on the second end comes back at once
+                    fx -= dx
+                    fy -= cosine * dy + sine * dz
+                    fz -= cosine * dz - sine * dy
+            fx += dx
+            fy += dy
+            fz += dz
+        vx, vy, vz = state[node, 6], state[node, 7], state[node, 8]
+        ux = keep * vx + push * state[node, 9] * fx
+        uy = keep * vy + push * state[node, 10] * fy
+        uz = keep * vz + push * state[node, 11] * fz
+        gain += fx * (ux + vx) + fy * (uy + vy) + fz * (uz + vz)
+        state[node, 6], state[node, 7], state[node, 8] = ux, uy, uz
+        state[node, 0], state[node, 1], state[node, 2] = x + ux, y + uy, z + uz
+        state[node, 3], state[node, 4], state[node, 5] = state[node, 12], state[node, 13], state[node, 14]
+    return 0.5 * gain
+
+
+@njit(cache=True)
+def step_back(state: Floats) -> None:
+    """Undo the last move, but keep its velocity."""
+    for node in range(state.shape[0]):
+        for i in range(3):
+            state[node, X + i] -= state[node, VELOCITY + i]
+
+
+@njit(cache=True)
+def start_from_rest(work: Workspace, back: float) -> float:
+    """Stop all nodes a fraction ``back`` of a step before where they are; kinetic energy of the coming half step.
+
+    The velocity is set to that half a step before rest, which the first step turns into that half a step after it.
+    """
+    energy = 0.0
+    for node in range(work.state.shape[0]):
+        for i in range(3):
+            impulse = work.state[node, MOBILITY + i] * work.force[node, i]
+            work.state[node, X + i] -= back * (work.state[node, VELOCITY + i] - impulse)
+            work.state[node, VELOCITY + i] = -0.5 * impulse
+            energy += 0.125 * impulse * work.force[node, i]
+    return energy
+
+
+@njit(cache=True)
+def lowest_frequency(state: Floats, last_x: Floats, force: Floats, last_force: Floats, free: Floats) -> float:
+    """Rayleigh quotient of the last move, (dx . K dx / dx . M dx)^1/2 per step; 0 where it says nothing."""
+    bending, inertia = 0.0, 0.0
+    for node in range(state.shape[0]):
+        for i in range(3):
+            mobility = state[node, MOBILITY + i]
+            if free[node, i] > 0.0 and mobility > 0.0:
+                move = state[node, X + i] - last_x[node, i]
+                bending -= move * (force[node, i] - last_force[node, i])
+                inertia += move * move / mobility
+    return np.sqrt(bending / inertia) if bending > 0.0 and inertia > 0.0 else 0.0
+
+
+@njit(cache=True)
+def relax(
+    work: Workspace,
+    structure: Structure,
+    loading: Loading,
+    tolerance: float,
+    mass_factor: float,
+    viscous: bool,
+    steps_allowed: int,
+) -> tuple[int, int, int, float, float]:
+    """Relax from rest until residual and axial imbalance fall to ``tolerance``.
+
+    Kinetic damping stops the motion at every peak of the kinetic energy, interpolated between the steps; viscous damping
+    is critical for the lowest frequency seen (Rayleigh quotient of the last moves).
+
+    Returns:
+        outcome, steps, stops, residual and axial imbalance (both over the resultant of the loads).
+    """
+    state = work.state
+    residual, imbalance, fits = refresh(work, structure, loading, mass_factor)
+    energy = start_from_rest(work, 0.0)
+    steps, stops, since_rest = 0, 0, 0
+    last_energy, energy_before = energy, energy
+    keep, push, back = 1.0, 1.0, 0.0
+    last_x, last_force = state[:, X : X + 3].copy(), work.force.copy()
+    while True:
+        if not np.isfinite(residual):
+            return NOT_FINITE, steps, stops, residual, imbalance
+        if residual <= tolerance and imbalance <= tolerance:
+            return (CONVERGED if fits else OVERFULL), steps, stops, residual, imbalance
+        if steps >= steps_allowed:
+            return STEPS_SPENT, steps, stops, residual, imbalance
+        stopped = False
+        for _ in range(REFRESH):
+            work_done = step(state, work.chain, work.bar_ends, work.law, structure.rotations, keep, push)
+            steps += 1
+            if viscous:
+                continue
+            energy_before, last_energy = last_energy, energy
+            energy += work_done
+            since_rest += 1
+            if energy < last_energy and since_rest > 1:
+                # the parabola through the last three energies has its peak within the step before the last
+                bend = energy_before - 2.0 * last_energy + energy
+                peak = 0.5 * (energy_before - energy) / bend if bend < 0.0 else 0.5
+                back = 0.5 - min(max(peak, -0.5), 0.5) if since_rest > 2 else 0.0
+                step_back(state)
+                stopped = True
+                stops += 1
+                break
+        residual, imbalance, fits = refresh(work, structure, loading, mass_factor)
+        if stopped:
+            energy = start_from_rest(work, back)
+            last_energy, energy_before, since_rest = energy, energy, 0
+        if viscous:
+            frequency = lowest_frequency(state, last_x, work.force, last_force, structure.free)
+            damping = min(2.0 * frequency, 1.0)
+            keep, push = (2.0 - damping) / (2.0 + damping), 2.0 / (2.0 + damping)
+            last_x[:] = state[:, X : X + 3]
+            last_force[:] = work.force
+        for bar in range(len(work.length)):
+            if work.length[bar] > 3.0 * structure.length[bar]:
+                return OVERSTRETCHED, steps, stops, residual, imbalance
