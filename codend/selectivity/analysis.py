@@ -32,8 +32,9 @@ class FieldFit:
         data: the counted fish.
         pooled: one curve for all hauls.
         hauls: a curve for each haul; empty when there is only one.
-        between_hauls: the mean curve with between-haul variation (Fryer 1991); None when there is only one haul. The
-            answer for "the gear" when hauls differ: the pooled fit's own errors do not know about it.
+        between_hauls: the mean curve with between-haul variation (Fryer 1991); None when there is only one haul. It
+            or the bootstrap is the answer for "the gear" when hauls differ: intervals of the pooled fit, even widened
+            by the dispersion factor, hold the true L50 of `validation.coverage_study` half of the time only.
         bootstrap: the pooled curve with double-bootstrap intervals; None when not asked for or the fit failed.
     """
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t
+from scipy.special import stdtrit
 
 from codend.selectivity.fielddata import FieldData
 from codend.selectivity.fit import Fit
@@ -86,7 +86,7 @@ def fit_between_hauls(data: FieldData, model: SelectionModel, hauls: Sequence[Fi
         message = "converged" if converged else "the residual likelihood of the between-haul covariance has no maximum"
         if found is not None:
             theta, covariance, between = found
-            quantile = float(t.ppf(0.975, degrees))
+            quantile = float(stdtrit(degrees, 0.975))
             if excluded:
                 message += f"; left out for want of a fit of their own: {', '.join(excluded)}"
 

@@ -7,8 +7,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import expit, gammaln, log_expit, xlogy
-from scipy.stats import chi2
+from scipy.special import chdtrc, expit, gammaln, log_expit, xlogy
 
 from codend.selectivity.fielddata import FieldData
 from codend.selectivity.model import SelectionModel, log_odds, without_covariates
@@ -131,7 +130,7 @@ def _described(
         deviance=deviance,
         pearson_chi2=float((pearson[fished] ** 2).sum()),
         degrees_of_freedom=degrees,
-        p_value=float(chi2.sf(deviance, degrees)) if degrees > 0 else np.nan,
+        p_value=float(chdtrc(degrees, deviance)) if degrees > 0 else np.nan,
         dispersion=dispersion,
         pearson_residuals=pearson,
         deviance_residuals=deviance_residuals,
@@ -150,4 +149,4 @@ def dispersion_factor(squared_residuals: Array, n_parameters: int) -> float:
     if degrees < 1:
         return 1.0
     statistic = float(squared_residuals.sum())
-    return statistic / degrees if chi2.sf(statistic, degrees) < LACK_OF_FIT_LEVEL else 1.0
+    return statistic / degrees if chdtrc(degrees, statistic) < LACK_OF_FIT_LEVEL else 1.0

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import expit
-from scipy.stats import norm
+from scipy.special import expit, ndtri
 
 from codend.selectivity.model import SelectionModel
 
@@ -94,7 +93,7 @@ def public_parameters(model: SelectionModel, theta: Array) -> tuple[Array, Array
 
 
 def delta_method(
-    model: SelectionModel, theta: Array, covariance: Array, quantile: float = norm.ppf(0.975)
+    model: SelectionModel, theta: Array, covariance: Array, quantile: float = float(ndtri(0.975))
 ) -> Estimates:
     """Estimates with Wald intervals of one fit: theta (k,), covariance (k, k).
 
