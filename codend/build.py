@@ -90,12 +90,18 @@ class _Lattice:
         counts = {s.meshes_round for s in plan.netting}
         if len(counts) > 1:
             raise InputError(
-                file=str(plan.source),
+                file=plan.source,
                 key="netting.meshes_round",
                 value=sorted(counts),
                 allowed="the same number in every section",
             )
-        check_globalisation(plan, globalisation)
+        if globalisation not in plan.globalisations:
+            raise InputError(
+                file=plan.source,
+                key="model.globalisation",
+                value=globalisation,
+                allowed="a common divisor of all mesh counts: " + ", ".join(map(str, plan.globalisations)),
+            )
         meshes_round = counts.pop() // globalisation
         columns = meshes_round if columns is None else columns
         if meshes_round % columns:
@@ -110,20 +116,6 @@ class _Lattice:
         """Column inside the modelled part, and image, of a column counted on all round."""
         image = np.zeros_like(column) if self.order == 1 else column // self.columns
         return column % self.columns, image
-
-
-def check_globalisation(plan: Plan, globalisation: int) -> None:
-    """Refuse a globalisation that does not divide the meshes round and long of every section."""
-    counts = [count for s in plan.netting for count in (s.meshes_round, s.meshes_long)]
-    common = int(np.gcd.reduce(counts))
-    if common % globalisation:
-        divisors = [d for d in range(1, common + 1) if common % d == 0]
-        raise InputError(
-            file=str(plan.source),
-            key="model.globalisation",
-            value=globalisation,
-            allowed="a common divisor of all mesh counts: " + ", ".join(map(str, divisors)),
-        )
 
 
 @dataclass(frozen=True)
@@ -295,7 +287,7 @@ def _square_net(lattice: _Lattice, shape: _Shape, plan: Plan) -> Net:
     """Square mesh: meridional bars and rings of bars."""
     if any(s.mesh != "square" for s in plan.netting):
         raise InputError(
-            file=str(plan.source),
+            file=plan.source,
             key="netting.mesh",
             value=[s.mesh for s in plan.netting],
             allowed="square netting cannot be joined to another kind yet",
@@ -369,7 +361,27 @@ def _assembled(parts: _Parts, lattice: _Lattice, positions: Floats, node_row: In
         facet_band=facets[:, 6].astype(np.int32),
         mesh_sides=meshes[:, :8].reshape(-1, 4, 2).astype(np.int32),
         mesh_side_image=meshes[:, 8:16].reshape(-1, 4, 2).astype(np.int32),
+        mesh_bars=_bars_of_sides(bars[:, :3], meshes[:, :8].reshape(-1, 2), meshes[:, 8:16].reshape(-1, 2)),
         mesh_row=meshes[:, 16].astype(np.int32),
         band_meshes=g * np.array(half),
         globalisation=g,
     )
+
+
+def _bars_of_sides(bars: NDArray, sides: NDArray, images: NDArray) -> Ints:
+    """Number of the bar on each side of each mesh, -1 where there is none, (meshes, 4)."""
+
+    def key(first: NDArray, second: NDArray, image: NDArray) -> NDArray:
+        swap = first > second
+        low, high = np.where(swap, second, first), np.where(swap, first, second)
+        return (low * (bars[:, :2].max() + 1) + high) * 8 + np.where(swap, -image, image) + 4
+
+    bar_keys = key(bars[:, 0], bars[:, 1], bars[:, 2])
+    order = np.argsort(bar_keys, kind="stable")
+    relative = np.where(
+        (sides[:, 0] == bars[:, :2].max()) | (sides[:, 1] == bars[:, :2].max()), 0, images[:, 1] - images[:, 0]
+    )
+    wanted = key(sides[:, 0], sides[:, 1], relative)
+    place = np.minimum(np.searchsorted(bar_keys[order], wanted), len(bars) - 1)
+    found = order[place]
+    return np.where(bar_keys[found] == wanted, found, -1).reshape(-1, 4).astype(np.int32)

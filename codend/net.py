@@ -62,6 +62,8 @@ class Net:
     left, left to fore, (k, 4, 2)."""
     mesh_side_image: Ints
     """Images of those nodes, (k, 4, 2)."""
+    mesh_bars: Ints
+    """Bars of those sides, -1 where a side is held and no bar, (k, 4)."""
     mesh_row: Ints
     """Row at which a mesh has its widest part, (k,)."""
     band_meshes: Floats

@@ -1,0 +1,83 @@
+"""What acts on a net in a case of a plan: the current, the catch (by its law in ``catch_models``) and wet weight."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from catch_models.pressure import PressureLaw, sphere_law, uniform_law
+from codend.errors import InputError
+from codend.mechanics import arrays
+from codend.mechanics.arrays import Loading, Structure, structure_of
+from codend.net import Floats, Net
+from codend.plan import Case, Plan
+
+GRAVITY_M_S2 = 9.80665
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A net under loads: what a solver is given. Solvers know nothing else."""
+
+    net: Net
+    structure: Structure
+    loading: Loading
+
+
+def problem_of(net: Net, plan: Plan, case: Case) -> Problem:
+    """The net of a plan under the loads of one of its cases.
+
+    Wet weight acts on full nets only, and only where the plan gives the twine's density: it has no place in a sector.
+    """
+    pressure_law = pressure_law_of(plan)
+    density = plan.tow.water_density_kg_m3
+    normal, tangential = plan.drag.coefficients
+    kind, value = {
+        "filled_meshes": (arrays.FILLED_MESHES, case.catch_value),
+        "front_from_codline_m": (arrays.FRONT_FROM_CODLINE, case.catch_value),
+        "volume_m3": (arrays.VOLUME, case.catch_value),
+        "mass_kg": (arrays.VOLUME, case.catch_value / plan.catch_density_kg_m3),
+    }[case.catch_kind]
+    dead = wet_weight(net, density) if net.order == 1 else np.zeros_like(net.positions)
+    loading = Loading(
+        dead=dead,
+        speed=float(case.speed_m_s),
+        density=float(density),
+        drag_law=arrays.LE_BRIS_1999 if plan.drag.law == "le-bris-1999" else arrays.BESSONNEAU_1997,
+        normal=float(normal),
+        tangential=float(tangential),
+        stagnation_pressure=0.5 * density * case.speed_m_s**2,
+        angles=np.ascontiguousarray(pressure_law.angles_rad),
+        coefficients=np.ascontiguousarray(pressure_law.coefficients),
+        catch_kind=kind,
+        catch_value=float(value),
+    )
+    return Problem(net, structure_of(net), loading)
+
+
+def pressure_law_of(plan: Plan) -> PressureLaw:
+    """Pressure law of the plan's catch.
+
+    Raises:
+        InputError: the plan's own Cp curve cannot be used.
+    """
+    if plan.catch.pressure == "uniform":
+        return uniform_law(plan.catch.coefficient)
+    try:
+        return sphere_law(plan.sphere_cp_path)
+    except ValueError as error:
+        raise InputError(
+            file=plan.source,
+            key="catch.sphere_cp_csv",
+            value=plan.catch.sphere_cp_csv,
+            allowed=f"a CSV with the columns theta_deg, cp from 0 to 180 degrees ({error})",
+        ) from error
+
+
+def wet_weight(net: Net, water_density: float) -> Floats:
+    """Nodal forces in N of the twine's weight in water, half of a bar's to each end, (n, 3)."""
+    volume = 0.25 * np.pi * net.bar_solid_diameter**2 * net.bar_length
+    lighter = np.nan_to_num(net.bar_density - water_density)
+    half = -0.5 * GRAVITY_M_S2 * lighter * volume
+    force = np.zeros_like(net.positions)
+    np.add.at(force[:, 2], net.bars.ravel(), np.repeat(half, 2))
+    return force

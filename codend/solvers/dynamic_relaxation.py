@@ -1,0 +1,163 @@
+"""Dynamic relaxation: damped motion under fictitious masses until it stops at the equilibrium.
+
+Bars that cannot stretch, or hardly, are held by multipliers (augmented Lagrangian): the motion is relaxed under a
+moderate penalty, the multipliers are set to the tensions found, and so on until the lengths are right.
+"""
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from codend.loads import Problem
+from codend.mechanics import relaxation
+from codend.mechanics.bars import augmented_law, length_error
+from codend.mechanics.relaxation import Workspace
+from codend.net import Floats
+from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+
+METHOD = "dynamic-relaxation"
+LENGTH_TOLERANCE = 1e-6
+"""Largest length error of a bar, relative."""
+
+_OUTCOMES = {
+    relaxation.CONVERGED: Outcome.CONVERGED,
+    relaxation.STEPS_SPENT: Outcome.STEPS_SPENT,
+    relaxation.NOT_FINITE: Outcome.NOT_FINITE,
+    relaxation.OVERSTRETCHED: Outcome.OVERSTRETCHED,
+    relaxation.OVERFULL: Outcome.OVERFULL,
+}
+
+
+@dataclass(frozen=True)
+class RelaxationSettings:
+    """What may be tuned; the defaults hold for all plans the project knows."""
+
+    viscous: bool = False
+    """Viscous damping, critical for the lowest frequency, instead of kinetic damping."""
+    penalty: float = 30.0
+    """Axial stiffness EA that stands in for inextensible twine, in units of the reference tension."""
+    mass_factor: float = 1.5
+    """Fictitious masses over their bound for a stable unit time step."""
+    tightening: float = 0.2
+    """Residual asked for between two settings of the multipliers, over the length error at the last."""
+    steps_at_once: int = 20_000
+    """Steps between two looks at the progress."""
+    steps_allowed: int = 400_000
+    restarts: int = 4
+
+
+def solve(
+    problem: Problem,
+    tolerance: float,
+    settings: RelaxationSettings = RelaxationSettings(),
+    progress: Progress | None = None,
+) -> Solution:
+    """Equilibrium of a net, from the positions it was built with.
+
+    A net that balloons or loses its footing is restarted from the same shape with a penalty four times as stiff, one
+    that makes no headway with masses twice as large; every attempt is in the report. A solve that fails returns nan
+    positions and tensions.
+    """
+    started = perf_counter()
+    attempts: list[str] = []
+    penalty, mass_factor = settings.penalty, settings.mass_factor
+    steps = 0
+    for _ in range(settings.restarts + 1):
+        work = relaxation.workspace(problem.structure, problem.net.positions)
+        run = _Run(problem, work, settings, penalty, mass_factor, settings.steps_allowed - steps, progress)
+        outcome = run.to_equilibrium(tolerance)
+        steps += run.steps
+        damping = "viscous" if settings.viscous else "kinetic"
+        attempts.append(
+            f"{METHOD}, {damping} damping, penalty {penalty:g}, masses x {mass_factor:g}: "
+            f"{run.steps} steps, residual {run.residual:.1e}. {outcome.value}"
+        )
+        if outcome in (Outcome.CONVERGED, Outcome.OVERFULL) or steps >= settings.steps_allowed:
+            break
+        if outcome in (Outcome.OVERSTRETCHED, Outcome.NOT_FINITE):
+            penalty *= 4.0
+        mass_factor *= 2.0
+    report = SolverReport(
+        method=METHOD,
+        outcome=outcome,
+        iterations=steps,
+        residual=run.residual,
+        imbalance=run.imbalance,
+        length_error=run.length_error,
+        solve_ms=1e3 * (perf_counter() - started),
+        attempts=tuple(attempts),
+    )
+    if not outcome.converged:
+        return Solution(
+            np.full_like(problem.net.positions, np.nan), np.full_like(work.density, np.nan), work.share, report
+        )
+    return Solution(work.state[:, :3].copy(), work.density * work.length, work.share.copy(), report)
+
+
+class _Run:
+    """One relaxation with one penalty, from the start to wherever it gets."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        work: Workspace,
+        settings: RelaxationSettings,
+        penalty: float,
+        mass_factor: float,
+        steps_allowed: int,
+        progress: Progress | None,
+    ) -> None:
+        self.problem, self.work, self.settings = problem, work, settings
+        self.penalty, self.mass_factor, self.steps_allowed = penalty, mass_factor, steps_allowed
+        self.progress = progress
+        self.steps = 0
+        self.residual = self.imbalance = self.length_error = np.inf
+
+    def to_equilibrium(self, tolerance: float) -> Outcome:
+        work, structure = self.work, self.problem.structure
+        self._set_law(_reference_tension(self.problem))
+        inner = 1e-2
+        best, last_gain = np.inf, 0
+        while True:
+            spend = min(self.settings.steps_at_once, self.steps_allowed - self.steps)
+            code, steps, _, self.residual, self.imbalance = relaxation.relax(
+                work, structure, self.problem.loading, inner, self.mass_factor, self.settings.viscous, spend
+            )
+            self.steps += steps
+            if self.progress is not None:
+                self.progress(METHOD, max(self.residual, self.imbalance))
+            outcome = _OUTCOMES[code]
+            if outcome in (Outcome.NOT_FINITE, Outcome.OVERSTRETCHED):
+                return outcome
+            if max(self.residual, self.imbalance) < 0.5 * best:
+                best, last_gain = max(self.residual, self.imbalance), self.steps
+            if outcome is Outcome.STEPS_SPENT:
+                if self.steps >= self.steps_allowed or self.steps - last_gain > 2 * self.settings.steps_at_once:
+                    return Outcome.STEPS_SPENT
+                continue
+            self.length_error = length_error(structure, work.length, work.density)
+            reached = max(self.residual, self.imbalance) <= tolerance and self.length_error <= LENGTH_TOLERANCE
+            if reached or outcome is Outcome.OVERFULL:
+                return outcome
+            if inner == 1e-2:
+                # the first tensions found are a better measure of the penalty than the guess before them
+                self._set_law(float(np.mean(work.density * work.length)))
+            work.multiplier[:] = work.density
+            inner = max(tolerance, min(inner, self.settings.tightening * self.length_error))
+            best, last_gain = np.inf, self.steps
+
+    def _set_law(self, tension: float) -> None:
+        augmented_law(self.problem.structure, self.penalty * tension, self.work.relief, self.work.gain)
+
+
+def _reference_tension(problem: Problem) -> float:
+    """Mean tension that the loads on the start shape ask for, N: their resultant over the bars of a band."""
+    structure, loading = problem.structure, problem.loading
+    force: Floats = np.zeros_like(problem.net.positions)
+    share = np.zeros_like(structure.band_meshes)
+    relaxation.fill(problem.net.positions, structure, loading, share)
+    relaxation.add_loads(problem.net.positions, structure, loading, share, force)
+    resultant = force.sum(axis=0) * [1.0, structure.order == 1.0, structure.order == 1.0]
+    bars_abreast = max(len(structure.first) / len(structure.band_meshes), 1.0)
+    return float(np.linalg.norm(resultant)) / bars_abreast

@@ -1,0 +1,60 @@
+"""How a solve ended, and what is reported of it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+
+from codend.net import Floats
+
+Progress = Callable[[str, float], None]
+"""Told what is being done and the residual reached, now and then during a long solve."""
+
+
+class Outcome(Enum):
+    """How a solve ended; every value is a sentence with advice."""
+
+    CONVERGED = "Residual, axial balance and twine law are within the tolerance."
+    STEPS_SPENT = "The allowed steps were spent before the tolerance was reached: allow a looser tolerance."
+    NOT_FINITE = "The motion lost its footing (numbers overflowed): the start was too far from equilibrium."
+    OVERSTRETCHED = "The net ballooned, bars stretched to three times their length: the penalty was too soft."
+    OVERFULL = "The catch does not fit into the net: give a smaller one."
+    SINGULAR = "The tangent could not be factorised: the net is a mechanism at this shape."
+    NOT_IMPROVING = "No step lowered the residual further: start nearer to the equilibrium."
+    COMPRESSED = "The only solution found has bars in compression, which twine cannot carry: it was refused."
+    DISAGREES = "Two estimates of the answer differ by more than the tolerance."
+
+    @property
+    def converged(self) -> bool:
+        """Whether the result may be used."""
+        return self is Outcome.CONVERGED
+
+
+@dataclass(frozen=True)
+class SolverReport:
+    """What a solver did and how far it came."""
+
+    method: str
+    outcome: Outcome
+    iterations: int
+    residual: float
+    """Largest out-of-balance force of a free node over the resultant of the loads."""
+    imbalance: float
+    """Axial sum of the out-of-balance forces of all free nodes over the same."""
+    length_error: float
+    """Largest departure of a bar from the law of its twine, relative to its length."""
+    solve_ms: float
+    attempts: tuple[str, ...] = ()
+    """Everything that was tried, in order, a line each."""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Shape and tensions a solver arrived at."""
+
+    positions: Floats
+    """(n, 3), m."""
+    bar_tension: Floats
+    """(m,), N, of the bars of the model."""
+    share: Floats
+    """Share of each band that lies in the catch, (bands,)."""
+    report: SolverReport
