@@ -70,7 +70,7 @@ def fit_between_hauls(data: FieldData, model: SelectionModel, hauls: Sequence[Fi
     between = np.full((k, k), np.nan)
     converged, quantile = False, np.nan
     if degrees < 2:
-        message = f"{used.sum()} hauls with a fit of their own are too few; at least {n_by_haul + 2} are needed"
+        message = f"too few hauls with a fit of their own: {used.sum()}, and at least {n_by_haul + 2} are needed"
     else:
         v = np.array([fit.theta for fit in hauls if fit.converged])
         within = np.array([fit.covariance for fit in hauls if fit.converged])
