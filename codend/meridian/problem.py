@@ -1,0 +1,163 @@
+"""What the meridian method is asked and what it answers."""
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_models.pressure import PressureLaw
+from codend.meridian.shell import DRAG_LAWS, Shell
+
+Floats = NDArray[np.float64]
+
+
+class Outcome(Enum):
+    """How a solve ended, as a sentence with advice."""
+
+    SOLVED = "solved"
+    NOT_CONVERGED = (
+        "Newton's method did not converge from any start; solve the sector model by relaxation, or approach the case "
+        "from a larger catch"
+    )
+    SLOPE_REVERSED = "refused: the meridian found runs back upstream, which is no equilibrium of a towed bag"
+    RADIUS_NEGATIVE = "refused: the meridian found crosses the axis ahead of the codline"
+
+
+@dataclass(frozen=True)
+class MeridianProblem:
+    """One bag of one kind of netting, the same all round, with its catch; SI units.
+
+    Raises:
+        ValueError: a number out of range, a name unknown, or rows too short to reach from the entry to the axis.
+    """
+
+    meshes_round: int
+    half_mesh_rows: int
+    """2 M; rows are counted 0 (entry) to 2 M (codline)."""
+    bar_m: float
+    entry_radius_m: float
+    front_row: float
+    """Half-mesh row of the catch's front, from 0 up to but not including ``half_mesh_rows``; need not be whole."""
+    stagnation_pressure_pa: float
+    """rho V^2 / 2: scales both the catch's pressure and the twine drag."""
+    pressure_law: PressureLaw
+    mesh: Literal["diamond", "t90"] = "diamond"
+    knot_m: float = 0.0
+    drag_width_m: float = 0.0
+    """Width of a bar that meets the flow; 0 switches twine drag off. Knots carry no drag."""
+    drag_law: Literal["le-bris-1999", "bessonneau-1997"] = "le-bris-1999"
+    normal_drag: float = 1.36
+    tangential_drag: float = 0.07
+    """Le Bris: the ratio f to the normal coefficient; Bessonneau: the coefficient Cf itself."""
+    axial_stiffness_n: float | None = None
+    """EA of a bar, None if inextensible. Knots are inextensible."""
+
+    def __post_init__(self) -> None:
+        positive = ("bar_m", "entry_radius_m", "stagnation_pressure_pa")
+        for name in (*positive, "knot_m", "drag_width_m", "normal_drag", "tangential_drag"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value >= 0.0 and (value > 0.0 or name not in positive)):
+                raise ValueError(f"{name} = {value} must be {'above 0' if name in positive else '0 or more'}")
+        if self.meshes_round < 3 or self.half_mesh_rows < 2:
+            raise ValueError("meshes_round must be 3 or more and half_mesh_rows 2 or more")
+        if not 0.0 <= self.front_row < self.half_mesh_rows:
+            raise ValueError(f"front_row = {self.front_row} must lie in 0 <= front_row < {self.half_mesh_rows}")
+        if self.mesh not in ("diamond", "t90") or self.drag_law not in DRAG_LAWS:
+            raise ValueError(f"unknown mesh {self.mesh!r} or drag law {self.drag_law!r}")
+        if self.axial_stiffness_n is not None:
+            if not self.axial_stiffness_n > 0.0:
+                raise ValueError(f"axial_stiffness_n = {self.axial_stiffness_n} must be above 0, or None")
+        elif self.rows_to_axis() >= self.half_mesh_rows:
+            raise ValueError(
+                f"{self.half_mesh_rows} half-mesh rows cannot reach from entry_radius_m = {self.entry_radius_m} to the "
+                f"axis, even as a flat disc: {self.rows_to_axis():.1f} are needed"
+            )
+
+    @property
+    def spread_radius_m(self) -> float:
+        """Radius of a ring of fully spread bars, N b / pi, knots apart."""
+        return self.meshes_round * self.bar_m / np.pi
+
+    def rows_to_axis(self) -> float:
+        """Half-mesh rows of a flat disc from the entry to the axis; infinite if the entry is wider than the netting."""
+        knot = self.knot_m / self.bar_m
+        across = knot if self.mesh == "t90" else 0.0
+        sine = self.entry_radius_m / self.spread_radius_m - across
+        if sine >= 1.0:
+            return np.inf
+        if across > 0.0:
+            return self.meshes_round / np.pi * (np.arcsin(max(sine, 0.0)) + min(across, across + sine))
+        nodes, weights = np.polynomial.legendre.leggauss(16)
+        phi = 0.5 * np.arcsin(sine) * (1.0 + nodes)
+        share = np.cos(phi) / (np.cos(phi) + knot)
+        return float(self.meshes_round / np.pi * 0.5 * np.arcsin(sine) * (share @ weights))
+
+    def shell(self) -> Shell:
+        """The problem without dimensions: lengths over N b / pi, rows times pi / N, forces over pi (N b / pi)^2 q."""
+        per_row = np.pi / self.meshes_round
+        compliance = 0.0
+        if self.axial_stiffness_n is not None:
+            force = np.pi * self.spread_radius_m**2 * self.stagnation_pressure_pa
+            compliance = force / (2.0 * self.meshes_round * self.axial_stiffness_n)
+        return Shell(
+            rows=self.half_mesh_rows * per_row,
+            front=self.front_row * per_row,
+            entry_radius=self.entry_radius_m / self.spread_radius_m,
+            knot=self.knot_m / self.bar_m,
+            knot_across=self.mesh == "t90",
+            pressure=self.pressure_law,
+            drag_law=self.drag_law,
+            normal=self.normal_drag,
+            tangential=self.tangential_drag,
+            drag_width=2.0 * self.drag_width_m / self.bar_m,
+            compliance=compliance,
+        )
+
+
+@dataclass(frozen=True)
+class MeridianShape:
+    """Equilibrium of the bag: row by row (row 0 at the entry, shapes (2 M + 1,)) and in sum; SI units."""
+
+    x_m: Floats
+    """Distance aft of the entry along the axis."""
+    radius_m: Floats
+    slope_rad: Floats
+    """Slope a of the meridian, -pi/2 at the codline."""
+    half_angle_rad: Floats
+    """Half opening angle phi of the meshes; 0 where T90 knots are slack."""
+    bar_tension_n: Floats
+    """Tension of one real bar."""
+    front_x_m: float
+    front_radius_m: float
+    largest_radius_m: float
+    """Over the rows and the front."""
+    length_m: float
+    """Entry to codline along the axis."""
+    catch_volume_m3: float
+    """Between the front's plane and the netting aft of it."""
+    drag_n: float
+    """Catch load plus twine drag, each integrated along the meridian."""
+    catch_drag_n: float
+    twine_drag_n: float
+    entry_reaction_n: float
+    """Axial pull of the bars on the entry: the drag again, from the bars' tension."""
+    axial_imbalance: float
+    """|entry reaction - drag| over the drag: what the discretisation leaves."""
+    residual: float
+    """Largest defect of an equation, without dimensions."""
+    iterations: int
+    method: str
+    """How the answer was found."""
+    outcome: Outcome
+
+    @property
+    def converged(self) -> bool:
+        """False when the numbers here must not be used."""
+        return self.outcome is Outcome.SOLVED
+
+    @property
+    def message(self) -> str:
+        """The outcome in words."""
+        return self.outcome.value

@@ -1,0 +1,145 @@
+"""Shape and drag of a bag from the meridian equations: starts, solve, checks and measures."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from catch_models.pressure import UNIFORM_COEFFICIENT, uniform_law
+from codend.meridian.closed_form import ClosedForm, solve_closed_form
+from codend.meridian.collocation import Grid, make_grid, middle_state, solve_newton
+from codend.meridian.problem import MeridianProblem, MeridianShape, Outcome
+from codend.meridian.shell import Floats, Shell, axial_drag, bars_at
+
+_ROUND_OFF = 1e-9
+
+
+def solve_meridian(problem: MeridianProblem, refinement: int = 1) -> MeridianShape:
+    """Equilibrium under the problem's pressure law and twine drag, by fourth-order collocation and Newton's method.
+
+    Newton starts from the closed form for uniform pressure. The answer says whether it may be used: ``converged`` is False,
+    and ``message`` says why, when no start converged or the meridian found is no equilibrium of a towed bag.
+
+    Args:
+        problem: the bag and its catch.
+        refinement: divides every step of the grid, to see what the discretisation does.
+    """
+    shell = problem.shell()
+    grid = make_grid(shell, problem.half_mesh_rows, refinement)
+    iterations, refused = 0, None
+    for name, start in _starts(shell, grid):
+        result = solve_newton(shell, grid, start)
+        iterations += result.iterations
+        shape = _shape(problem, shell, grid, result.state, result.residual, iterations, f"collocation from {name}")
+        if not result.converged:
+            refused = refused or replace(shape, outcome=Outcome.NOT_CONVERGED)
+        elif shape.converged:
+            return shape
+        else:
+            refused = shape
+    assert refused is not None
+    return refused
+
+
+def uniform_pressure_shape(problem: MeridianProblem, coefficient: float = UNIFORM_COEFFICIENT) -> MeridianShape:
+    """The same bag with p = ``coefficient`` q in the catch and no twine drag: by quadrature, a start for any other method.
+
+    Where the closed form does not apply (see ``solve_closed_form``) the same problem is solved by collocation; ``method``
+    says which it was.
+    """
+    plain = replace(problem, pressure_law=uniform_law(coefficient), drag_width_m=0.0)
+    shell = plain.shell()
+    closed = solve_closed_form(shell)
+    if closed is None:
+        return solve_meridian(plain)
+    grid = make_grid(shell, plain.half_mesh_rows)
+    state = _closed_form_state(closed, coefficient, grid.t)
+    return _shape(plain, shell, grid, state, closed.residual, closed.iterations, "quadrature")
+
+
+def _starts(shell: Shell, grid: Grid) -> Iterator[tuple[str, Floats]]:
+    """States to start Newton from, the likeliest first."""
+    coefficient = float(np.mean(shell.pressure(np.linspace(0.5 * np.pi, np.pi, 7))))
+    closed = solve_closed_form(shell)
+    if closed is not None:
+        yield "the closed form", _closed_form_state(closed, coefficient, grid.t)
+    # a neighbour the closed form holds for, in the same rows: no knots across, entry and front moved into its range
+    front = min(max(shell.front, 0.02 * shell.rows), 0.98 * shell.rows)
+    for entry in (min(shell.entry_radius, 0.7), 0.4, 0.2):
+        neighbour = replace(
+            shell, knot=shell.knot_along, knot_across=False, compliance=0.0, front=front, entry_radius=entry
+        )
+        closed = solve_closed_form(neighbour)
+        if closed is not None:
+            yield "a neighbour's closed form", _closed_form_state(closed, coefficient, grid.t)
+
+
+def _closed_form_state(closed: ClosedForm, coefficient: float, t: Floats) -> Floats:
+    """Radius, slope and ln Q at rows t: Q = C / (k l_s), from Q cos a = C r^2 and cos a = k r^2 l_s in the catch."""
+    _, radius, phi, slope = closed.at(t)
+    axial = closed.meridian.catch.axial[0, 0]
+    return np.stack([radius, slope, np.log(coefficient / (axial * closed.netting.row_length(phi)))])
+
+
+def _shape(
+    problem: MeridianProblem,
+    shell: Shell,
+    grid: Grid,
+    state: Floats,
+    residual: float,
+    iterations: int,
+    method: str,
+) -> MeridianShape:
+    """Measures of a state on a grid, integrated by Simpson's rule with the collocation's own midpoints."""
+    step = np.diff(grid.t)
+    middle = middle_state(shell, grid, state)
+
+    def integrals(ends: Floats, middles: Floats) -> Floats:
+        return np.asarray(step / 6.0 * (ends[:-1] + 4.0 * middles + ends[1:]))
+
+    def densities(at: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Per unit of t: axial length, volume, catch load (towards the tail) and twine drag."""
+        radius, slope, log_force = at
+        bars = bars_at(shell, radius, log_force)
+        forward = bars.row_length * np.cos(slope)
+        pressure = shell.pressure(np.clip(0.5 * np.pi - slope, 0.0, np.pi))
+        load = -2.0 * pressure * radius * bars.row_length * np.sin(slope)
+        return forward, radius**2 * forward, load, axial_drag(shell, bars, slope)
+
+    lengths, volumes, loads, drags = (integrals(*pair) for pair in zip(densities(state), densities(middle), strict=True))
+    spread = problem.spread_radius_m
+    force = np.pi * spread**2 * problem.stagnation_pressure_pa
+    x = spread * np.concatenate([[0.0], np.cumsum(lengths)])
+    radius, slope, log_force = state
+    bars = bars_at(shell, radius, log_force)
+    q = np.exp(log_force)
+    catch_drag = force * float(loads @ grid.in_catch)
+    twine_drag = force * float(drags @ (1.0 - grid.in_catch))
+    reaction = force * float(q[0] * np.cos(slope[0]))
+    outcome = Outcome.SOLVED
+    if np.any(np.cos(slope) < -_ROUND_OFF):
+        outcome = Outcome.SLOPE_REVERSED
+    elif np.any(radius < -_ROUND_OFF):
+        outcome = Outcome.RADIUS_NEGATIVE
+    rows = grid.rows
+    return MeridianShape(
+        x_m=x[rows],
+        radius_m=spread * radius[rows],
+        slope_rad=slope[rows],
+        half_angle_rad=np.arctan2(bars.sine, bars.cosine)[rows],
+        bar_tension_n=(force * q / (2.0 * problem.meshes_round * bars.cosine))[rows],
+        front_x_m=float(x[grid.front]),
+        front_radius_m=float(spread * radius[grid.front]),
+        largest_radius_m=float(spread * radius.max()),
+        length_m=float(x[-1]),
+        catch_volume_m3=float(np.pi * spread**3 * (volumes @ grid.in_catch)),
+        drag_n=catch_drag + twine_drag,
+        catch_drag_n=catch_drag,
+        twine_drag_n=twine_drag,
+        entry_reaction_n=reaction,
+        axial_imbalance=abs(reaction - catch_drag - twine_drag) / reaction,
+        residual=residual,
+        iterations=iterations,
+        method=method,
+        outcome=outcome,
+    )
