@@ -11,7 +11,7 @@ import numpy as np
 
 from codend.loads import Problem
 from codend.mechanics import relaxation
-from codend.mechanics.bars import augmented_law, length_error
+from codend.mechanics.bars import augmented_law, bar_lengths, length_error
 from codend.mechanics.relaxation import Workspace
 from codend.net import Floats
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
@@ -19,6 +19,9 @@ from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 METHOD = "dynamic-relaxation"
 LENGTH_TOLERANCE = 1e-6
 """Largest length error of a bar, relative."""
+
+ROUGH = 1e-2
+"""Residual to which a start without tensions is relaxed before the multipliers are first set."""
 
 _OUTCOMES = {
     relaxation.CONVERGED: Outcome.CONVERGED,
@@ -50,10 +53,11 @@ class RelaxationSettings:
 def solve(
     problem: Problem,
     tolerance: float,
+    start: Solution | None = None,
     settings: RelaxationSettings = RelaxationSettings(),
     progress: Progress | None = None,
 ) -> Solution:
-    """Equilibrium of a net, from the positions it was built with.
+    """Equilibrium of a net, from the positions it was built with or from a solution of the same net nearby.
 
     A net that balloons or loses its footing is restarted from the same shape with a penalty four times as stiff, one
     that makes no headway with masses twice as large; every attempt is in the report. A solve that fails returns nan
@@ -64,9 +68,9 @@ def solve(
     penalty, mass_factor = settings.penalty, settings.mass_factor
     steps = 0
     for _ in range(settings.restarts + 1):
-        work = relaxation.workspace(problem.structure, problem.net.positions)
+        work = relaxation.workspace(problem.structure, problem.net.positions if start is None else start.positions)
         run = _Run(problem, work, settings, penalty, mass_factor, settings.steps_allowed - steps, progress)
-        outcome = run.to_equilibrium(tolerance)
+        outcome = run.to_equilibrium(tolerance, start)
         steps += run.steps
         damping = "viscous" if settings.viscous else "kinetic"
         attempts.append(
@@ -114,10 +118,16 @@ class _Run:
         self.steps = 0
         self.residual = self.imbalance = self.length_error = np.inf
 
-    def to_equilibrium(self, tolerance: float) -> Outcome:
+    def to_equilibrium(self, tolerance: float, start: Solution | None) -> Outcome:
         work, structure = self.work, self.problem.structure
-        self._set_law(_reference_tension(self.problem))
-        inner = 1e-2
+        if start is None:
+            self._set_law(_reference_tension(self.problem))
+            inner = ROUGH
+        else:
+            self._set_law(float(np.mean(start.bar_tension)))
+            bar_lengths(start.positions, structure, work.length)
+            work.multiplier[:] = start.bar_tension / work.length
+            inner = max(tolerance, 0.1 * ROUGH)
         best, last_gain = np.inf, 0
         while True:
             spend = min(self.settings.steps_at_once, self.steps_allowed - self.steps)
@@ -140,7 +150,7 @@ class _Run:
             reached = max(self.residual, self.imbalance) <= tolerance and self.length_error <= LENGTH_TOLERANCE
             if reached or outcome is Outcome.OVERFULL:
                 return outcome
-            if inner == 1e-2:
+            if inner == ROUGH:
                 # the first tensions found are a better measure of the penalty than the guess before them
                 self._set_law(float(np.mean(work.density * work.length)))
             work.multiplier[:] = work.density

@@ -1,0 +1,203 @@
+"""Equilibrium to measures: openings, opening forces, drag, volume, and the balance of forces.
+
+Everything is stated for the real netting: tensions of a globalised net are divided by its globalisation.
+"""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from catch_models.pressure import PressureLaw
+from codend.loads import Problem
+from codend.mechanics import bars, drag, pressure
+from codend.net import Floats, Net, mesh_corners
+from codend.solvers.outcome import Solution
+
+WANTED_OPENING_DEG = 30.0
+"""Opening to which the opening force brings a mesh (Le Bris et al. 1999, figure 11)."""
+ROWS_AHEAD = 5
+"""Mesh rows ahead of the catch over which ``opening_ahead_deg`` is the mean."""
+
+
+@dataclass(frozen=True)
+class Measures:
+    """Numbers of one case; the names are those of the columns of ``results.csv``."""
+
+    filled_meshes: float
+    catch_volume_m3: float
+    front_radius_m: float
+    front_from_codline_m: float
+    max_radius_m: float
+    length_m: float
+    drag_n: float
+    catch_drag_n: float
+    twine_drag_n: float
+    entry_reaction_n: float
+    opening_ahead_deg: float
+    opening_force_ahead_n: float
+    max_bar_tension_n: float
+
+    @classmethod
+    def unknown(cls) -> "Measures":
+        """All nan: of a case that was not solved."""
+        return cls(*(float("nan") for _ in fields(cls)))
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Means over the knots or meshes of every row, from the entry, row 0, to the codline; arrays (rows + 1,)."""
+
+    x_m: Floats
+    radius_m: Floats
+    opening_deg: Floats
+    """nan at rows that have no whole mesh."""
+    bar_tension_n: Floats
+    opening_force_n: Floats
+    pressure_pa: Floats
+
+
+@dataclass(frozen=True)
+class Meshes:
+    """Every mesh of the model, arrays (k,) but ``centre_m`` (k, 3)."""
+
+    centre_m: Floats
+    opening_deg: Floats
+    bar_tension_n: Floats
+    opening_force_n: Floats
+    pressure_pa: Floats
+
+
+def opening_force(bar_tension_n: Floats, opening_deg: Floats, wanted_deg: float = WANTED_OPENING_DEG) -> Floats:
+    """Extra pull across the short diagonal that brings an isolated mesh to the wanted opening, N.
+
+    F = P (tan(OA*/2) - tan phi), P = 2 T cos phi the load along the netting that a mesh carries and phi half its
+    opening: derived from the equilibrium of a rhombus of four bars. Zero or less once the mesh is open that far.
+    """
+    half = np.radians(opening_deg) / 2.0
+    along = 2.0 * bar_tension_n * np.cos(half)
+    return np.asarray(along * (np.tan(np.radians(wanted_deg) / 2.0) - np.tan(half)))
+
+
+def mesh_openings(net: Net, positions: Floats) -> tuple[Floats, Floats]:
+    """Opening angles in degrees (k,) and outward normals (k, 3) of all meshes.
+
+    The opening is 2 atan(transverse / longitudinal diagonal), both taken over the twine only, without the knots.
+    """
+    corners = mesh_corners(net, positions)
+    side = corners[:, :, 1] - corners[:, :, 0]
+    longitudinal = 0.5 * (side[:, 0] + side[:, 1] - side[:, 2] - side[:, 3])
+    transverse = 0.5 * (side[:, 0] - side[:, 1] - side[:, 2] + side[:, 3])
+    normal = np.cross(transverse, longitudinal)
+    with np.errstate(invalid="ignore"):
+        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    opening = 2.0 * np.arctan2(np.linalg.norm(transverse, axis=1), np.linalg.norm(longitudinal, axis=1))
+    return np.degrees(opening), normal
+
+
+def measure_meshes(problem: Problem, solution: Solution) -> Meshes:
+    """Opening, tension, opening force and net pressure of every mesh of the model."""
+    net = problem.net
+    opening, normal = mesh_openings(net, solution.positions)
+    tension = _mean_over(solution.bar_tension, net.mesh_bars) / net.globalisation
+    band = np.minimum(net.mesh_row, net.bands - 1)
+    filled = 0.5 * (solution.share[np.maximum(band - 1, 0)] + solution.share[band])
+    return Meshes(
+        centre_m=mesh_corners(net, solution.positions).mean(axis=(1, 2)),
+        opening_deg=opening,
+        bar_tension_n=tension,
+        opening_force_n=opening_force(tension, opening),
+        pressure_pa=filled * _pressure_at(problem, -normal[:, 0]),
+    )
+
+
+def measure_rows(problem: Problem, solution: Solution, meshes: Meshes) -> Rows:
+    """Means over every row of knots."""
+    net = problem.net
+    ring = np.flatnonzero(net.node_row >= 0)
+    radius = np.hypot(solution.positions[:, 1], solution.positions[:, 2])
+    x = _mean_by(net.node_row[ring], solution.positions[ring, 0], net.bands + 1)
+    r = _mean_by(net.node_row[ring], radius[ring], net.bands + 1)
+    twine = net.bar_drag_diameter > 0.0  # all bars but the knots
+    by_band = _mean_by(net.bar_band[twine], solution.bar_tension[twine] / net.globalisation, net.bands)
+    tension = 0.5 * (np.concatenate([by_band[:1], by_band]) + np.concatenate([by_band, by_band[-1:]]))
+    slope_sine = np.gradient(r) / np.hypot(np.gradient(x), np.gradient(r))
+    filled = 0.5 * (np.concatenate([[0.0], solution.share]) + np.concatenate([solution.share, solution.share[-1:]]))
+    return Rows(
+        x_m=x,
+        radius_m=r,
+        opening_deg=_mean_by(net.mesh_row, meshes.opening_deg, net.bands + 1),
+        bar_tension_n=tension,
+        opening_force_n=_mean_by(net.mesh_row, meshes.opening_force_n, net.bands + 1),
+        pressure_pa=filled * _pressure_at(problem, slope_sine),
+    )
+
+
+def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
+    """Drag, volume, sizes and openings of a solved net."""
+    net, structure, loading = problem.net, problem.structure, problem.loading
+    position, share = np.ascontiguousarray(solution.positions), solution.share
+    twine_load, catch_load, pull = (np.zeros_like(position) for _ in range(3))
+    drag.add_drag(position, structure, loading, share, twine_load)
+    pressure.add_pressure(position, structure, loading, share, catch_load)
+    length = np.empty(len(net.bars))
+    bars.bar_lengths(position, structure, length)
+    bars.add_bar_forces(position, structure, solution.bar_tension / length, pull)
+    held = net.fixed[:, 0]
+    at_entry = (pull + twine_load + catch_load + loading.dead)[held, 0].sum() * net.order
+
+    area, moment = np.empty(net.bands), np.empty(net.bands)
+    pressure.band_geometry(position, structure, area, moment)
+    front = float(np.sum(1.0 - share))
+    front_x = float(np.interp(front, np.arange(net.bands + 1), rows.x_m))
+    ahead = opening_rows_ahead(net, share)
+    has_mesh = np.flatnonzero(np.isfinite(rows.opening_deg))
+    openings, forces = (
+        np.interp(ahead, _meshes_from_entry(net)[has_mesh], values[has_mesh])
+        for values in (rows.opening_deg, rows.opening_force_n)
+    )
+    return Measures(
+        filled_meshes=float(share @ net.band_meshes),
+        catch_volume_m3=float(share @ moment - front_x * (share @ area)),
+        front_radius_m=float(np.interp(front, np.arange(net.bands + 1), rows.radius_m)),
+        front_from_codline_m=float(rows.x_m[-1] - front_x),
+        max_radius_m=float(np.hypot(position[:, 1], position[:, 2]).max()),
+        length_m=float(rows.x_m[-1] - rows.x_m[0]),
+        drag_n=float((twine_load + catch_load)[:, 0].sum() * net.order),
+        catch_drag_n=float(catch_load[:, 0].sum() * net.order),
+        twine_drag_n=float(twine_load[:, 0].sum() * net.order),
+        entry_reaction_n=float(at_entry),
+        opening_ahead_deg=float(np.mean(openings)) if len(ahead) else float("nan"),
+        opening_force_ahead_n=float(np.mean(forces)) if len(ahead) else float("nan"),
+        max_bar_tension_n=float(solution.bar_tension.max() / net.globalisation),
+    )
+
+
+def opening_rows_ahead(net: Net, share: Floats) -> Floats:
+    """Places of the five real mesh rows just ahead of the front, in meshes from the entry, as far as there are so many."""
+    to_front = float((1.0 - share) @ net.band_meshes)
+    half = 0.5 if net.band_meshes[0] == 0.5 * net.globalisation else 1.0
+    places = to_front - half * np.arange(1, ROWS_AHEAD + 1)
+    return places[places >= half - 1e-9]
+
+
+def _meshes_from_entry(net: Net) -> Floats:
+    return np.concatenate([[0.0], np.cumsum(net.band_meshes)])
+
+
+def _pressure_at(problem: Problem, cosine: Floats) -> Floats:
+    """Net pressure in the catch, Pa, at given cosines of theta."""
+    loading = problem.loading
+    law = PressureLaw("", loading.angles, loading.coefficients)
+    return loading.stagnation_pressure * law(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def _mean_over(values: Floats, index: np.ndarray) -> Floats:
+    """Mean of the values at each row of indices, -1 left out."""
+    there = index >= 0
+    return np.asarray((values[index] * there).sum(axis=1) / there.sum(axis=1))
+
+
+def _mean_by(group: np.ndarray, values: Floats, groups: int) -> Floats:
+    count = np.bincount(group, minlength=groups)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(np.bincount(group, weights=values, minlength=groups) / count)

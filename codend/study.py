@@ -1,0 +1,143 @@
+"""Cases of a plan: every speed and catch solved in turn, each from the last one where that helps."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from codend import fidelity
+from codend.build import build_net
+from codend.fidelity import Choice
+from codend.loads import Problem, problem_of
+from codend.measures import Measures, Meshes, Rows, measure, measure_meshes, measure_rows
+from codend.net import Floats, Net
+from codend.plan import Case, Plan
+from codend.solvers import dynamic_relaxation
+from codend.solvers.dynamic_relaxation import RelaxationSettings
+from codend.solvers.outcome import Solution, SolverReport
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+StudyProgress = Callable[[int, int, str], None]
+"""Told how many cases are done, of how many, and what is being done."""
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """One case of a study: what was asked, the equilibrium, and what was measured in it."""
+
+    case: Case
+    problem: Problem
+    solution: Solution
+    measures: Measures
+    rows: Rows | None
+    """None where the case was not solved."""
+    meshes: Meshes | None
+
+    @property
+    def net(self) -> Net:
+        """The net as it was modelled."""
+        return self.problem.net
+
+    @property
+    def positions(self) -> Floats:
+        """Nodes at equilibrium, (n, 3), m; nan where the case was not solved."""
+        return self.solution.positions
+
+    @property
+    def bar_tension_n(self) -> Floats:
+        """Tension of the real bars, (m,)."""
+        return self.solution.bar_tension / self.net.globalisation
+
+    @property
+    def report(self) -> SolverReport:
+        """What the solver did."""
+        return self.solution.report
+
+    @property
+    def converged(self) -> bool:
+        """Whether the numbers may be used."""
+        return self.report.outcome.converged
+
+
+@dataclass(frozen=True)
+class Study:
+    """All cases of a plan, with the model they were solved on and why."""
+
+    plan: Plan
+    choice: Choice
+    cases: tuple[CaseResult, ...]
+
+    @property
+    def converged(self) -> bool:
+        """Whether every case was solved."""
+        return all(result.converged for result in self.cases)
+
+    @cached_property
+    def table(self) -> "pd.DataFrame":
+        """``results.csv``: a row a case."""
+        from codend import tables
+
+        return tables.results_table(self)
+
+    @cached_property
+    def profile(self) -> "pd.DataFrame":
+        """``profile.csv``: a row a knot row of a case."""
+        from codend import tables
+
+        return tables.profile_table(self)
+
+    @cached_property
+    def meshes(self) -> "pd.DataFrame":
+        """``meshes.csv``: a row a mesh of a case, for full nets; empty for sectors."""
+        from codend import tables
+
+        return tables.mesh_table(self)
+
+
+def solve(plan: Plan, progress: StudyProgress | None = None) -> Study:
+    """Solve every case of a plan.
+
+    Args:
+        plan: what to solve, and how (``plan.model``).
+        progress: called before and during every case.
+
+    Returns:
+        A study; a case that failed is in it, not converged, its numbers nan.
+
+    Raises:
+        InputError: the plan asks for what its netting does not allow.
+    """
+    choice = fidelity.choose(plan)
+    net = build_net(plan, globalisation=choice.globalisation, columns=choice.columns)
+    results: list[CaseResult] = []
+    cases = plan.cases()
+    last: Solution | None = None
+    for case in cases:
+        problem = problem_of(net, plan, case)
+
+        def report(doing: str, residual: float, case: Case = case) -> None:
+            if progress is not None:
+                progress(case.number - 1, len(cases), f"case {case.number}: {doing}, residual {residual:.1e}")
+
+        report(dynamic_relaxation.METHOD, float("inf"))
+        settings = RelaxationSettings(viscous=plan.model.damping == "viscous")
+        solution = dynamic_relaxation.solve(
+            problem, plan.model.tolerance, start=last, settings=settings, progress=report
+        )
+        last = solution if solution.report.outcome.converged else None
+        results.append(_measured(case, problem, solution))
+    if progress is not None:
+        progress(len(cases), len(cases), "done")
+    return Study(plan, choice, tuple(results))
+
+
+def _measured(case: Case, problem: Problem, solution: Solution) -> CaseResult:
+    if not solution.report.outcome.converged:
+        return CaseResult(case, problem, solution, Measures.unknown(), None, None)
+    meshes = measure_meshes(problem, solution)
+    rows = measure_rows(problem, solution, meshes)
+    return CaseResult(case, problem, solution, measure(problem, solution, rows), rows, meshes)

@@ -1,0 +1,98 @@
+"""Studies as tables: the columns of ``results.csv``, ``profile.csv`` and ``meshes.csv``."""
+
+from dataclasses import asdict
+
+import numpy as np
+import pandas as pd
+
+from codend.study import CaseResult, Study
+
+RESULT_COLUMNS = [
+    "case",
+    "speed_m_s",
+    "filled_meshes",
+    "catch_volume_m3",
+    "catch_mass_kg",
+    "front_radius_m",
+    "front_from_codline_m",
+    "max_radius_m",
+    "length_m",
+    "drag_n",
+    "catch_drag_n",
+    "twine_drag_n",
+    "entry_reaction_n",
+    "opening_ahead_deg",
+    "opening_force_ahead_n",
+    "max_bar_tension_n",
+    "drag_error_n",
+    "fidelity",
+    "method",
+    "iterations",
+    "residual",
+    "converged",
+    "solve_ms",
+]
+
+
+def results_table(study: Study) -> pd.DataFrame:
+    """A row a case; nan where a case was not solved, but for what the case asked for."""
+    return pd.DataFrame([_result_row(study, result) for result in study.cases], columns=RESULT_COLUMNS)
+
+
+def _result_row(study: Study, result: CaseResult) -> dict[str, object]:
+    measures = asdict(result.measures)
+    density = study.plan.catch_density_kg_m3
+    measures["catch_mass_kg"] = density * measures["catch_volume_m3"]
+    if not result.converged:
+        measures[result.case.catch_kind] = result.case.catch_value
+    return {
+        "case": result.case.number,
+        "speed_m_s": result.case.speed_m_s,
+        **measures,
+        "drag_error_n": float("nan"),
+        "fidelity": study.choice.fidelity,
+        "method": result.report.method,
+        "iterations": result.report.iterations,
+        "residual": result.report.residual,
+        "converged": result.converged,
+        "solve_ms": result.report.solve_ms,
+    }
+
+
+def profile_table(study: Study) -> pd.DataFrame:
+    """A row a knot row of a solved case, row 0 at the entry."""
+    columns = ["case", "row", "x_m", "radius_m", "opening_deg", "bar_tension_n", "opening_force_n", "pressure_pa"]
+    parts = [
+        pd.DataFrame({"case": r.case.number, "row": np.arange(len(r.rows.x_m)), **asdict(r.rows)})
+        for r in study.cases
+        if r.rows is not None
+    ]
+    return pd.concat(parts, ignore_index=True)[columns] if parts else pd.DataFrame(columns=columns)
+
+
+def mesh_table(study: Study) -> pd.DataFrame:
+    """A row a mesh of a solved case on a full net, with the position of the mesh's middle."""
+    columns = ["case", "row", "mesh", "x_m", "y_m", "z_m"]
+    columns += ["opening_deg", "bar_tension_n", "opening_force_n", "pressure_pa"]
+    parts = []
+    for result in study.cases:
+        if result.meshes is None or result.net.order > 1:
+            continue
+        row = result.net.mesh_row
+        parts.append(
+            pd.DataFrame(
+                {
+                    "case": result.case.number,
+                    "row": row,
+                    "mesh": np.arange(len(row)) - np.searchsorted(row, row),
+                    "x_m": result.meshes.centre_m[:, 0],
+                    "y_m": result.meshes.centre_m[:, 1],
+                    "z_m": result.meshes.centre_m[:, 2],
+                    "opening_deg": result.meshes.opening_deg,
+                    "bar_tension_n": result.meshes.bar_tension_n,
+                    "opening_force_n": result.meshes.opening_force_n,
+                    "pressure_pa": result.meshes.pressure_pa,
+                }
+            )
+        )
+    return pd.concat(parts, ignore_index=True)[columns] if parts else pd.DataFrame(columns=columns)
