@@ -1,0 +1,103 @@
+"""Exact tangent of the nodal forces: where its blocks lie, and the bars' part. Loads follow in ``tangent_loads``.
+
+The tangent is kept as 3 x 3 blocks -dF_i/dx_j for every pair of nodes (i, j) that share a bar or a facet. Bars and facets name
+images of nodes: with R the rotation of an image, a force acts on the node itself as R^T f, and a move of the node
+shows at the image as R dx, so a block enters as R_i^T H R_j. Anything else that acts between the ends of one bar or the
+corners of one facet (resistance to bending, say) adds its blocks in the same places.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from codend.mechanics.arrays import Structure
+from codend.mechanics.bars import bar_vector
+from codend.net import Floats, Ints
+
+
+class Pattern(NamedTuple):
+    """Which blocks there are and which of them every bar and facet adds to; the same for all states of a net."""
+
+    row: Ints
+    """Node whose force a block differentiates, (blocks,), rising; within it ``column`` rises."""
+    column: Ints
+    """Node whose position it is differentiated by, (blocks,)."""
+    bar_slot: Ints
+    """Blocks of the ends of a bar: first-first, first-second, second-first, second-second, (m, 4)."""
+    facet_slot: Ints
+    """Blocks of the corners of a facet, (f, 3, 3)."""
+    diagonal: Ints
+    """Blocks of the nodes with themselves, (n,)."""
+
+
+def pattern_of(structure: Structure) -> Pattern:
+    """Blocks of a net's tangent."""
+    nodes = len(structure.free)
+    first, second = structure.first.astype(np.int64), structure.second.astype(np.int64)
+    facets = structure.facets.astype(np.int64)
+    bar_pairs = np.stack([first * nodes + first, first * nodes + second, second * nodes + first, second * nodes + second])
+    facet_pairs = facets[:, :, None] * nodes + facets[:, None, :]
+    own = np.arange(nodes) * (nodes + 1)
+    keys, place = np.unique(np.concatenate([bar_pairs.T.ravel(), facet_pairs.ravel(), own]), return_inverse=True)
+    place = place.astype(np.int32)
+    bars_end, facets_end = bar_pairs.size, bar_pairs.size + facet_pairs.size
+    return Pattern(
+        row=(keys // nodes).astype(np.int32),
+        column=(keys % nodes).astype(np.int32),
+        bar_slot=np.ascontiguousarray(place[:bars_end].reshape(-1, 4)),
+        facet_slot=np.ascontiguousarray(place[bars_end:facets_end].reshape(-1, 3, 3)),
+        diagonal=np.ascontiguousarray(place[facets_end:]),
+    )
+
+
+@njit(cache=True, inline="always")
+def add_turned_block(
+    blocks: Floats, slot: int, sign: float, h: Floats, row_image: int, column_image: int, rotations: Floats
+) -> None:
+    """Add sign R_i^T h R_j to a block, R_i and R_j the rotations of the two images."""
+    if row_image == 0 and column_image == 0:
+        for i in range(3):
+            for j in range(3):
+                blocks[slot, i, j] += sign * h[i, j]
+        return
+    middle = (rotations.shape[0] - 1) // 2
+    c, s = sign * rotations[middle + row_image, 0], sign * rotations[middle + row_image, 1]
+    e, t = rotations[middle + column_image, 0], rotations[middle + column_image, 1]
+    for i in range(3):
+        if i == 0:
+            x, y, z = sign * h[0, 0], sign * h[0, 1], sign * h[0, 2]
+        elif i == 1:
+            x, y, z = c * h[1, 0] + s * h[2, 0], c * h[1, 1] + s * h[2, 1], c * h[1, 2] + s * h[2, 2]
+        else:
+            x, y, z = c * h[2, 0] - s * h[1, 0], c * h[2, 1] - s * h[1, 1], c * h[2, 2] - s * h[1, 2]
+        blocks[slot, i, 0] += x
+        blocks[slot, i, 1] += e * y + t * z
+        blocks[slot, i, 2] += e * z - t * y
+
+
+@njit(cache=True)
+def add_bar_tangent(
+    position: Floats, structure: Structure, pattern: Pattern, density: Floats, hardening: Floats, blocks: Floats
+) -> None:
+    """Add the bars' part: the derivative of their pull q d is q I + (dq/dl / l) d d^T.
+
+    Args:
+        density: force densities q, N/m, (m,).
+        hardening: (dq/dl) / l of every bar, N/m3, (m,): 0 for bars that are slack or whose q is held.
+    """
+    h = np.empty((3, 3))
+    rotations = structure.rotations
+    for bar in range(len(structure.first)):
+        q, k = density[bar], hardening[bar]
+        if q == 0.0 and k == 0.0:
+            continue
+        dx, dy, dz = bar_vector(position, structure, bar)
+        h[0, 0], h[0, 1], h[0, 2] = q + k * dx * dx, k * dx * dy, k * dx * dz
+        h[1, 0], h[1, 1], h[1, 2] = h[0, 1], q + k * dy * dy, k * dy * dz
+        h[2, 0], h[2, 1], h[2, 2] = h[0, 2], h[1, 2], q + k * dz * dz
+        image = structure.image[bar]
+        add_turned_block(blocks, pattern.bar_slot[bar, 0], 1.0, h, 0, 0, rotations)
+        add_turned_block(blocks, pattern.bar_slot[bar, 1], -1.0, h, 0, image, rotations)
+        add_turned_block(blocks, pattern.bar_slot[bar, 2], -1.0, h, image, 0, rotations)
+        add_turned_block(blocks, pattern.bar_slot[bar, 3], 1.0, h, image, image, rotations)

@@ -1,0 +1,103 @@
+"""How the catch's front follows the net: the derivative of the front band's share, and of the loads by it.
+
+Where the front is given by its distance from the codline or by the catch's volume, the share s of the band it stands
+in depends on the positions. Loads are linear in the shares, so the tangent gains one product: -dF/dx = K - u v^T
+with u = dF/ds and v = ds/dx.
+"""
+
+import numpy as np
+from numba import njit
+
+from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, Loading, Structure
+from codend.mechanics.drag import add_drag
+from codend.mechanics.images import add_turned_back
+from codend.mechanics.pressure import _area_vector, _corners, add_pressure, row_positions
+from codend.net import Floats
+
+
+@njit(cache=True)
+def front_band(loading: Loading, share: Floats) -> int:
+    """Band whose share moves with the net; -1 if none does."""
+    if loading.catch_kind == FILLED_MESHES:
+        return -1
+    for band in range(len(share)):
+        if 0.0 < share[band] < 1.0:
+            return band
+    return -1
+
+
+@njit(cache=True)
+def share_gradient(
+    position: Floats, structure: Structure, loading: Loading, share: Floats, band: int, gradient: Floats
+) -> None:
+    """Write the derivative of the front band's share with respect to the nodes of the sector, 1/m, (n, 3).
+
+    With the lid at x_L = (1 - s) x_(b+1) + s x_b, in the front's band b: the distance x_codline - x_L, or the volume
+    sum_k s_k (M_k - x_L A_k), is given; A and M are the bands' projected areas and their moments (``fill_to_volume``).
+    """
+    gradient[:] = 0.0
+    row_x = np.empty(len(share) + 1)
+    row_positions(position, structure, row_x)
+    s, depth = share[band], row_x[band + 1] - row_x[band]
+    lid = row_x[band + 1] - s * depth
+    # g(s, x) is given; dg/ds, and dg by the lid, by the codline
+    if loading.catch_kind == FRONT_FROM_CODLINE:
+        by_share, by_lid, by_codline = depth, -1.0, 1.0
+    else:
+        area, in_band, by_codline = 0.0, 0.0, 0.0
+        for facet in range(len(structure.facet_band)):
+            place = structure.facet_band[facet]
+            if share[place] == 0.0:
+                continue
+            corners = _corners(position, structure, facet)
+            ax, ay, az, bx, by, bz, cx, cy, cz = corners
+            weight = structure.facet_weight[facet] * structure.order
+            projected = _area_vector(corners)[0] * weight
+            depth_behind = (ax + bx + cx) / 3.0 - lid
+            area += share[place] * projected
+            if place == band:
+                in_band += projected * depth_behind
+            weight *= 0.5 * share[place] * depth_behind
+            third = share[place] * projected / 3.0
+            for corner in range(3):
+                if corner == 0:
+                    ey, ez = by - cy, bz - cz
+                elif corner == 1:
+                    ey, ez = cy - ay, cz - az
+                else:
+                    ey, ez = ay - by, az - bz
+                add_turned_back(
+                    gradient,
+                    structure.facets[facet, corner],
+                    third,
+                    weight * ez,
+                    -weight * ey,
+                    structure.facet_image[facet, corner],
+                    structure.rotations,
+                )
+        by_share, by_lid = in_band + depth * area, -area
+    for node in range(len(structure.node_row)):
+        row = structure.node_row[node]
+        if row < 0:
+            continue
+        if row == band:
+            gradient[node, 0] += by_lid * s / structure.row_size[row]
+        if row == band + 1:
+            gradient[node, 0] += by_lid * (1.0 - s) / structure.row_size[row]
+        if row == len(share):
+            gradient[node, 0] += by_codline / structure.row_size[row]
+    gradient *= -1.0 / by_share
+
+
+@njit(cache=True)
+def load_by_share(position: Floats, structure: Structure, loading: Loading, band: int, load: Floats) -> None:
+    """Write the derivative of the nodal loads with respect to the share of a band, N, (n, 3)."""
+    load[:] = 0.0
+    # the pressure is linear in the share and the drag in 1 - share, both band by band
+    share = np.ones(len(structure.band_meshes))
+    share[band] = 0.0
+    add_drag(position, structure, loading, share, load)
+    load *= -1.0
+    share[:] = 0.0
+    share[band] = 1.0
+    add_pressure(position, structure, loading, share, load)

@@ -1,0 +1,141 @@
+"""Exact tangent of the loads at given shares of the catch: twine drag and follower pressure, kernels.
+
+Both add -dF/dx to the blocks laid out in ``tangent``. How the shares follow the positions is in ``tangent_front``.
+"""
+
+import numpy as np
+from numba import njit
+
+from codend.mechanics.arrays import LE_BRIS_1999, Loading, Structure
+from codend.mechanics.bars import bar_vector
+from codend.mechanics.pressure import _area_vector, _corners
+from codend.mechanics.tangent import Pattern, add_turned_block
+from codend.net import Floats
+
+
+@njit(cache=True)
+def add_drag_tangent(
+    position: Floats, structure: Structure, loading: Loading, pattern: Pattern, share: Floats, blocks: Floats
+) -> None:
+    """Add the twine drag's part; the law is that of ``drag.add_drag``.
+
+    With d = (a, y, z) the bar's vector, r = |(y, z)|, l = |d| and S half the bar's q d, the load on each end is
+    (F, W y, W z):
+
+        LB99  F = S (Cd r^3 + f Cd |a|^3) / l^2,  W = S (f Cd |a| - Cd r) a / l^2
+        BM97  F = S (Cd r^2 + Cf a^2) / l,        W = S (Cf - Cd) a / l
+    """
+    if loading.normal == 0.0 and loading.tangential == 0.0:
+        return
+    pressure = 0.5 * loading.density * loading.speed * loading.speed
+    le_bris = loading.drag_law == LE_BRIS_1999
+    rotations = structure.rotations
+    h = np.empty((3, 3))
+    for bar in range(len(structure.first)):
+        exposed = 1.0 - share[structure.bar_band[bar]]
+        if structure.drag_diameter[bar] == 0.0 or exposed == 0.0:
+            continue
+        a, y, z = bar_vector(position, structure, bar)
+        squared = a * a + y * y + z * z
+        if squared == 0.0:
+            continue
+        r, length = np.sqrt(y * y + z * z), np.sqrt(squared)
+        scale = 0.5 * exposed * pressure * structure.drag_diameter[bar]
+        normal, tangential = scale * loading.normal, scale * loading.tangential
+        if le_bris:
+            tangential *= loading.normal
+            force = (normal * r**3 + tangential * abs(a) ** 3) / squared
+            force_a = (3.0 * tangential * a * abs(a) - 2.0 * a * force) / squared
+            force_r = (3.0 * normal * r * r - 2.0 * r * force) / squared
+            across = (tangential * abs(a) - normal * r) * a / squared
+            across_a = (2.0 * tangential * abs(a) - normal * r - 2.0 * a * across) / squared
+            across_r = (-normal * a - 2.0 * r * across) / squared
+        else:
+            force = (normal * r * r + tangential * a * a) / length
+            force_a = (2.0 * tangential * a - a * force / length) / length
+            force_r = (2.0 * normal * r - r * force / length) / length
+            across = (tangential - normal) * a / length
+            across_a = (tangential - normal) * r * r / (length * squared)
+            across_r = -across * r / squared
+        sideways, upward = (y / r, z / r) if r > 0.0 else (0.0, 0.0)
+        h[0, 0], h[0, 1], h[0, 2] = force_a, force_r * sideways, force_r * upward
+        h[1, 0], h[1, 1], h[1, 2] = across_a * y, across + across_r * y * sideways, across_r * y * upward
+        h[2, 0], h[2, 1], h[2, 2] = across_a * z, across_r * z * sideways, across + across_r * z * upward
+        image = structure.image[bar]
+        add_turned_block(blocks, pattern.bar_slot[bar, 0], 1.0, h, 0, 0, rotations)
+        add_turned_block(blocks, pattern.bar_slot[bar, 1], -1.0, h, 0, image, rotations)
+        add_turned_block(blocks, pattern.bar_slot[bar, 2], 1.0, h, image, 0, rotations)
+        add_turned_block(blocks, pattern.bar_slot[bar, 3], -1.0, h, image, image, rotations)
+
+
+@njit(cache=True)
+def _law_and_slope(theta: float, angles: Floats, coefficients: Floats) -> tuple[float, float]:
+    """Net pressure coefficient and its derivative with respect to theta."""
+    low, high = 0, len(angles) - 2
+    while low < high:
+        piece = (low + high + 1) // 2
+        if theta < angles[piece]:
+            high = piece - 1
+        else:
+            low = piece
+    t = theta - angles[low]
+    c3, c2, c1, c0 = coefficients[0, low], coefficients[1, low], coefficients[2, low], coefficients[3, low]
+    return ((c3 * t + c2) * t + c1) * t + c0, (3.0 * c3 * t + 2.0 * c2) * t + c1
+
+
+@njit(cache=True)
+def add_pressure_tangent(
+    position: Floats, structure: Structure, loading: Loading, pattern: Pattern, share: Floats, blocks: Floats
+) -> None:
+    """Add the catch's pressure's part; it follows the facets' areas, senses and angles to the flow.
+
+    The load P = k C(theta) A of a facet with area vector A = (a x b + b x c + c x a) / 2 changes by
+    dP = k (C I + C' A (dtheta/dA)^T) dA, with dtheta/dA = (e_x - n_x n) / (|A| sin theta), a unit vector over |A|, and
+    dA = da x (b - c) / 2 for a move of corner a. On the axis of the flow, where that unit vector has no direction, the
+    law's slope counts as 0.
+    """
+    uniform = len(loading.angles) == 2 and not np.any(loading.coefficients[:3] != 0.0)
+    h, b = np.empty((3, 3)), np.empty((3, 3))
+    rotations = structure.rotations
+    for facet in range(len(structure.facet_band)):
+        filled = share[structure.facet_band[facet]]
+        if filled == 0.0:
+            continue
+        corners = _corners(position, structure, facet)
+        ax, ay, az, bx, by, bz, cx, cy, cz = corners
+        x, y, z = _area_vector(corners)
+        third = filled * structure.facet_weight[facet] * loading.stagnation_pressure / 3.0
+        b[:] = 0.0
+        coefficient = loading.coefficients[3, 0]
+        if not uniform:
+            area, across = np.sqrt(x * x + y * y + z * z), np.sqrt(y * y + z * z)
+            if area == 0.0:
+                continue
+            coefficient, slope = _law_and_slope(np.arctan2(across, -x), loading.angles, loading.coefficients)
+            if across > 0.0:
+                # (e_x - n_x n) / sin theta = (sin theta, -n_x n_y / sin theta, -n_x n_z / sin theta)
+                slope *= third / (area * area)
+                sx, sy, sz = slope * across, -slope * x * y / across, -slope * x * z / across
+                b[0, 0], b[0, 1], b[0, 2] = x * sx, x * sy, x * sz
+                b[1, 0], b[1, 1], b[1, 2] = y * sx, y * sy, y * sz
+                b[2, 0], b[2, 1], b[2, 2] = z * sx, z * sy, z * sz
+        for i in range(3):
+            b[i, i] += third * coefficient
+        for moved in range(3):
+            if moved == 0:
+                ex, ey, ez = bx - cx, by - cy, bz - cz
+            elif moved == 1:
+                ex, ey, ez = cx - ax, cy - ay, cz - az
+            else:
+                ex, ey, ez = ax - bx, ay - by, az - bz
+            ex, ey, ez = 0.5 * ex, 0.5 * ey, 0.5 * ez
+            # b times the matrix that turns a move dx into dx x e
+            for i in range(3):
+                h[i, 0] = b[i, 2] * ey - b[i, 1] * ez
+                h[i, 1] = b[i, 0] * ez - b[i, 2] * ex
+                h[i, 2] = b[i, 1] * ex - b[i, 0] * ey
+            column_image = structure.facet_image[facet, moved]
+            for corner in range(3):
+                row_image = structure.facet_image[facet, corner]
+                slot = pattern.facet_slot[facet, corner, moved]
+                add_turned_block(blocks, slot, -1.0, h, row_image, column_image, rotations)
