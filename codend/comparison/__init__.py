@@ -1,0 +1,6 @@
+"""Computed codends beside a flume table: read the table, match its rows with the cases, say how far they are apart."""
+
+from codend.comparison.compare import Comparison, compare, read_results
+from codend.comparison.flume_table import FlumeTable, read_flume_table
+
+__all__ = ["Comparison", "FlumeTable", "compare", "read_flume_table", "read_results"]
