@@ -1,4 +1,4 @@
-"""Closed-form meridian under uniform pressure: the two unknowns found, and the shape at any row (see ``quadrature``)."""
+"""Closed-form meridian under uniform pressure: its two unknowns, and the shape at any row (see ``quadrature``)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,7 +12,11 @@ from codend.meridian.shell import Floats, Shell
 _GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(12)
 _GRADING = np.array([0.0, 1.5, 4.0, 12.0])  # panel ends from the ends of a piece, near which the integrands vary
 _LOGARITHM_RATES = np.array([1.0, np.sqrt(6.0)])  # rows grow by 1/rate for each factor e nearer to the limit shapes
+_FEW_NODES, _FEW_WEIGHTS = np.polynomial.legendre.leggauss(6)
+_PARTS = 4
+_NEAR_ENOUGH = 1e-8  # the last of Newton's steps: its error is the square of that
 _LARGEST_DEFECT = 1e-10
+_MOST_ITERATIONS = 30
 
 
 class Piece(Protocol):
@@ -52,15 +56,15 @@ def _rows_between(piece: Piece, start: Floats, end: Floats) -> Floats:
     return np.asarray(((values @ _GAUSS_WEIGHTS) * half).sum(axis=1))
 
 
-def _join(netting: Netting, phi_entry: float, ahead: Ahead, catch: Catch, slopes: tuple[Floats, Floats], v: Floats) -> Meridian:
+def _join(ahead: Ahead, entry_slope: Floats, front_slope: Floats, catch: Catch, v: Floats) -> Meridian:
     """The meridian with these slopes at entry and front, v the place of the front in the catch."""
-    w_entry, w_front = ahead.place(slopes[0]), ahead.place(slopes[1])
+    across = catch.netting.across
+    w_entry, w_front = ahead.place(entry_slope), ahead.place(front_slope)
     v_tail = catch.place(0.0)
     before = _rows_between(ahead, w_entry, w_front)
     within = _rows_between(catch, v, v_tail)
-    if netting.across > 0.0:
-        tail = SlackTail(catch.axial)
-        within = within + _rows_between(tail, np.full_like(v, -netting.across), np.zeros_like(v))
+    if across > 0.0:
+        within = within + _rows_between(SlackTail(catch.axial), np.full_like(v, -across), np.zeros_like(v))
     # without a neck, w = 0 is a point on the axis: no meridian passes it
     joined = (w_front > w_entry) & (ahead.neck | (w_front * w_entry > 0.0))
     before = np.where(joined[:, 0], before, np.nan)
@@ -82,11 +86,11 @@ def _from_entry_slope(netting: Netting, phi_entry: float, unknowns: Floats) -> M
     ahead = Ahead.from_excess(netting, excess)
     phi_front = np.arcsin(np.sqrt(ahead.axial / catch.axial) - netting.across)
     front_slope = np.arccos(ahead.axial * netting.row_length(phi_front))
-    return _join(netting, phi_entry, ahead, catch, (slope, front_slope), -catch.place(phi_front))
+    return _join(ahead, slope, front_slope, catch, -catch.place(phi_front))
 
 
 def _from_front_place(netting: Netting, phi_entry: float, unknowns: Floats) -> Meridian:
-    """Front anywhere about the largest radius, meridian narrowing at the entry; unknowns fix v at the front, and the gap."""
+    """Front about the largest radius, meridian narrowing at the entry; unknowns fix v at the front, and the gap."""
     y, z = unknowns[:, :1], unknowns[:, 1:]
     catch = Catch(netting, netting.widest / (1.0 + np.exp(z)))
     v = catch.place(0.0) * np.tanh(y)
@@ -94,7 +98,7 @@ def _from_front_place(netting: Netting, phi_entry: float, unknowns: Floats) -> M
     axial = catch.axial * radius**2
     slope = -np.arccos(axial * netting.row_length(phi_entry))
     ahead = Ahead.from_excess(netting, axial * netting.row_length(0.0) - 1.0)
-    return _join(netting, phi_entry, ahead, catch, (slope, front_slope), v)
+    return _join(ahead, slope, front_slope, catch, v)
 
 
 def _straightened(rows: Floats) -> Floats:
@@ -110,66 +114,54 @@ class ClosedForm:
     netting: Netting
     meridian: Meridian
     """With a batch axis of one."""
-    front: float
-    rows: float
     iterations: int
     residual: float
     """Largest error in the number of rows, over the rows wanted."""
 
-    def at(self, t: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-        """Axial place, radius, half angle phi and slope a at rows t, rising, all (n,)."""
+    def at(self, t: Floats) -> tuple[Floats, Floats, Floats]:
+        """Radius, half angle phi and slope a at rows t, rising, all (n,)."""
         pieces: list[tuple[Piece, float, float]] = [
-            (self.meridian.ahead, *(float(w[0, 0]) for w in self.meridian.ahead_ends)),
-            (self.meridian.catch, *(float(v[0, 0]) for v in self.meridian.catch_ends)),
+            (self.meridian.ahead, self.meridian.ahead_ends[0].item(), self.meridian.ahead_ends[1].item()),
+            (self.meridian.catch, self.meridian.catch_ends[0].item(), self.meridian.catch_ends[1].item()),
         ]
         if self.netting.across > 0.0:
             pieces.append((SlackTail(self.meridian.catch.axial), -self.netting.across, 0.0))
-        out = np.empty((4, len(t)))
-        row, place = 0.0, 0.0
-        for number, (piece, start, end) in enumerate(pieces):
-            knots, rows, places = _tabulate(self.netting, piece, start, end)
-            last = number == len(pieces) - 1
-            mine = (t >= row) & (t < row + rows[-1]) if not last else t >= row
-            parameter = _parameter_at(piece, knots, rows, t[mine] - row)
-            radius, phi, slope = (value[0] for value in piece.state(parameter[None, :]))
-            nearest = np.clip(np.searchsorted(knots, parameter) - 1, 0, len(knots) - 2)
-            onwards = _integrate(self.netting, piece, knots[nearest], parameter)[1]
-            out[:, mine] = place + places[nearest] + onwards, radius, phi, slope
-            row, place = row + rows[-1], place + places[-1]
-        return out[0], out[1], out[2], out[3]
+        out = np.empty((3, len(t)))
+        first, run = 0, 0.0
+        for piece, start, end in pieces:
+            knots = _knots(start, end)
+            rows = np.concatenate([[0.0], np.cumsum(_rows_within(piece, knots[:-1], knots[1:]))])
+            last = len(t) if piece is pieces[-1][0] else int(np.searchsorted(t, run + rows[-1]))
+            parameter = _parameter_at(piece, knots, rows, t[first:last] - run)
+            out[:, first:last] = [value[0] for value in piece.state(parameter[None, :])]
+            first, run = last, run + rows[-1]
+        return out[0], out[1], out[2]
 
 
-def _integrate(netting: Netting, piece: Piece, start: Floats, end: Floats) -> tuple[Floats, Floats]:
-    """Rows and axial length between parameters, each (n,)."""
-    half = 0.5 * (end - start)
-    nodes = 0.5 * (start + end)[:, None] + half[:, None] * _GAUSS_NODES
-    flat = nodes.reshape(1, -1)
-    rates = piece.rates(flat).reshape(nodes.shape)
-    _, phi, slope = piece.state(flat)
-    length = (netting.row_length(phi) * np.cos(slope)).reshape(nodes.shape)
-    return rates @ _GAUSS_WEIGHTS * half, (rates * length) @ _GAUSS_WEIGHTS * half
-
-
-def _tabulate(netting: Netting, piece: Piece, start: float, end: float) -> tuple[Floats, Floats, Floats]:
-    """Parameters along a piece and the rows and axial length up to each."""
+def _knots(start: float, end: float) -> Floats:
+    """Parameters that divide a piece finely enough for few Gauss points between two of them."""
     ends = _panel_ends(np.array([[start]]), np.array([[end]]))[0]
-    knots = np.unique(np.concatenate([ends, 0.5 * (ends[1:] + ends[:-1])]))
-    rows, places = _integrate(netting, piece, knots[:-1], knots[1:])
-    return knots, np.concatenate([[0.0], np.cumsum(rows)]), np.concatenate([[0.0], np.cumsum(places)])
+    parts = np.linspace(ends[:-1], ends[1:], _PARTS, endpoint=False, axis=1)
+    return np.unique(np.append(parts, end))
+
+
+def _rows_within(piece: Piece, start: Floats, end: Floats) -> Floats:
+    """Rows between near parameters, (n,)."""
+    half = 0.5 * (end - start)
+    nodes = 0.5 * (start + end)[:, None] + half[:, None] * _FEW_NODES
+    return np.asarray(piece.rates(nodes.reshape(1, -1)).reshape(nodes.shape) @ _FEW_WEIGHTS * half)
 
 
 def _parameter_at(piece: Piece, knots: Floats, rows: Floats, wanted: Floats) -> Floats:
-    """Parameters at which a piece has run ``wanted`` rows: Newton's method within a panel, rates being smooth there."""
-    panel = np.clip(np.searchsorted(rows, wanted) - 1, 0, len(knots) - 2)
-    low, high = knots[panel], knots[panel + 1]
-    parameter = low + (high - low) * (wanted - rows[panel]) / (rows[panel + 1] - rows[panel])
+    """Parameters at which a piece has run ``wanted`` rows: Newton's method between two knots, rates being smooth."""
+    part = np.clip(np.searchsorted(rows, wanted) - 1, 0, len(knots) - 2)
+    low, high = knots[part], knots[part + 1]
+    parameter = low + (high - low) * (wanted - rows[part]) / (rows[part + 1] - rows[part])
     for _ in range(6):
-        half = 0.5 * (parameter - low)
-        nodes = 0.5 * (parameter + low)[:, None] + half[:, None] * _GAUSS_NODES
-        run = piece.rates(nodes.reshape(1, -1)).reshape(nodes.shape) @ _GAUSS_WEIGHTS * half
-        step = (wanted - rows[panel] - run) / piece.rates(parameter[None, :])[0]
+        missing = wanted - rows[part] - _rows_within(piece, low, parameter)
+        step = missing / piece.rates(parameter[None, :])[0]
         parameter = np.clip(parameter + step, low, high)
-        if np.abs(step).max(initial=0.0) < 1e-13 * (1.0 + abs(knots).max()):
+        if np.abs(step).max(initial=0.0) < _NEAR_ENOUGH * (1.0 + np.abs(knots).max()):
             break
     return parameter
 
@@ -177,8 +169,8 @@ def _parameter_at(piece: Piece, knots: Floats, rows: Floats, wanted: Floats) -> 
 def solve_closed_form(shell: Shell) -> ClosedForm | None:
     """Solve for the two unknowns by Newton's method from a few starts.
 
-    None where the closed form does not apply or is not found: elastic bars, a front at the entry row, an entry wider than
-    the limit r of the catch, T90 knots slack at the entry or at the front, or no start that converges.
+    None where the closed form does not apply or is not found: elastic bars, a front at the entry row, an entry wider
+    than the limit r of the catch, T90 knots slack at the entry or at the front, or no start that converges.
     """
     netting = netting_of(shell)
     if shell.compliance > 0.0 or shell.front <= 0.0 or not 0.0 < shell.entry_radius - netting.across < 1.0:
@@ -207,19 +199,24 @@ def solve_closed_form(shell: Shell) -> ClosedForm | None:
                 iterations += steps
                 if found is not None:
                     defect = float(np.abs(found.rows[0] / wanted - 1.0).max())
-                    return ClosedForm(netting, found, shell.front, shell.rows, iterations, defect)
+                    return ClosedForm(netting, found, iterations, defect)
     return None
 
 
 def _newton(
-    chart: Callable[[Netting, float, Floats], Meridian], netting: Netting, phi_entry: float, start: Floats, target: Floats
+    chart: Callable[[Netting, float, Floats], Meridian],
+    netting: Netting,
+    phi_entry: float,
+    start: Floats,
+    target: Floats,
 ) -> tuple[Meridian | None, int]:
     """Damped Newton's method with forward differences in the batch; None unless the rows are met."""
     nudge = 1e-6
     offsets = nudge * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
     best, smallest, step, damping = start, np.inf, np.zeros(2), 1.0
-    unknowns = start
-    for iteration in range(30):
+    unknowns, iterations = start, 0
+    while iterations < _MOST_ITERATIONS:
+        iterations += 1
         meridian = chart(netting, phi_entry, unknowns + offsets)
         defect = _straightened(meridian.rows) - target
         size = np.abs(defect[0]).max()
@@ -238,4 +235,4 @@ def _newton(
         step = -np.linalg.solve(jacobian, defect[0])
         damping = min(1.0, 2.0 * damping, 3.0 / max(float(np.abs(step).max()), 1e-9))
         unknowns = best + damping * step
-    return (chart(netting, phi_entry, best[None, :]) if smallest < _LARGEST_DEFECT else None), iteration + 1
+    return (chart(netting, phi_entry, best[None, :]) if smallest < _LARGEST_DEFECT else None), iterations

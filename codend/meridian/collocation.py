@@ -117,19 +117,22 @@ def solve_newton(
         if size < tolerance:
             return NewtonResult(state, size, iteration, True)
         try:
-            correction = -solve_banded((LOWER, UPPER), bands, residual, check_finite=False)
+            flat = solve_banded((LOWER, UPPER), bands, residual, check_finite=False)
         except (LinAlgError, ValueError):
             break
-        if not np.all(np.isfinite(correction)):
+        if not np.all(np.isfinite(flat)):
             break
-        correction = correction.reshape(-1, 3).T
+        correction = -flat.reshape(-1, 3).T
         length = float(np.linalg.norm(correction))
         damping = min(1.0, 2.0 * damping, _longest_step(shell, state, correction))
         while damping > 1e-6:
             trial = state + damping * correction
             trial_residual, _ = _defects(shell, grid, trial, False)
             simplified = solve_banded((LOWER, UPPER), bands, trial_residual, check_finite=False)
-            if np.linalg.norm(simplified) <= (1.0 - 0.25 * damping) * length or np.abs(trial_residual).max() < tolerance:
+            if (
+                np.linalg.norm(simplified) <= (1.0 - 0.25 * damping) * length
+                or np.abs(trial_residual).max() < tolerance
+            ):
                 break
             damping *= 0.5
         else:

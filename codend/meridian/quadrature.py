@@ -1,17 +1,18 @@
 """Closed-form meridian of a bag under uniform pressure and without twine drag: two integrals and two unknowns.
 
-With constant p and no drag the meridian equations (see ``shell``) have two first integrals. Q l_s is constant for diamond
-netting and Q cos(phi) for T90 (that is T cos^2 phi constant without knots), and the axial force Q cos(a) is that of the
-pressure on the section within: p pi r^2 in the catch, p pi r_c^2 ahead of it, r_c the radius of the front. Hence
+With constant p and no drag the meridian equations (see ``shell``) have two first integrals. Q l_s is constant for
+diamond netting and Q cos(phi) for T90 (that is T cos^2 phi constant without knots), and the axial force Q cos(a) is
+that of the pressure on the section within: p pi r^2 in the catch, p pi r_c^2 ahead of it, r_c the front's radius. Hence
 
     cos a = k r^2 l_s in the catch,   cos a = E l_s ahead of it,   E = k r_c^2   (l_s of T90: cos phi)
 
-and the rows follow by integration, dt = (cos phi / l_s) dphi / |sin a|. Both integrands are singular where the meridian
-turns (sin a = 0), and the rows grow like the logarithm of the distance to the limit shapes, the tube of tan^2 phi = 2 in
-the catch and the cylinder of closed meshes ahead of it. Both are removed by substitutions that hold these distances
-themselves: phi* - phi = (phi* - phi_m) cosh v in the catch, with phi_m the largest angle and phi* the limit it cannot
-pass; sin(a/2) = g sinh w (g cosh w where there is no neck) ahead, with 2 g^2 = |E l_s(0) - 1|. What remains is
-smooth, and Gauss-Legendre on a few graded panels gives it to round-off. All lengths are without dimensions, as in ``shell``.
+and the rows follow by integration, dt = (cos phi / l_s) dphi / |sin a|. Both integrands are singular where the
+meridian turns (sin a = 0), and the rows grow like the logarithm of the distance to the limit shapes, the tube of
+tan^2 phi = 2 in the catch and the cylinder of closed meshes ahead of it. Both are removed by substitutions that hold
+these distances themselves: phi* - phi = (phi* - phi_m) cosh v in the catch, with phi_m the largest angle and phi* the
+limit it cannot pass; sin(a/2) = g sinh w (g cosh w where there is no neck) ahead, with 2 g^2 = |E l_s(0) - 1|. What
+remains is smooth, and Gauss-Legendre on a few graded panels gives it to round-off. All lengths are without dimensions,
+as in ``shell``.
 """
 
 from dataclasses import dataclass
@@ -52,10 +53,14 @@ def netting_of(shell: Shell) -> Netting:
     if shell.knot_across:
         sine = (-across + np.sqrt(across**2 + 24.0)) / 6.0
         e = np.polynomial.Polynomial([sine, -1.0])
-        return Netting(along, across, float(np.arcsin(sine)), ((e + across) ** 4 * (1.0 - e**2)).coef)
+        return Netting(
+            along, across, float(np.arcsin(sine)), np.asarray(((e + across) ** 4 * (1.0 - e**2)).coef, float)
+        )
     cosine = (-along + np.sqrt(along**2 + 3.0)) / 3.0
     e = np.polynomial.Polynomial([cosine, 1.0])
-    return Netting(along, across, float(np.arccos(cosine)), ((1.0 - e**2) ** 2 * (e + along) ** 2).coef)
+    return Netting(
+        along, across, float(np.arccos(cosine)), np.asarray(((1.0 - e**2) ** 2 * (e + along) ** 2).coef, float)
+    )
 
 
 @dataclass(frozen=True)
@@ -77,7 +82,7 @@ class Ahead:
         return cls(netting, axial, np.sqrt(np.maximum(0.5 * np.abs(excess), _SMALLEST)), excess >= 0.0)
 
     def place(self, slope: Floats) -> Floats:
-        """w of a slope."""
+        """Parameter w of a slope."""
         half = np.sin(0.5 * slope) / self.scale
         return np.where(self.neck, np.arcsinh(half), np.sign(half) * np.arccosh(np.maximum(np.abs(half), 1.0)))
 
@@ -89,7 +94,7 @@ class Ahead:
         return 2.0 / self.axial * (self.scale * np.where(self.neck, np.cosh(w), np.sinh(w))) ** 2
 
     def rates(self, w: Floats) -> Floats:
-        """dt / dw, from dt = da / (tan phi cos a)."""
+        """Rows per parameter, from dt = da / (tan phi cos a)."""
         half2, cosine = self._half_sine(w) ** 2, 1.0 - self._closure(w)
         return cosine * np.sqrt(2.0 * self.axial / ((1.0 + cosine) * (1.0 - half2))) / (1.0 - 2.0 * half2)
 
@@ -141,7 +146,7 @@ class Catch:
         return phi, self.gap * chord * np.sinc(offset / np.pi) * total / height
 
     def rates(self, v: Floats) -> Floats:
-        """dt / dv, from dt = (cos phi / l_s) dphi / |sin a|."""
+        """Rows per parameter, from dt = (cos phi / l_s) dphi / |sin a|."""
         phi, turn = self._turn(v)
         share = np.cos(phi) / self.netting.row_length(phi)
         return share * 2.0 * self.gap * np.cosh(0.5 * v) / np.sqrt(turn)
@@ -156,13 +161,13 @@ class Catch:
 
 @dataclass(frozen=True)
 class SlackTail:
-    """T90 netting narrower than its knots, from r = N l / pi to the codline, as a function of -r: phi = 0, Q constant."""
+    """T90 netting narrower than its knots, r < N l / pi in the catch, as a function of -r: phi = 0, Q constant."""
 
     axial: Floats
     """k."""
 
     def rates(self, u: Floats) -> Floats:
-        """dt / du, from dt = dr / sin a with l_s = 1."""
+        """Rows per parameter, from dt = dr / sin a with l_s = 1."""
         return np.asarray(1.0 / np.sqrt(1.0 - (self.axial * u**2) ** 2))
 
     def state(self, u: Floats) -> tuple[Floats, Floats, Floats]:

@@ -3,23 +3,24 @@
 Derivation. 2 N bars of tension T at half angle phi to the meridian join two neighbouring half-mesh rows, which lie l_s
 apart along the meridian. They pull along it with Q = 2 N T cos phi in all. Any plane through the axis cuts one bar per
 half-mesh row, so the hoop force per length of meridian is T sin phi / l_s. With the slope a of the meridian
-(dx/ds = cos a, dr/ds = sin a) its curvatures are -da/ds along and cos(a) / r across. Equilibrium of an element along its
-outward normal (-sin a, cos a) and along the meridian, counted in half-mesh rows j (ds = l_s dj), is
+(dx/ds = cos a, dr/ds = sin a) its curvatures are -da/ds along and cos(a) / r across. Equilibrium of an element along
+its outward normal (-sin a, cos a) and along the meridian, counted in half-mesh rows j (ds = l_s dj), is
 
     da/dj     = (pi / N) tan(phi) cos(a) - (2 pi r l_s p + F_n) / Q
     dln(Q)/dj = (pi / N) tan(phi) sin(a) - F_t / Q
     dr/dj     = l_s sin(a),   dx/dj = l_s cos(a)
 
-with p the net pressure, and F_n and F_t the twine drag of a half-mesh row along the normal and along the meridian. Knots
-enter through r and l_s alone: diamond r = (N b / pi) sin phi, l_s = b cos phi + l; T90 r = N (b sin phi + l) / pi,
-l_s = b cos phi. Where T90 netting is narrower than its knots, r < N l / pi, the knots are slack: the bars then lie in
-meridian planes, phi = 0, and carry no hoop force. In row coordinates nothing is singular at the codline, where r = 0 and
-a = -pi/2 (a free codline takes no axial force).
+with p the net pressure, and F_n and F_t the twine drag of a half-mesh row along the normal and along the meridian.
+Knots enter through r and l_s alone: diamond r = (N b / pi) sin phi, l_s = b cos phi + l; T90
+r = N (b sin phi + l) / pi, l_s = b cos phi. Where T90 netting is narrower than its knots, r < N l / pi, the knots are
+slack: the bars then lie in meridian planes, phi = 0, and carry no hoop force. In row coordinates nothing is singular at
+the codline, where r = 0 and a = -pi/2 (a free codline takes no axial force).
 
 Drag of a row. With i the flow, e the meridian and n the normal, the bars' directions are cos(phi) e plus and minus
-sin(phi) across; cos B = cos(phi) cos(a) is the cosine between bar and flow. A bar's load is k_n (i - cos B t) + k_t cos B t,
-times rho d b V^2 / 2, where k_n = Cd sin B and k_t = f Cd |cos B| (Le Bris et al. 1999, eq. 4-5) or k_n = Cd and
-k_t = Cf (Bessonneau & Marichal 1997, eq. 2-3). Summed over 2 N bars, with t.n = 0 and t.e = cos phi,
+sin(phi) across; cos B = cos(phi) cos(a) is the cosine between bar and flow. A bar's load is
+k_n (i - cos B t) + k_t cos B t times rho d b V^2 / 2, where k_n = Cd sin B and k_t = f Cd |cos B| (Le Bris et al.
+1999, eq. 4-5) or k_n = Cd and k_t = Cf (Bessonneau & Marichal 1997, eq. 2-3). Summed over 2 N bars, with t.n = 0 and
+t.e = cos phi,
 
     F_n = -N rho d b V^2 k_n sin(a)
     F_t =  N rho d b V^2 cos(a) (k_n sin^2 phi + k_t cos^2 phi)
@@ -33,11 +34,15 @@ r = sin phi + e tan phi and l_s = cos phi + e, knots apart.
 from dataclasses import dataclass
 
 import numpy as np
-from catch_models.pressure import PressureLaw
 from numpy.typing import NDArray
+
+from catch_models.pressure import PressureLaw
 
 Floats = NDArray[np.float64]
 DRAG_LAWS = ("le-bris-1999", "bessonneau-1997")
+_ROUND_OFF = 1e-30
+_STEEPEST = 0.999999  # sine of the half angle at which bars that cannot stretch are held while a solver tries radii
+_LARGEST_LOG = 50.0  # likewise for ln Q
 
 
 @dataclass(frozen=True)
@@ -61,7 +66,7 @@ class Shell:
     drag_width: float
     """2 d / b."""
     compliance: float
-    """Bar strain over Q cos(phi)^-1: pi R^2 q / (2 N EA), 0 for inextensible bars."""
+    """pi R^2 q / (2 N EA), 0 for inextensible bars."""
 
     @property
     def knot_along(self) -> float:
@@ -92,22 +97,18 @@ class Bars:
 
 
 def bars_at(shell: Shell, radius: Floats, log_force: Floats) -> Bars:
-    """Half angle of the bars where the netting has this radius and carries this meridional force.
-
-    For elastic bars sin(phi) + e tan(phi) = r is solved by Newton's method from above, where it converges monotonically
-    (the left side is solved in u = tan(phi), concave and rising for radii that matter).
-    """
+    """Bars where the netting has this radius and carries this meridional force, both (n,)."""
     wide = radius - shell.knot_round
     taut = np.ones_like(radius)
     if shell.knot_round > 0.0:
         taut = (wide > 0.0).astype(float)
         wide = wide * taut
     if shell.compliance == 0.0:
-        sine = np.clip(wide, -0.999999, 0.999999)
+        sine = np.clip(wide, -_STEEPEST, _STEEPEST)
         cosine = np.sqrt(1.0 - sine**2)
         stretch = np.zeros_like(radius)
     else:
-        stretch = shell.compliance * np.exp(np.minimum(log_force, 50.0))
+        stretch = shell.compliance * np.exp(np.minimum(log_force, _LARGEST_LOG))
         phi = _stretched_angle(wide, stretch)
         sine, cosine = np.sin(phi), np.cos(phi)
     phi_radius = taut / (cosine + stretch / cosine**2)
@@ -122,7 +123,7 @@ def bars_at(shell: Shell, radius: Floats, log_force: Floats) -> Bars:
 
 
 def _stretched_angle(wide: Floats, stretch: Floats) -> Floats:
-    """phi of sin(phi) + e tan(phi) = w: Newton in u = tan(phi), where the left side is u (1/sqrt(1 + u^2) + e)."""
+    """Half angle of sin(phi) + e tan(phi) = w, by Newton in u = tan(phi): w = u (1/sqrt(1 + u^2) + e)."""
     magnitude = np.abs(wide)
     tangent = magnitude / (1.0 + stretch)  # from below: the left side is concave, so Newton rises to the root
     for _ in range(60):
@@ -134,18 +135,20 @@ def _stretched_angle(wide: Floats, stretch: Floats) -> Floats:
     return np.arctan(tangent) * np.sign(wide)
 
 
-def drag_coefficients(shell: Shell, bars: Bars, slope: Floats) -> tuple[Floats, Floats]:
-    """Coefficients k_n and k_t of a bar's load across and along itself (see the module's head)."""
+def drag_coefficients(shell: Shell, bars: Bars, slope: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Coefficients k_n and k_t of a bar's load across and along itself, and their derivatives by cos B."""
     along = bars.cosine * np.cos(slope)
     if shell.drag_law == "le-bris-1999":
-        across = np.sqrt(np.maximum(1.0 - along**2, 1e-30))
-        return shell.normal * across, shell.tangential * shell.normal * np.abs(along)
-    return np.full_like(along, shell.normal), np.full_like(along, shell.tangential)
+        across = np.sqrt(np.maximum(1.0 - along**2, _ROUND_OFF))
+        both = shell.tangential * shell.normal
+        return shell.normal * across, both * np.abs(along), -shell.normal * along / across, both * np.sign(along)
+    none = np.zeros_like(along)
+    return none + shell.normal, none + shell.tangential, none, none
 
 
 def axial_drag(shell: Shell, bars: Bars, slope: Floats) -> Floats:
-    """Axial twine drag per unit of t, over pi R^2 q: d x-force of 2 N bars a row."""
-    normal, tangential = drag_coefficients(shell, bars, slope)
+    """Axial twine drag of the 2 N bars of a row, per unit of t and over pi R^2 q."""
+    normal, tangential, _, _ = drag_coefficients(shell, bars, slope)
     along2 = (bars.cosine * np.cos(slope)) ** 2
     length = shell.drag_width * (1.0 + bars.strain_force / bars.cosine)
     return length * (normal * (1.0 - along2) + tangential * along2)
@@ -167,62 +170,52 @@ def rates(shell: Shell, state: Floats, in_catch: Floats) -> tuple[Floats, Floats
     sin_a, cos_a = np.sin(slope), np.cos(slope)
     s, c = bars.sine, bars.cosine
     tangent = s / c
-    inverse_force = np.exp(-np.maximum(log_force, -50.0))
+    inverse_force = np.exp(-np.maximum(log_force, -_LARGEST_LOG))
 
     theta = np.clip(0.5 * np.pi - slope, 0.0, np.pi)
     pressure = in_catch * shell.pressure(theta) * inverse_force
     pressure_a = -in_catch * shell.pressure.derivative(theta) * inverse_force
-    normal_load = 2.0 * radius * bars.row_length * pressure
-
-    normal, tangential = drag_coefficients(shell, bars, slope)
-    length = shell.drag_width * (1.0 + bars.strain_force / c) * (1.0 - in_catch) * inverse_force
+    normal, tangential, normal_b, tangential_b = drag_coefficients(shell, bars, slope)
+    bare = shell.drag_width * (1.0 - in_catch) * inverse_force  # by 1 + e / cos(phi), the bars' stretch
+    drag = bare * (1.0 + bars.strain_force / c)
     mixed = normal * s**2 + tangential * c**2
-    normal_load = normal_load - length * normal * sin_a
-    tangential_load = length * mixed * cos_a
-    value = np.stack([bars.row_length * sin_a, tangent * cos_a - normal_load, tangent * sin_a - tangential_load])
+    value = np.stack(
+        [
+            bars.row_length * sin_a,
+            tangent * cos_a - 2.0 * radius * bars.row_length * pressure + drag * normal * sin_a,
+            tangent * sin_a - drag * mixed * cos_a,
+        ]
+    )
 
-    # partial derivatives with respect to phi, a and ln Q, with phi still free
-    if shell.drag_law == "le-bris-1999":
-        along = c * cos_a
-        across = np.sqrt(np.maximum(1.0 - along**2, 1e-30))
-        across_phi, across_a = along * s * cos_a / across, along * c * sin_a / across
-        sign = shell.tangential * shell.normal * np.sign(along)
-        normal_phi, normal_a = shell.normal * across_phi, shell.normal * across_a
-        tangential_phi, tangential_a = -sign * s * cos_a, -sign * c * sin_a
-    else:
-        normal_phi = normal_a = tangential_phi = tangential_a = np.zeros_like(s)
-    stretch = bars.strain_force
-    length_phi = shell.drag_width * (1.0 - in_catch) * inverse_force * stretch * s / c**2
-    length_q = -shell.drag_width * (1.0 - in_catch) * inverse_force  # of d (1 + e / c) / Q: the stretch cancels
-    mixed_phi = normal_phi * s**2 + tangential_phi * c**2 + 2.0 * s * c * (normal - tangential)
-    mixed_a = normal_a * s**2 + tangential_a * c**2
-
+    # partial derivatives with phi still free; cos B = cos(phi) cos(a)
+    drag_phi = bare * bars.strain_force * s / c**2
+    normal_phi, normal_a = -normal_b * s * cos_a, -normal_b * c * sin_a
+    mixed_b = normal_b * s**2 + tangential_b * c**2
+    mixed_phi = -mixed_b * s * cos_a + 2.0 * s * c * (normal - tangential)
+    mixed_a = -mixed_b * c * sin_a
     by_phi = np.stack(
         [
             -s * sin_a,
-            cos_a / c**2 + 2.0 * radius * s * pressure + (length_phi * normal + length * normal_phi) * sin_a,
-            sin_a / c**2 - (length_phi * mixed + length * mixed_phi) * cos_a,
+            cos_a / c**2 + 2.0 * radius * s * pressure + (drag_phi * normal + drag * normal_phi) * sin_a,
+            sin_a / c**2 - (drag_phi * mixed + drag * mixed_phi) * cos_a,
         ]
     )
     by_slope = np.stack(
         [
             bars.row_length * cos_a,
-            -tangent * sin_a
-            - 2.0 * radius * bars.row_length * pressure_a
-            + length * (normal_a * sin_a + normal * cos_a),
-            tangent * cos_a - length * (mixed_a * cos_a - mixed * sin_a),
+            -tangent * sin_a - 2.0 * radius * bars.row_length * pressure_a + drag * (normal_a * sin_a + normal * cos_a),
+            tangent * cos_a - drag * (mixed_a * cos_a - mixed * sin_a),
         ]
     )
+    # ln Q: e / Q does not depend on it, so that the stretched length drops out of the loads' derivatives
     by_log_force = np.stack(
         [
-            stretch * sin_a,
-            2.0 * radius * pressure * (bars.row_length - stretch) + length_q * normal * sin_a,
-            -length_q * mixed * cos_a,
+            bars.strain_force * sin_a,
+            2.0 * radius * pressure * (bars.row_length - bars.strain_force) - bare * normal * sin_a,
+            bare * mixed * cos_a,
         ]
     )
-    jacobian = np.empty((3, 3, len(radius)))
-    jacobian[:, 0] = by_phi * bars.phi_radius
+    jacobian = by_phi[:, None] * np.stack([bars.phi_radius, np.zeros_like(s), bars.phi_log_force])
+    jacobian += np.stack([np.zeros_like(value), by_slope, by_log_force], axis=1)
     jacobian[1, 0] -= 2.0 * bars.row_length * pressure
-    jacobian[:, 1] = by_slope
-    jacobian[:, 2] = by_log_force + by_phi * bars.phi_log_force
     return value, jacobian

@@ -7,7 +7,7 @@ import numpy as np
 
 from catch_models.pressure import UNIFORM_COEFFICIENT, uniform_law
 from codend.meridian.closed_form import ClosedForm, solve_closed_form
-from codend.meridian.collocation import Grid, make_grid, middle_state, solve_newton
+from codend.meridian.collocation import Grid, NewtonResult, make_grid, middle_state, solve_newton
 from codend.meridian.problem import MeridianProblem, MeridianShape, Outcome
 from codend.meridian.shell import Floats, Shell, axial_drag, bars_at
 
@@ -17,8 +17,8 @@ _ROUND_OFF = 1e-9
 def solve_meridian(problem: MeridianProblem, refinement: int = 1) -> MeridianShape:
     """Equilibrium under the problem's pressure law and twine drag, by fourth-order collocation and Newton's method.
 
-    Newton starts from the closed form for uniform pressure. The answer says whether it may be used: ``converged`` is False,
-    and ``message`` says why, when no start converged or the meridian found is no equilibrium of a towed bag.
+    Newton starts from the closed form for uniform pressure. The answer says whether it may be used: ``converged`` is
+    False, and ``message`` says why, when no start converged or the meridian found is no equilibrium of a towed bag.
 
     Args:
         problem: the bag and its catch.
@@ -26,26 +26,21 @@ def solve_meridian(problem: MeridianProblem, refinement: int = 1) -> MeridianSha
     """
     shell = problem.shell()
     grid = make_grid(shell, problem.half_mesh_rows, refinement)
-    iterations, refused = 0, None
-    for name, start in _starts(shell, grid):
+    iterations = 0
+    for name, start in _starts(shell, grid):  # never empty
         result = solve_newton(shell, grid, start)
         iterations += result.iterations
-        shape = _shape(problem, shell, grid, result.state, result.residual, iterations, f"collocation from {name}")
-        if not result.converged:
-            refused = refused or replace(shape, outcome=Outcome.NOT_CONVERGED)
-        elif shape.converged:
-            return shape
-        else:
-            refused = shape
-    assert refused is not None
-    return refused
+        shape = replace(_shape(problem, grid, result, f"collocation from {name}"), iterations=iterations)
+        if shape.converged:
+            break
+    return shape
 
 
 def uniform_pressure_shape(problem: MeridianProblem, coefficient: float = UNIFORM_COEFFICIENT) -> MeridianShape:
-    """The same bag with p = ``coefficient`` q in the catch and no twine drag: by quadrature, a start for any other method.
+    """The same bag with p = ``coefficient`` q in the catch and no twine drag: by quadrature, a start for other methods.
 
-    Where the closed form does not apply (see ``solve_closed_form``) the same problem is solved by collocation; ``method``
-    says which it was.
+    Where the closed form does not apply (see ``solve_closed_form``) the same problem is solved by collocation;
+    ``method`` says which it was.
     """
     plain = replace(problem, pressure_law=uniform_law(coefficient), drag_width_m=0.0)
     shell = plain.shell()
@@ -54,7 +49,7 @@ def uniform_pressure_shape(problem: MeridianProblem, coefficient: float = UNIFOR
         return solve_meridian(plain)
     grid = make_grid(shell, plain.half_mesh_rows)
     state = _closed_form_state(closed, coefficient, grid.t)
-    return _shape(plain, shell, grid, state, closed.residual, closed.iterations, "quadrature")
+    return _shape(plain, grid, NewtonResult(state, closed.residual, closed.iterations, True), "quadrature")
 
 
 def _starts(shell: Shell, grid: Grid) -> Iterator[tuple[str, Floats]]:
@@ -72,25 +67,31 @@ def _starts(shell: Shell, grid: Grid) -> Iterator[tuple[str, Floats]]:
         closed = solve_closed_form(neighbour)
         if closed is not None:
             yield "a neighbour's closed form", _closed_form_state(closed, coefficient, grid.t)
+    yield "a rough shape", _rough_state(shell, grid.t, coefficient)
 
 
 def _closed_form_state(closed: ClosedForm, coefficient: float, t: Floats) -> Floats:
     """Radius, slope and ln Q at rows t: Q = C / (k l_s), from Q cos a = C r^2 and cos a = k r^2 l_s in the catch."""
-    _, radius, phi, slope = closed.at(t)
+    radius, phi, slope = closed.at(t)
     axial = closed.meridian.catch.axial[0, 0]
     return np.stack([radius, slope, np.log(coefficient / (axial * closed.netting.row_length(phi)))])
 
 
-def _shape(
-    problem: MeridianProblem,
-    shell: Shell,
-    grid: Grid,
-    state: Floats,
-    residual: float,
-    iterations: int,
-    method: str,
-) -> MeridianShape:
+def _rough_state(shell: Shell, t: Floats, coefficient: float) -> Floats:
+    """A tube of the limit radius, rounded to the codline and tapered ahead of the front towards the entry's radius."""
+    widest = 0.8
+    rounded = widest * np.tanh((shell.rows - t) / widest)
+    front = widest * np.tanh((shell.rows - shell.front) / widest)
+    tapered = front * np.exp(t - shell.front) + shell.entry_radius * np.exp(-t)
+    radius = np.where(t > shell.front, rounded, np.minimum(tapered, widest))
+    slope = np.arctan(np.gradient(radius, t) / 0.7)
+    slope[-1] = -0.5 * np.pi
+    return np.stack([radius, slope, np.full_like(t, np.log(coefficient * front**2))])
+
+
+def _shape(problem: MeridianProblem, grid: Grid, result: NewtonResult, method: str) -> MeridianShape:
     """Measures of a state on a grid, integrated by Simpson's rule with the collocation's own midpoints."""
+    shell, state = problem.shell(), result.state
     step = np.diff(grid.t)
     middle = middle_state(shell, grid, state)
 
@@ -106,7 +107,9 @@ def _shape(
         load = -2.0 * pressure * radius * bars.row_length * np.sin(slope)
         return forward, radius**2 * forward, load, axial_drag(shell, bars, slope)
 
-    lengths, volumes, loads, drags = (integrals(*pair) for pair in zip(densities(state), densities(middle), strict=True))
+    lengths, volumes, loads, drags = (
+        integrals(*pair) for pair in zip(densities(state), densities(middle), strict=True)
+    )
     spread = problem.spread_radius_m
     force = np.pi * spread**2 * problem.stagnation_pressure_pa
     x = spread * np.concatenate([[0.0], np.cumsum(lengths)])
@@ -117,7 +120,9 @@ def _shape(
     twine_drag = force * float(drags @ (1.0 - grid.in_catch))
     reaction = force * float(q[0] * np.cos(slope[0]))
     outcome = Outcome.SOLVED
-    if np.any(np.cos(slope) < -_ROUND_OFF):
+    if not result.converged:
+        outcome = Outcome.NOT_CONVERGED
+    elif np.any(np.cos(slope) < -_ROUND_OFF):
         outcome = Outcome.SLOPE_REVERSED
     elif np.any(radius < -_ROUND_OFF):
         outcome = Outcome.RADIUS_NEGATIVE
@@ -130,7 +135,7 @@ def _shape(
         bar_tension_n=(force * q / (2.0 * problem.meshes_round * bars.cosine))[rows],
         front_x_m=float(x[grid.front]),
         front_radius_m=float(spread * radius[grid.front]),
-        largest_radius_m=float(spread * radius.max()),
+        largest_radius_m=spread * _largest_radius(step, state, bars.row_length),
         length_m=float(x[-1]),
         catch_volume_m3=float(np.pi * spread**3 * (volumes @ grid.in_catch)),
         drag_n=catch_drag + twine_drag,
@@ -138,8 +143,20 @@ def _shape(
         twine_drag_n=twine_drag,
         entry_reaction_n=reaction,
         axial_imbalance=abs(reaction - catch_drag - twine_drag) / reaction,
-        residual=residual,
-        iterations=iterations,
+        residual=result.residual,
+        iterations=result.iterations,
         method=method,
         outcome=outcome,
     )
+
+
+def _largest_radius(step: Floats, state: Floats, row_length: Floats) -> float:
+    """Largest radius of the cubics through the radii and their rates l_s sin a, taken where the slope changes sign."""
+    radius, slope, _ = state
+    rate = row_length * np.sin(slope)
+    turns = np.flatnonzero((slope[:-1] > 0.0) & (slope[1:] <= 0.0))
+    s = slope[turns] / (slope[turns] - slope[turns + 1])
+    left, right = radius[turns], radius[turns + 1]
+    value = (1.0 + 2.0 * s) * (1.0 - s) ** 2 * left + s**2 * (3.0 - 2.0 * s) * right
+    value = value + step[turns] * s * (1.0 - s) * ((1.0 - s) * rate[turns] - s * rate[turns + 1])
+    return float(max(radius.max(), value.max(initial=0.0)))
