@@ -429,6 +429,12 @@ def test_impossible_problems_are_refused_with_the_reason(change, words):
         replace(FLUME, **change)
 
 
+def test_a_catch_without_pressure_is_refused():
+    with pytest.raises(ValueError, match="coefficient"):
+        uniform_pressure_shape(FLUME, coefficient=0.0)
+    assert not solve_meridian(replace(BARE, pressure_law=uniform_law(0.0))).converged
+
+
 def test_rows_that_only_just_reach_the_axis_are_nearly_a_flat_disc():
     needed = FLUME.rows_to_axis()
     flat = replace(FLUME, half_mesh_rows=int(np.ceil(needed)), front_row=2.0, entry_radius_m=0.30)

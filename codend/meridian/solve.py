@@ -41,7 +41,12 @@ def uniform_pressure_shape(problem: MeridianProblem, coefficient: float = UNIFOR
 
     Where the closed form does not apply (see ``solve_closed_form``) the same problem is solved by collocation;
     ``method`` says which it was.
+
+    Raises:
+        ValueError: ``coefficient`` is not above 0; without pressure the shape is undetermined.
     """
+    if not coefficient > 0.0:
+        raise ValueError(f"coefficient = {coefficient} must be above 0")
     plain = replace(problem, pressure_law=uniform_law(coefficient), drag_width_m=0.0)
     shell = plain.shell()
     closed = solve_closed_form(shell)
@@ -54,7 +59,9 @@ def uniform_pressure_shape(problem: MeridianProblem, coefficient: float = UNIFOR
 
 def _starts(shell: Shell, grid: Grid) -> Iterator[tuple[str, Floats]]:
     """States to start Newton from, the likeliest first."""
-    coefficient = float(np.mean(shell.pressure(np.linspace(0.5 * np.pi, np.pi, 7))))
+    # the mean over the aft half stands for the law; a law of suction has no such start, and is tried from 1
+    mean = float(np.mean(shell.pressure(np.linspace(0.5 * np.pi, np.pi, 7))))
+    coefficient = mean if mean > 0.0 else 1.0
     closed = solve_closed_form(shell)
     if closed is not None:
         yield "the closed form", _closed_form_state(closed, coefficient, grid.t)
@@ -120,7 +127,7 @@ def _shape(problem: MeridianProblem, grid: Grid, result: NewtonResult, method: s
     twine_drag = force * float(drags @ (1.0 - grid.in_catch))
     reaction = force * float(q[0] * np.cos(slope[0]))
     outcome = Outcome.SOLVED
-    if not result.converged:
+    if not (result.converged and np.all(np.isfinite(state))):
         outcome = Outcome.NOT_CONVERGED
     elif np.any(np.cos(slope) < -_ROUND_OFF):
         outcome = Outcome.SLOPE_REVERSED
