@@ -126,7 +126,7 @@ def solve(plan: Plan, progress: StudyProgress | None = None) -> Study:
         report(dynamic_relaxation.METHOD, float("inf"))
         settings = RelaxationSettings(viscous=plan.model.damping == "viscous")
         solution = dynamic_relaxation.solve(
-            problem, plan.model.tolerance, start=last, settings=settings, progress=report
+            problem, plan.model.tolerance, settings=settings, progress=report
         )
         last = solution if solution.report.outcome.converged else None
         results.append(_measured(case, problem, solution))

@@ -18,7 +18,7 @@ from codend.mechanics.drag import add_drag
 from codend.mechanics.pressure import add_pressure, fill
 from codend.net import Floats, Ints
 
-REFRESH = 10
+REFRESH = 20
 X, FORCE, VELOCITY, MOBILITY, LOAD = 0, 3, 6, 9, 12
 WIDTH = 16
 """Columns of the packed state of a node: position, force, velocity, 1 / mass, load; one column is spare."""

@@ -150,9 +150,8 @@ class _Run:
             reached = max(self.residual, self.imbalance) <= tolerance and self.length_error <= LENGTH_TOLERANCE
             if reached or outcome is Outcome.OVERFULL:
                 return outcome
-            if inner == ROUGH:
-                # the first tensions found are a better measure of the penalty than the guess before them
-                self._set_law(float(np.mean(work.density * work.length)))
+            # the tensions found are a better measure of the penalty than the guess before them
+            self._set_law(float(np.mean(work.density * work.length)))
             work.multiplier[:] = work.density
             inner = max(tolerance, min(inner, self.settings.tightening * self.length_error))
             best, last_gain = np.inf, self.steps
