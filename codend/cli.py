@@ -1,0 +1,267 @@
+"""The command line: parse, call, print. Heavy libraries are imported where a command uses them: help is quick."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import click
+
+from codend.console import shown_progress, text_table
+from codend.errors import InputError
+
+if TYPE_CHECKING:
+    from codend.comparison import Comparison
+    from codend.selectivity.analysis import FieldFit
+    from codend.study import Study
+
+BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 2, 3, 130
+"""Exit statuses; 0 is success."""
+
+TABLE_COLUMNS = {
+    "case": "case",
+    "speed_m_s": "speed m/s",
+    "filled_meshes": "filled meshes",
+    "catch_volume_m3": "volume m3",
+    "front_from_codline_m": "front m",
+    "max_radius_m": "radius m",
+    "drag_n": "drag N",
+    "opening_ahead_deg": "opening deg",
+    "residual": "residual",
+    "converged": "converged",
+}
+"""Columns of ``results.csv`` that ``codend run`` prints, and their headings."""
+
+
+class _OneLineErrors(click.Group):
+    """A group whose commands return an exit status, and which reports what a user can mend on one line."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            _end("interrupted", INTERRUPTED)
+
+    def main(self, *args: Any, **kwargs: Any) -> NoReturn:
+        try:
+            status = super().main(*args, **{**kwargs, "standalone_mode": False})
+        except click.ClickException as error:
+            _end(error.format_message(), BAD_INPUT)
+        except InputError as error:
+            _end(str(error), BAD_INPUT)
+        except click.Abort:
+            _end("interrupted", INTERRUPTED)
+        raise SystemExit(status or 0)
+
+
+class _SeveralChanges(click.Command):
+    """A command whose ``--set`` takes one or more KEY=VALUE, up to the next word that is none."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        spread: list[str] = []
+        expects_value = may_go_on = False
+        for word in args:
+            goes_on = may_go_on and "=" in word and not word.startswith("-")
+            spread += ["--set", word] if goes_on else [word]
+            may_go_on = goes_on or expects_value or word.startswith("--set=")
+            expects_value = word == "--set"
+        return super().parse_args(ctx, spread)
+
+
+def _end(message: str, status: int) -> NoReturn:
+    click.echo(f"codend: {' '.join(message.split())}", err=True)
+    raise SystemExit(status)
+
+
+def _print_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
+    if wanted:
+        from codend.doctor import version_of
+
+        click.echo(f"codend {version_of('codend') or 'not installed, run from its source'}")
+        ctx.exit()
+
+
+@click.group(cls=_OneLineErrors, invoke_without_command=True)
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version, help="Show it.")
+@click.pass_context
+def main(ctx: click.Context) -> None:
+    """Shape, drag, mesh opening and selectivity of towed trawl codends.
+
+    Exit status: 0 when all went well, 2 for bad input (one line says what), 3 when something did not converge, 130
+    when interrupted.
+    """
+    if ctx.invoked_subcommand is None:
+        click.echo(ctx.get_help())
+
+
+@main.command(cls=_SeveralChanges)
+@click.argument("plan", metavar="PLAN.toml")
+@click.option("--out", "folder", required=True, metavar="DIR", type=click.Path(path_type=Path), help="Where to write.")
+@click.option(
+    "--set",
+    "changes",
+    multiple=True,
+    metavar="KEY=VALUE ...",
+    help="Change the plan, such as --set netting.0.bar_mm=25 tow.speed_m_s=[1.0,1.5]. May be repeated.",
+)
+def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
+    """Solve every case of a plan; write tables, plots, VTK files and a report into DIR.
+
+    Nothing is written before all cases are solved. In a DIR that exists, files of the same name are replaced, and
+    net_*.vtu and meshes.csv of an earlier run that this one does not write are removed; all else is left alone.
+    """
+    from codend.plan import load_plan
+
+    checked = load_plan(plan, changes)
+    _check_writable(folder)
+    from codend.report.page import write_report
+    from codend.study import solve
+
+    with shown_progress() as progress:
+        study = solve(checked, progress)
+        with _written_into(folder):
+            written = write_report(study, folder, progress)
+            for path in (*folder.glob("net_*.vtu"), folder / "meshes.csv"):
+                if path not in written:
+                    path.unlink(missing_ok=True)
+    click.echo(study.choice.why)
+    click.echo(text_table(list(TABLE_COLUMNS.values()), study.table[list(TABLE_COLUMNS)].itertuples(index=False)))
+    click.echo(f"{len(written)} files written into {folder}")
+    _explain_failures(study)
+    return 0 if study.converged else NOT_CONVERGED
+
+
+def _explain_failures(study: "Study") -> None:
+    """Say of each case that was not solved why, and what was tried."""
+    for result in study.cases:
+        if not result.converged:
+            case = result.case
+            asked = f"{case.catch_kind} = {case.catch_value:g} at {case.speed_m_s:g} m/s"
+            click.echo(f"case {case.number} ({asked}) was not solved: {result.report.outcome.value}", err=True)
+            for attempt in result.report.attempts:
+                click.echo(f"  tried {attempt}", err=True)
+
+
+@main.command()
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.argument("table", metavar="TABLE.csv", type=click.Path(path_type=Path))
+def compare(folder: Path, table: Path) -> None:
+    """Set the results of a run in DIR beside a flume table.
+
+    Rows are matched on the catch and speed columns the table has, interpolated in catch size and never extrapolated.
+    Differences are computed minus tabled. Writes comparison.csv (every value), comparison_summary.csv and
+    comparison.png into DIR.
+    """
+    from codend.comparison import compare as compare_with
+    from codend.comparison import read_flume_table, read_results
+    from codend.report.comparison_plot import comparison_figure
+    from codend.report.files import whole_file, write_table
+
+    comparison = compare_with(read_results(folder / "results.csv"), read_flume_table(table))
+    with _written_into(folder):
+        write_table(comparison.points, folder / "comparison.csv")
+        write_table(comparison.summary, folder / "comparison_summary.csv")
+        with whole_file(folder / "comparison.png") as temporary:
+            comparison_figure(comparison).savefig(temporary, format="png", dpi=150)
+    _print_comparison(comparison)
+
+
+def _print_comparison(comparison: "Comparison") -> None:
+    table, summary = comparison.table, comparison.summary
+    click.echo(f"{table.path}: {table.origin}")
+    matched = f"{comparison.matched_on} and speed" if comparison.matched_on else "speed"
+    lines = comparison.compared["table_line"].nunique()
+    click.echo(f"{lines} of {len(table.lines)} rows compared, matched on {matched}; differences are computed - tabled")
+    percent = 100.0 * summary[["relative_bias", "relative_rms", "relative_largest"]]
+    rows = [
+        (row.quantity, row.points, row.bias, row.rms, row.largest, *relative)
+        for row, relative in zip(summary.itertuples(), percent.to_numpy().tolist(), strict=True)
+    ]
+    click.echo(text_table(["quantity", "points", "bias", "RMS", "largest", "bias %", "RMS %", "largest %"], rows))
+    if "hoop_drag_n" in table.columns:
+        click.echo("drag_n: computed drag plus the table's hoop_drag_n, beside the table's drag_n")
+    left_out = comparison.points[comparison.points["computed"].isna()]
+    for (line, note), points in left_out.groupby(["table_line", "note"], sort=True):
+        click.echo(f"not compared, line {line}: {', '.join(points['quantity'])}: {note}")
+
+
+@main.command()
+@click.argument("data", metavar="DATA.csv")
+@click.option("--design", required=True, help="covered (codend and cover) or paired (test and control gear).")
+@click.option("--curve", default="logit", show_default=True, help="logit, probit, gompertz, cloglog or richards.")
+@click.option("--split", default="equal", show_default=True, help="Of paired gear: equal or estimated.")
+@click.option("--covariate", "covariates", multiple=True, metavar="NAME", help="A column; may be repeated.")
+@click.option("--bootstrap", "replicates", default=0, show_default=True, help="Replicates of the double bootstrap.")
+@click.option("--seed", default=0, show_default=True, help="Of the bootstrap.")
+@click.option("--out", "folder", required=True, metavar="DIR", type=click.Path(path_type=Path), help="Where to write.")
+def fit(data: str, design: str, folder: Path, replicates: int, **choices: Any) -> int:
+    """Fit retention curves to a covered-codend or paired-gear trial; writes fit.csv and diagnostics.csv into DIR."""
+    _check_writable(folder)
+    from codend.report.files import write_table
+    from codend.selectivity.analysis import diagnostics_table, fit_field_data, fit_table
+
+    fitted = fit_field_data(data, design, n_bootstrap=replicates, **choices)
+    with _written_into(folder):
+        write_table(fit_table(fitted), folder / "fit.csv")
+        write_table(diagnostics_table(fitted), folder / "diagnostics.csv")
+    _print_fit(fitted)
+    return 0 if fitted.converged else NOT_CONVERGED
+
+
+def _print_fit(fitted: "FieldFit") -> None:
+    """The answer for the gear first: mean of the hauls, then bootstrap, then the pooled fit."""
+    from codend.selectivity.analysis import fit_table
+
+    table = fit_table(fitted).set_index("group")
+    groups = [group for group in ("between-hauls", "bootstrap", "pooled") if group in table.index]
+    shown = table.loc[groups].reset_index()
+    headers = ["group", "parameter", "estimate", "standard error", "lower 95 %", "upper 95 %"]
+    click.echo(text_table(headers, shown.drop(columns="curve").itertuples(index=False)))
+    if fitted.between_hauls is not None:
+        click.echo(f"{len(fitted.hauls)} hauls: {fitted.between_hauls.message}")
+    if fitted.bootstrap is not None and fitted.bootstrap.n_failed:
+        click.echo(f"{fitted.bootstrap.n_failed} of {fitted.bootstrap.n_replicates} bootstrap refits did not converge")
+    for one in (fitted.pooled, *fitted.hauls):
+        if not one.converged:
+            click.echo(f"{one.group} was not fitted: {one.outcome.value}", err=True)
+
+
+@main.command()
+@click.option("--warm-up", is_flag=True, help="Compile all kernels now, by solving a tiny net.")
+def doctor(warm_up: bool) -> int:
+    """Show versions, cores and the state of the compiled kernels; status 1 when a needed package is missing."""
+    from codend import doctor as examination
+
+    if warm_up:
+        click.echo(examination.warm_up())
+    findings = examination.examine()
+    click.echo(text_table(["what", "found"], [(finding.topic, finding.found) for finding in findings]))
+    return 1 if any(finding.missing for finding in findings) else 0
+
+
+def _check_writable(folder: Path) -> None:
+    """Find out before the work is done whether a folder can be made or written to."""
+    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not there.is_dir():
+        _refuse(folder, f"{there} is no folder")
+    if not os.access(there, os.W_OK | os.X_OK):
+        _refuse(folder, "permission denied")
+
+
+@contextmanager
+def _written_into(folder: Path) -> Iterator[None]:
+    """Make a folder for the block to write to; one that cannot be written is an input error."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        yield
+    except OSError as error:
+        _refuse(folder, error.strerror or str(error))
+
+
+def _refuse(folder: Path, reason: str) -> NoReturn:
+    raise InputError(folder, "", None, "a folder that can be written", f"cannot be written: {reason}") from None
+
+
+if __name__ == "__main__":
+    main()
