@@ -1,0 +1,181 @@
+"""Plots along the codend: profiles, openings, opening forces and tensions of all catches of a study.
+
+Catches differ in colour, from dark for the smallest to light for the largest; speeds have a panel each. Heavy lines
+lie on the catch. Every function takes a study with at least one solved case.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from codend.measures import WANTED_OPENING_DEG, Rows
+from codend.net import Floats
+from codend.report.style import INK, dress, new_figure, number_text, ordered_colours, spread
+from codend.study import CaseResult, Study
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Panels = tuple["Figure", list[tuple["Axes", list["Curve"]]]]
+Colour = tuple[float, float, float, float]
+
+WIDTH_IN = 10.0
+MOST_LEGEND_ENTRIES = 10
+THIN, HEAVY = 1.1, 2.6
+NOTE_BOX = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.0}
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A solved case as it is drawn."""
+
+    result: CaseResult
+    rows: Rows
+    colour: Colour
+    label: str
+
+    @property
+    def meshes_from_entry(self) -> Floats:
+        """Place of every row, (rows + 1,)."""
+        return np.concatenate([[0.0], np.cumsum(self.result.net.band_meshes)])
+
+    @property
+    def front(self) -> float:
+        """Row at which the catch begins, between two rows when the last one is partly filled."""
+        return float(np.sum(1.0 - self.result.solution.share))
+
+    def at_front(self, values: Floats) -> float:
+        """Value of a quantity of the rows at the catch's front."""
+        return float(np.interp(self.front, np.arange(len(values)), values))
+
+    def ahead(self, values: Floats) -> Floats:
+        """Values from the entry to the front."""
+        return np.append(values[: int(np.ceil(self.front))], self.at_front(values))
+
+    def behind(self, values: Floats) -> Floats:
+        """Values from the front to the codline."""
+        return np.insert(values[int(np.floor(self.front)) + 1 :], 0, self.at_front(values))
+
+
+def solved(study: Study) -> list[CaseResult]:
+    """The cases that have an answer."""
+    return [result for result in study.cases if result.rows is not None]
+
+
+def curves_by_speed(study: Study) -> dict[float, list[Curve]]:
+    """Solved cases at each speed, from the smallest catch to the largest."""
+    density = study.plan.catch_density_kg_m3
+    found: dict[float, list[Curve]] = {}
+    for speed in dict.fromkeys(result.case.speed_m_s for result in solved(study)):
+        results = [result for result in solved(study) if result.case.speed_m_s == speed]
+        results.sort(key=lambda result: result.measures.catch_volume_m3)
+        found[speed] = [
+            Curve(result, result.rows, colour, catch_text(result.measures.catch_volume_m3, density))
+            for result, colour in zip(results, ordered_colours(len(results)), strict=True)
+            if result.rows is not None
+        ]
+    return found
+
+
+def catch_text(volume_m3: float, density_kg_m3: float) -> str:
+    """Size of a catch, as volume and as mass."""
+    return f"{number_text(volume_m3)} m³, {number_text(volume_m3 * density_kg_m3)} kg"
+
+
+def profiles_plot(study: Study) -> "Figure":
+    """Meridian profiles to scale, entry to the left."""
+    length = max(result.measures.length_m for result in solved(study))
+    width = max(result.measures.max_radius_m for result in solved(study))
+    with _panels(study, max(2.2, 0.75 * WIDTH_IN * 2.2 * width / length + 0.7)) as (figure, panels):
+        for axes, curves in panels:
+            for curve in curves:
+                x, r = curve.rows.x_m, curve.rows.radius_m
+                for side in (1.0, -1.0):
+                    _draw(axes, curve, x, side * r)
+            axes.axhline(0.0, color=INK, linewidth=0.5, linestyle=(0, (8, 3, 2, 3)))
+            axes.set_aspect("equal")
+            axes.set_xlabel("distance from the entry along the axis (m)")
+            axes.set_ylabel("radius (m)")
+    return figure
+
+
+def opening_plot(study: Study) -> "Figure":
+    """Mesh opening angle along the codend."""
+    return _along(study, "mesh opening angle (degrees)", lambda rows: rows.opening_deg, from_zero=True)
+
+
+def opening_force_plot(study: Study) -> "Figure":
+    """Opening force of the meshes ahead of the catch, with the line below which none is needed."""
+    wanted = f"{WANTED_OPENING_DEG:g}°"
+    figure = _along(study, f"opening force to {wanted} (N)", lambda rows: rows.opening_force_n, ahead_only=True)
+    for axes in figure.axes:
+        axes.axhline(0.0, color=INK, linewidth=1.0)
+        note = f"below 0: the mesh is open beyond {wanted} already"
+        axes.text(0.01, 0.03, note, transform=axes.transAxes, fontsize="small", bbox=NOTE_BOX)
+    return figure
+
+
+def tension_plot(study: Study) -> "Figure":
+    """Bar tension along the codend."""
+    return _along(study, "bar tension (N)", lambda rows: rows.bar_tension_n, from_zero=True)
+
+
+def _along(
+    study: Study, label: str, value: Callable[[Rows], Floats], ahead_only: bool = False, from_zero: bool = False
+) -> "Figure":
+    with _panels(study, 3.4, ahead_only) as (figure, panels):
+        for axes, curves in panels:
+            for curve in curves:
+                _draw(axes, curve, curve.meshes_from_entry, value(curve.rows), ahead_only)
+                axes.set_xlim(0.0, curve.meshes_from_entry[-1])
+            axes.set_xlabel("meshes from the entry")
+            axes.set_ylabel(label)
+        if from_zero:  # only now: the panels share their axis, and a limit ends its scaling
+            figure.axes[0].set_ylim(bottom=0.0)
+    return figure
+
+
+def _draw(axes: "Axes", curve: Curve, x: Floats, y: Floats, ahead_only: bool = False) -> None:
+    """Thin line to the front, a dot there, heavy line on the catch."""
+    axes.plot(curve.ahead(x), curve.ahead(y), color=curve.colour, linewidth=THIN)
+    axes.plot(curve.at_front(x), curve.at_front(y), "o", color=curve.colour, markersize=4.0)
+    if not ahead_only:
+        axes.plot(curve.behind(x), curve.behind(y), color=curve.colour, linewidth=HEAVY, solid_capstyle="butt")
+
+
+@contextmanager
+def _panels(study: Study, height_in: float, ahead_only: bool = False) -> Iterator[Panels]:
+    """A figure with a panel a speed, dressed and with legends once the block has drawn into them."""
+    speeds = curves_by_speed(study)
+    figure = new_figure(WIDTH_IN, 0.6 + height_in * len(speeds))
+    panels = list(figure.subplots(len(speeds), squeeze=False, sharex=True, sharey=True)[:, 0])
+    yield figure, list(zip(panels, speeds.values(), strict=True))
+    for axes, (speed, curves) in zip(panels, speeds.items(), strict=True):
+        dress(axes)
+        axes.label_outer()
+        if len(speeds) > 1:
+            axes.set_title(f"{number_text(speed)} m/s", loc="left", fontsize="medium")
+        _add_legend(axes, curves, ahead_only)
+
+
+def _add_legend(axes: "Axes", curves: list[Curve], ahead_only: bool) -> None:
+    from matplotlib.lines import Line2D
+
+    named = [curves[i] for i in spread(len(curves), MOST_LEGEND_ENTRIES)]
+    handles = [Line2D([], [], color=curve.colour, linewidth=HEAVY, label=curve.label) for curve in named]
+    handles.append(Line2D([], [], color=INK, linestyle="", marker="o", markersize=4.0, label="front of the catch"))
+    if not ahead_only:
+        handles.append(Line2D([], [], color=INK, linewidth=HEAVY, label="netting on the catch"))
+    axes.legend(
+        handles=handles,
+        title="catch" if len(named) == len(curves) else f"catch ({len(named)} of {len(curves)} named)",
+        loc="center left",
+        bbox_to_anchor=(1.01, 0.5),
+        frameon=False,
+        fontsize="small",
+        alignment="left",
+    )

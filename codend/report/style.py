@@ -1,0 +1,69 @@
+"""The look that all plots share, and numbers as readers expect them."""
+
+import math
+from typing import TYPE_CHECKING
+
+from codend.net import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+INK = "#22303c"
+PALE = "#c9d2da"
+ORANGE, BLUE = "#d55e00", "#0072b2"
+"""Of the palette for the colour-blind by Okabe and Ito."""
+
+
+def new_figure(width_in: float, height_in: float) -> "Figure":
+    """A figure that draws into memory and to files, without a window and without pyplot's global state."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width_in, height_in), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def dress(axes: "Axes") -> None:
+    """Quiet axes: a pale grid behind the data, no frame but the two axes."""
+    axes.grid(color=PALE, linewidth=0.6, alpha=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.spines[["left", "bottom"]].set_color(INK)
+    axes.tick_params(colors=INK)
+
+
+def ordered_colours(count: int) -> list[tuple[float, float, float, float]]:
+    """Colours from dark to light for a rising quantity, without the yellow that is lost on white."""
+    from matplotlib import colormaps
+
+    return [colormaps["viridis"](0.88 * i / max(count - 1, 1)) for i in range(count)]
+
+
+def spread(count: int, most: int) -> list[int]:
+    """At most ``most`` of the numbers 0 .. count - 1, evenly spread and with both ends."""
+    if count <= most:
+        return list(range(count))
+    return [round(i * (count - 1) / (most - 1)) for i in range(most)]
+
+
+def number_text(value: float, digits: int = 3) -> str:
+    """A number to ``digits`` significant digits without exponent, the digits before the point always whole.
+
+    >>> number_text(1813.37), number_text(0.0352021), number_text(1.0)
+    ('1813', '0.0352', '1')
+    """
+    if value == 0.0 or not math.isfinite(value):
+        return "0" if value == 0.0 else ""
+    decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))
+    text = f"{value:.{decimals}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def column_text(values: Floats, digits: int = 4) -> list[str]:
+    """Numbers of a column, with decimals that give the largest ``digits`` digits; nan and infinity as nothing."""
+    finite = [abs(float(v)) for v in values if math.isfinite(v)]
+    largest = max(finite, default=0.0)
+    decimals = max(0, digits - 1 - math.floor(math.log10(largest))) if largest > 0.0 else 0
+    return [f"{float(v):.{decimals}f}" if math.isfinite(v) else "" for v in values]

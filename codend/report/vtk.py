@@ -1,0 +1,57 @@
+"""Equilibria as VTK files (``.vtu``) for ParaView: the only module that knows meshio."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from codend.net import all_round
+from codend.report.files import whole_file
+from codend.report.polygons import joined_on_axis, mesh_polygons
+from codend.study import CaseResult
+
+if TYPE_CHECKING:
+    import meshio
+
+CELL_OF_CORNERS = {3: "triangle", 4: "quad"}
+"""VTK cells of meshes by their number of corners; all others are polygons."""
+
+
+def write_vtu(result: CaseResult, path: Path) -> None:
+    """Write the whole net of a solved case, all round, compressed; see ``net_mesh`` for what is in it."""
+    mesh = net_mesh(result)
+    with whole_file(path) as temporary:
+        mesh.write(temporary, file_format="vtu")
+
+
+def net_mesh(result: CaseResult) -> "meshio.Mesh":
+    """The whole net of a solved case: bars as lines, then meshes as polygons.
+
+    Cell data are those of the real netting: ``tension_n`` (of a bar; of a mesh, the mean of its sides), and of meshes
+    ``opening_deg``, ``opening_force_n`` and ``pressure_pa``, which bars do not have (nan).
+
+    Raises:
+        ValueError: the case was not solved.
+    """
+    import meshio
+
+    if result.meshes is None:
+        raise ValueError(f"case {result.case.number} was not solved: there is no shape to write")
+    net = result.net
+    whole = joined_on_axis(all_round(net, result.positions))
+    polygons = mesh_polygons(whole)
+    of_meshes = {
+        "tension_n": result.meshes.bar_tension_n,
+        "opening_deg": result.meshes.opening_deg,
+        "opening_force_n": result.meshes.opening_force_n,
+        "pressure_pa": result.meshes.pressure_pa,
+    }
+    no_value = np.full(len(whole.bars), np.nan)
+    cell_data = {
+        name: [no_value] + [np.tile(values, net.order)[which] for which, _ in polygons]
+        for name, values in of_meshes.items()
+    }
+    cell_data["tension_n"][0] = np.tile(result.bar_tension_n, net.order)
+    cells = [("line", whole.bars)]
+    cells += [(CELL_OF_CORNERS.get(corners.shape[1], "polygon"), corners) for _, corners in polygons]
+    return meshio.Mesh(whole.positions, cells, cell_data=cell_data)
