@@ -61,7 +61,7 @@ def structure_of(net: Net) -> Structure:
     first = np.where(swap, net.bars[:, 1], net.bars[:, 0])
     second = np.where(swap, net.bars[:, 0], net.bars[:, 1])
     image = np.where(swap, -net.bar_image, net.bar_image)
-    reach = int(max(np.abs(image).max(initial=0), np.abs(net.facet_image).max(initial=0), 1))
+    reach = int(max(np.abs(image).max(initial=0), np.abs(net.facet_image).max(initial=0)))
     angle = 2.0 * np.pi * np.arange(-reach, reach + 1) / net.order
     rings = net.node_row[net.node_row >= 0]
     return Structure(

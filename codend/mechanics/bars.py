@@ -63,16 +63,6 @@ def bar_lengths(position: Floats, structure: Structure, length: Floats) -> None:
 
 
 @njit(cache=True)
-def augmented_density(
-    structure: Structure, length: Floats, multiplier: Floats, relief: Floats, gain: Floats, density: Floats
-) -> None:
-    """Write the force density of every bar by the augmented law, N/m, (m,)."""
-    for bar in range(len(structure.first)):
-        stretch = 1.0 / structure.length[bar] - 1.0 / length[bar] if length[bar] > 0.0 else -np.inf
-        density[bar] = max(0.0, relief[bar] * multiplier[bar] + gain[bar] * stretch)
-
-
-@njit(cache=True)
 def length_error(structure: Structure, length: Floats, density: Floats) -> float:
     """Largest departure from the law of the twine, relative to the bar's length.
 

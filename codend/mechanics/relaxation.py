@@ -13,12 +13,13 @@ import numpy as np
 from numba import njit
 
 from codend.mechanics.arrays import Loading, Structure
-from codend.mechanics.bars import add_bar_forces, augmented_density, bar_lengths
+from codend.mechanics.bars import bar_vector
 from codend.mechanics.drag import add_drag
+from codend.mechanics.images import add_turned_back
 from codend.mechanics.pressure import add_pressure, fill
 from codend.net import Floats, Ints
 
-REFRESH = 20
+REFRESH = 25
 X, FORCE, VELOCITY, MOBILITY, LOAD = 0, 3, 6, 9, 12
 WIDTH = 16
 """Columns of the packed state of a node: position, force, velocity, 1 / mass, load; one column is spare."""
@@ -35,8 +36,10 @@ class Workspace(NamedTuple):
     """Where the bars of each node begin in the order of ``bars``, (n + 1,)."""
     bar_order: Ints
     """Bars in the order of their first node, (m,)."""
-    bar_ends: Ints
-    """Second node and image of the bars in that order, (m, 2)."""
+    bar_end: Ints
+    """Second node of the bars in that order, (m,)."""
+    bar_image: Ints
+    """Image of that node, (m,)."""
     law: Floats
     """Force density of the bars in that order as a + k l^2: a and k, (m, 2)."""
     multiplier: Floats
@@ -49,6 +52,12 @@ class Workspace(NamedTuple):
     """Share of each band in the catch, (bands,)."""
     force: Floats
     """Out-of-balance force of the nodes, (n, 3)."""
+    position: Floats
+    """Positions as the loads need them, (n, 3)."""
+    stiffness: Floats
+    """Bound on the nodes' rows of the stiffness matrix, (n,)."""
+    pressure_bound: Floats
+    """The pressure's part in that, set at every rest, (n,)."""
 
 
 def workspace(structure: Structure, position: Floats) -> Workspace:
@@ -57,12 +66,12 @@ def workspace(structure: Structure, position: Floats) -> Workspace:
     order = np.argsort(structure.first, kind="stable")
     state = np.zeros((nodes, WIDTH))
     state[:, X : X + 3] = position
-    ends = np.stack([structure.second, structure.image], axis=1)[order]
     return Workspace(
         state=state,
         chain=np.searchsorted(structure.first[order], np.arange(nodes + 1)).astype(np.uint32),
         bar_order=order.astype(np.int32),
-        bar_ends=np.ascontiguousarray(ends).astype(np.int32),
+        bar_end=structure.second[order].astype(np.uint32),
+        bar_image=structure.image[order],
         law=np.zeros((bars, 2)),
         multiplier=np.zeros(bars),
         relief=np.ones(bars),
@@ -71,6 +80,9 @@ def workspace(structure: Structure, position: Floats) -> Workspace:
         length=np.zeros(bars),
         share=np.zeros(len(structure.band_meshes)),
         force=np.zeros((nodes, 3)),
+        position=np.zeros((nodes, 3)),
+        stiffness=np.zeros(nodes),
+        pressure_bound=np.zeros(nodes),
     )
 
 
@@ -107,45 +119,52 @@ def out_of_balance(structure: Structure, force: Floats, load: Floats) -> tuple[f
 @njit(cache=True)
 def refresh(work: Workspace, structure: Structure, loading: Loading, mass_factor: float) -> tuple[float, float, bool]:
     """Set loads, tensions, masses and the linearised law afresh; residual, axial imbalance and whether the catch fits."""
-    state, force = work.state, work.force
-    position = state[:, X : X + 3].copy()
+    state, force, position, stiffness = work.state, work.force, work.position, work.stiffness
+    position[:] = state[:, X : X + 3]
     fits = fill(position, structure, loading, work.share)
     force[:] = 0.0
     add_loads(position, structure, loading, work.share, force)
     state[:, LOAD : LOAD + 3] = force
     state[:, FORCE : FORCE + 3] = force
-    load = force.copy()
-    bar_lengths(position, structure, work.length)
-    augmented_density(structure, work.length, work.multiplier, work.relief, work.gain, work.density)
-    add_bar_forces(position, structure, work.density, force)
 
     # masses that keep a unit time step stable: half the sum of the moduli of a node's row of the stiffness matrix
-    stiffness = np.zeros(len(force))
+    stiffness[:] = work.pressure_bound
     for place in range(len(work.bar_order)):
         bar = work.bar_order[place]
+        dx, dy, dz = bar_vector(position, structure, bar)
+        squared = dx * dx + dy * dy + dz * dz
+        length = np.sqrt(squared)
+        rest = structure.length[bar]
+        held = work.relief[bar] * work.multiplier[bar]
+        density = max(0.0, held + work.gain[bar] * (1.0 / rest - 1.0 / length)) if length > 0.0 else 0.0
         # a slack bar is seen at the length at which it will come taut
-        length = max(work.length[bar], structure.length[bar])
-        slope = 0.5 * work.gain[bar] / length**3
-        trial = work.relief[bar] * work.multiplier[bar] + work.gain[bar] * (1.0 / structure.length[bar] - 1.0 / length)
-        work.law[place, 0] = trial - slope * length * length
-        work.law[place, 1] = slope
-        bound = work.density[bar] + work.gain[bar] / length
-        stiffness[structure.first[bar]] += bound
-        stiffness[structure.second[bar]] += bound
-    add_pressure_bound(position, structure, loading, work.share, stiffness)
+        seen = length if density > 0.0 else rest
+        rigidity = work.gain[bar] / seen
+        work.law[place, 1] = 0.5 * rigidity / (seen * seen)
+        work.law[place, 0] = held + work.gain[bar] / rest - 1.5 * rigidity
+        work.length[bar], work.density[bar] = length, density
+        first, second, image = structure.first[bar], structure.second[bar], structure.image[bar]
+        stiffness[first] += density + rigidity
+        stiffness[second] += density + rigidity
+        if density > 0.0:
+            force[first, 0] += density * dx
+            force[first, 1] += density * dy
+            force[first, 2] += density * dz
+            add_turned_back(force, second, -density * dx, -density * dy, -density * dz, image, structure.rotations)
     for node in range(len(force)):
         mobility = 2.0 / (mass_factor * stiffness[node]) if stiffness[node] > 0.0 else 0.0
         for i in range(3):
             state[node, MOBILITY + i] = mobility * structure.free[node, i]
-    residual, imbalance = out_of_balance(structure, force, load)
+    residual, imbalance = out_of_balance(structure, force, state[:, LOAD : LOAD + 3])
     return residual, imbalance, fits
 
 
 @njit(cache=True)
-def add_pressure_bound(
+def set_pressure_bound(
     position: Floats, structure: Structure, loading: Loading, share: Floats, stiffness: Floats
 ) -> None:
-    """Add a bound on the pressure's part of each node's row of the stiffness matrix: p times perimeter / 6 a facet."""
+    """Write a bound on the pressure's part of each node's row of the stiffness matrix: p times perimeter / 6 a facet."""
+    stiffness[:] = 0.0
     largest = 0.0
     for piece in range(len(loading.angles) - 1):
         largest = max(largest, abs(loading.coefficients[3, piece]))
@@ -171,22 +190,25 @@ def add_pressure_bound(
             stiffness[structure.facets[facet, corner]] += bound
 
 
-@njit(cache=True, fastmath={"nsz", "arcp", "contract", "reassoc"}, error_model="numpy")
-def step(state: Floats, chain: Ints, bar_ends: Ints, law: Floats, rotations: Floats, keep: float, push: float) -> float:
+@njit(cache=True, fastmath=True, error_model="numpy")
+def step(
+    state: Floats, chain: Ints, bar_end: Ints, bar_image: Ints, law: Floats, rotations: Floats, keep: float, push: float
+) -> float:
     """Move all nodes by one step, v <- keep v + push f / m, x <- x + v; return the work done by the forces.
 
     With keep = push = 1 that work is the change of kinetic energy.
     """
     gain = 0.0
     middle = (rotations.shape[0] - 1) // 2
+    turning = rotations.shape[0] > 1
     one = np.uint64(1)
     for count in range(state.shape[0]):
         node = np.uint64(count)
         x, y, z = state[node, 0], state[node, 1], state[node, 2]
         fx, fy, fz = state[node, 3], state[node, 4], state[node, 5]
         for bar in range(np.uint64(chain[node]), np.uint64(chain[node + one])):
-            end = np.uint64(bar_ends[bar, 0])
-            image = bar_ends[bar, 1]
+            end = np.uint64(bar_end[bar])
+            image = bar_image[bar] if turning else 0
             if image == 0:
                 dx, dy, dz = state[end, 0] - x, state[end, 1] - y, state[end, 2] - z
                 q = max(0.0, law[bar, 0] + law[bar, 1] * (dx * dx + dy * dy + dz * dz))
@@ -280,6 +302,9 @@ def relax(
         outcome, steps, stops, residual and axial imbalance (both over the resultant of the loads).
     """
     state = work.state
+    work.position[:] = state[:, X : X + 3]
+    fill(work.position, structure, loading, work.share)
+    set_pressure_bound(work.position, structure, loading, work.share, work.pressure_bound)
     residual, imbalance, fits = refresh(work, structure, loading, mass_factor)
     energy = start_from_rest(work, 0.0)
     steps, stops, since_rest = 0, 0, 0
@@ -295,7 +320,7 @@ def relax(
             return STEPS_SPENT, steps, stops, residual, imbalance
         stopped = False
         for _ in range(REFRESH):
-            work_done = step(state, work.chain, work.bar_ends, work.law, structure.rotations, keep, push)
+            work_done = step(state, work.chain, work.bar_end, work.bar_image, work.law, structure.rotations, keep, push)
             steps += 1
             if viscous:
                 continue
@@ -313,6 +338,7 @@ def relax(
                 break
         residual, imbalance, fits = refresh(work, structure, loading, mass_factor)
         if stopped:
+            set_pressure_bound(work.position, structure, loading, work.share, work.pressure_bound)
             energy = start_from_rest(work, back)
             last_energy, energy_before, since_rest = energy, energy, 0
         if viscous:

@@ -63,6 +63,7 @@ def solve(
     that makes no headway with masses twice as large; every attempt is in the report. A solve that fails returns nan
     positions and tensions.
     """
+    _compile_kernels(problem)
     started = perf_counter()
     attempts: list[str] = []
     penalty, mass_factor = settings.penalty, settings.mass_factor
@@ -97,6 +98,13 @@ def solve(
             np.full_like(problem.net.positions, np.nan), np.full_like(work.density, np.nan), work.share, report
         )
     return Solution(work.state[:, :3].copy(), work.density * work.length, work.share.copy(), report)
+
+
+def _compile_kernels(problem: Problem) -> None:
+    """Have the kernels compiled or read from the cache, so that the time of a solve is that of the solve alone."""
+    if not relaxation.relax.signatures:
+        work = relaxation.workspace(problem.structure, problem.net.positions)
+        relaxation.relax(work, problem.structure, problem.loading, 1.0, 1.0, False, 0)
 
 
 class _Run:
