@@ -108,8 +108,8 @@ def main(ctx: click.Context) -> None:
 def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     """Solve every case of a plan; write tables, plots, VTK files and a report into DIR.
 
-    Nothing is written before all cases are solved. In a DIR that exists, files of the same name are replaced, and
-    net_*.vtu and meshes.csv of an earlier run that this one does not write are removed; all else is left alone.
+    Nothing is written before all cases are solved. In a DIR that exists, files of an earlier run are replaced, each
+    at once, or removed where this run has nothing to put into them; all else is left alone.
     """
     from codend.plan import load_plan
 
@@ -122,12 +122,9 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
         study = solve(checked, progress)
         with _written_into(folder):
             written = write_report(study, folder, progress)
-            for path in (*folder.glob("net_*.vtu"), folder / "meshes.csv"):
-                if path not in written:
-                    path.unlink(missing_ok=True)
     click.echo(study.choice.why)
     click.echo(text_table(list(TABLE_COLUMNS.values()), study.table[list(TABLE_COLUMNS)].itertuples(index=False)))
-    click.echo(f"{len(written)} files written into {folder}")
+    click.echo(f"{len(written)} files written into {folder}; see {folder / 'report.html'}")
     _explain_failures(study)
     return 0 if study.converged else NOT_CONVERGED
 
@@ -158,7 +155,8 @@ def compare(folder: Path, table: Path) -> None:
     from codend.report.comparison_plot import comparison_figure
     from codend.report.files import whole_file, write_table
 
-    comparison = compare_with(read_results(folder / "results.csv"), read_flume_table(table))
+    results = folder / "results.csv"
+    comparison = compare_with(read_results(results), read_flume_table(table), results)
     with _written_into(folder):
         write_table(comparison.points, folder / "comparison.csv")
         write_table(comparison.summary, folder / "comparison_summary.csv")

@@ -60,8 +60,9 @@ def _progress_lines() -> ShownProgress:
 
     def report(done: int, total: int, doing: str) -> None:
         nonlocal last
-        if monotonic() - last > SECONDS_BETWEEN_LINES:
-            last = monotonic()
+        now = monotonic()
+        if now - last > SECONDS_BETWEEN_LINES:
+            last = now
             click.echo(f"{done} of {total} done, {doing}", err=True)
 
     return report

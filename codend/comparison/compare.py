@@ -12,8 +12,7 @@ from codend.errors import InputError
 SAME = 1e-6
 """Relative difference up to which two speeds or catch sizes are one."""
 
-_NEEDED = ("speed_m_s", "filled_meshes", "catch_volume_m3", "catch_mass_kg", "drag_n", "front_from_codline_m")
-_NEEDED_TOO = ("max_radius_m", "length_m", "converged")
+_NEEDED = (SPEED_COLUMN, *CATCH_COLUMNS, "drag_n", "front_from_codline_m", "length_m")
 
 
 @dataclass(frozen=True)
@@ -58,40 +57,34 @@ class Comparison:
 
 
 def read_results(path: str | Path) -> pd.DataFrame:
-    """The converged cases of a ``results.csv``, with the columns of a flume table.
+    """The ``results.csv`` of a run.
 
     Raises:
-        InputError: no such file, no table, a column missing, or no case that converged.
+        InputError: no such file, or no table.
     """
-    path = Path(path)
     try:
-        results = pd.read_csv(path)
-    except (OSError, ValueError, pd.errors.ParserError) as error:
+        return pd.read_csv(path)
+    except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
         raise InputError(path, "", None, "the results.csv of a run", f"cannot be read: {reason}") from None
-    for column in (*_NEEDED, *_NEEDED_TOO):
-        if column not in results.columns:
-            raise InputError(path, column, None, "the results.csv of a run", "is missing")
-    solved = results[results["converged"].astype(str).str.lower() == "true"]
-    if solved.empty:
-        raise InputError(path, "converged", None, "at least one case that converged", "is true for no case")
-    return solved[list(_NEEDED)].assign(max_diameter_m=2.0 * solved["max_radius_m"], length_m=solved["length_m"])
 
 
-def compare(computed: pd.DataFrame, table: FlumeTable) -> Comparison:
-    """Set computed cases beside a table.
+def compare(results: pd.DataFrame, table: FlumeTable, source: str | Path = "results") -> Comparison:
+    """Set the converged cases of a run beside a table.
 
     A row of the table is matched with the cases of its speed. Along the catch size, cases are interpolated by monotone
     cubics (PCHIP) and never extrapolated. Of several catch columns that one is matched on for which most rows lie
     within the computed range, of equals the one for which most rows need no interpolation; the others are compared.
 
     Args:
-        computed: as ``read_results`` returns it.
+        results: ``Study.table``, or as ``read_results`` returns it.
         table: as ``read_flume_table`` returns it.
+        source: where the results are from, for messages.
 
     Raises:
-        InputError: no row of the table can be matched.
+        InputError: the results lack a column or a converged case, or no row of the table can be matched with them.
     """
+    computed = _computed(results, source)
     speeds = _speeds(computed, table)
     best = max(
         (_match(computed, table, speeds, name) for name in table.catch_columns or (None,)),
@@ -102,6 +95,17 @@ def compare(computed: pd.DataFrame, table: FlumeTable) -> Comparison:
         reasons = "; ".join(dict.fromkeys(points["note"]))
         raise InputError(table.path, "", None, "rows that match the computed cases", f"has none to compare: {reasons}")
     return Comparison(table, computed, best.on, points.reset_index(drop=True))
+
+
+def _computed(results: pd.DataFrame, source: str | Path) -> pd.DataFrame:
+    """The converged cases, columns as in a flume table."""
+    for column in (*_NEEDED, "max_radius_m", "converged"):
+        if column not in results.columns:
+            raise InputError(source, column, None, "the results.csv of a run", "is missing")
+    solved = results[results["converged"] == True]  # noqa: E712 the column may hold texts
+    if solved.empty:
+        raise InputError(source, "converged", None, "at least one case that converged", "is true for no case")
+    return solved[list(_NEEDED)].astype(float).assign(max_diameter_m=2.0 * solved["max_radius_m"].astype(float))
 
 
 @dataclass(frozen=True)

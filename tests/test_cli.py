@@ -1,0 +1,431 @@
+import io
+import os
+import signal
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner, Result
+
+import codend.study
+from codend import console, doctor
+from codend.cli import main
+from codend.report import files, page
+from codend.tables import RESULT_COLUMNS
+from tests.bad_plans import BAD_PLANS, VALID_PLAN, BadPlan
+
+ROOT = Path(__file__).parents[1]
+HADDOCK = ROOT / "validation" / "tables" / "millar_haddock_paired.csv"
+
+TINY_PLAN = """
+title = "A small bag"
+[tow]
+speed_m_s = 1.0
+water_density_kg_m3 = 1000.0
+[entry]
+radius_m = 0.1
+[[netting]]
+mesh = "diamond"
+meshes_round = 24
+meshes_long = 20
+bar_mm = 40.0
+twine_mm = 2.0
+[catch]
+filled_meshes = [4, 8]
+"""
+
+
+def codend_cli(*words: object) -> Result:
+    return CliRunner().invoke(main, [str(word) for word in words], prog_name="codend")
+
+
+def assert_refused(result: Result, *words: str, status: int = 2) -> None:
+    """One line on standard error that holds the words, nothing else printed, no traceback."""
+    assert result.exit_code == status
+    assert isinstance(result.exception, SystemExit)
+    assert result.stdout == ""
+    assert result.stderr.startswith("codend: ")
+    assert result.stderr.count("\n") == 1
+    assert result.stderr.endswith("\n")
+    for word in words:
+        assert word in result.stderr
+
+
+@pytest.fixture
+def plan(tmp_path):
+    path = tmp_path / "plan.toml"
+    path.write_text(TINY_PLAN, encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def no_solving(monkeypatch):
+    def solve(*_: object) -> None:
+        raise AssertionError("solved what should have been refused")
+
+    monkeypatch.setattr(codend.study, "solve", solve)
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory):
+    """One run of the tiny plan: the folder it filled and what it said."""
+    home = tmp_path_factory.mktemp("run")
+    (home / "plan.toml").write_text(TINY_PLAN, encoding="utf-8")
+    return home / "new" / "out", codend_cli("run", home / "plan.toml", "--out", home / "new" / "out")
+
+
+# --- the program as a whole ------------------------------------------------------------------------------------------
+
+
+def test_help_and_version_import_nothing_heavy():
+    code = """
+import sys
+import codend, codend.cli
+for words in ([], ["--help"], ["run", "--help"], ["--version"]):
+    try:
+        codend.cli.main(words, prog_name="codend")
+    except SystemExit as end:
+        assert end.code == 0
+heavy = {"numba", "pandas", "matplotlib", "scipy", "numpy", "pydantic", "jinja2", "meshio", "rich", "llvmlite"}
+print(sorted(heavy & set(sys.modules)), file=sys.stderr)
+"""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    result = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert result.stderr == "[]\n"
+    assert "Usage: codend" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["run", "plan.toml"], "--out"),
+        (["run", "plan.toml", "--out"], "--out"),
+        (["run", "--out", "x"], "PLAN.toml"),
+        (["run", "plan.toml", "second.toml", "--out", "x"], "second.toml"),
+        (["run", "no_such_plan.toml", "--out", "x"], "no_such_plan.toml"),
+        (["--wrong"], "--wrong"),
+        (["wrong"], "wrong"),
+        (["fit", "data.csv", "--design", "paired", "--out", "x", "--bootstrap", "many"], "--bootstrap"),
+        (["fit", "no_such_data.csv", "--design", "paired", "--out", "x"], "no_such_data.csv"),
+        (["compare", "no_such_folder", "table.csv"], "results.csv"),
+    ],
+)
+def test_wrong_use_ends_in_one_line_and_status_2(words, named, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert_refused(codend_cli(*words), named)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_bug_is_not_passed_off_as_bad_input(plan, monkeypatch):
+    monkeypatch.setattr(codend.study, "solve", lambda *_: 1 // 0)
+    assert isinstance(codend_cli("run", plan, "--out", plan.parent / "out").exception, ZeroDivisionError)
+
+
+# --- run -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("bad", BAD_PLANS, ids=lambda bad: bad.id)
+def test_every_broken_plan_ends_in_one_line_with_its_key_and_writes_nothing(bad: BadPlan, tmp_path, no_solving):
+    path = tmp_path / "plan.toml"
+    path.write_text(bad.text, encoding="utf-8")
+    result = codend_cli("run", path, "--out", tmp_path / "out")
+    assert_refused(result, f"codend: {path}: {bad.key}", "; allowed: ")
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_bad_change_is_refused_like_a_bad_plan(tmp_path, no_solving):
+    path = tmp_path / "plan.toml"
+    path.write_text(VALID_PLAN, encoding="utf-8")
+    for changes in (["--set", "tow.speed_m_s=1", "entry.radius_m=-1"], ["--set=entry.radius_m=-1"]):
+        assert_refused(codend_cli("run", path, *changes, "--out", tmp_path / "out"), "entry.radius_m = -1")
+    assert_refused(codend_cli("run", path, "--set", "entry", "--out", tmp_path / "out"), "KEY=VALUE")
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "PLAN --out OUT --set tow.speed_m_s=2 netting.0.bar_mm=25 catch.filled_meshes=3",
+        "PLAN --set tow.speed_m_s=2 --set netting.0.bar_mm=25 --set catch.filled_meshes=3 --out OUT",
+        "--set tow.speed_m_s=2 netting.0.bar_mm=25 --set=catch.filled_meshes=3 PLAN --out OUT",
+        "--set=tow.speed_m_s=2 netting.0.bar_mm=25 --out OUT --set catch.filled_meshes=3 PLAN",
+    ],
+)
+def test_set_takes_several_changes_and_may_be_repeated(words, plan, monkeypatch):
+    seen = []
+    monkeypatch.setattr(codend.study, "solve", lambda plan, _: seen.append(plan) or 1 // 0)
+    names = {"PLAN": str(plan), "OUT": str(plan.parent / "out")}
+    codend_cli("run", *(names.get(word, word) for word in words.split()))
+    (changed,) = seen
+    assert changed.tow.speed_m_s == (2.0,)
+    assert changed.netting[0].bar_mm == 25.0
+    assert changed.catch.filled_meshes == (3.0,)
+
+
+def test_run_writes_the_tables_and_prints_a_short_one(ran):
+    folder, result = ran
+    assert result.exit_code == 0
+    results = pd.read_csv(folder / "results.csv")
+    assert list(results.columns) == RESULT_COLUMNS
+    assert results["converged"].all()
+    assert {path.name for path in folder.iterdir()} >= {"profile.csv", "net_1.vtu", "net_2.vtu", "report.html"}
+    assert not list(folder.rglob("*.part"))
+    header, first, second = result.stdout.splitlines()[1:4]
+    assert header.split()[:3] == ["case", "speed", "m/s"]
+    assert f"{results['drag_n'][0]:.4g}" in first.split()
+    assert second.split()[0] == "2"
+    assert second.split()[-1] == "yes"
+
+
+def test_a_case_that_does_not_converge_gives_status_3_and_the_others_are_written(plan):
+    out = plan.parent / "out"
+    result = codend_cli("run", plan, "--out", out, "--set", "catch.volume_m3=[0.02, 0.16]")
+    assert result.exit_code == 3
+    assert pd.read_csv(out / "results.csv")["converged"].tolist() == [True, False]
+    assert (out / "net_1.vtu").exists()
+    assert not (out / "net_2.vtu").exists()
+    first, *tried = result.stderr.splitlines()
+    assert first.startswith("case 2 (volume_m3 = 0.16 at 1 m/s) was not solved: The catch does not fit")
+    assert tried
+    assert all(line.startswith("  tried ") for line in tried)
+    assert result.stdout.splitlines()[3].endswith("NO")
+
+
+def test_a_second_run_leaves_nothing_of_the_first_but_what_is_not_its_own(plan):
+    out = plan.parent / "out"
+    out.mkdir()
+    for name in ("net_1.vtu", "net_7.vtu", "meshes.csv", "notes.txt"):
+        (out / name).write_text("of an earlier run", encoding="utf-8")
+    assert codend_cli("run", plan, "--out", out, "--set", "catch.filled_meshes=5").exit_code == 0
+    assert not (out / "net_7.vtu").exists()
+    assert not (out / "meshes.csv").exists()
+    assert (out / "net_1.vtu").read_text(encoding="utf-8") != "of an earlier run"
+    assert (out / "notes.txt").read_text(encoding="utf-8") == "of an earlier run"
+
+
+@pytest.mark.parametrize("inside", ["plan.toml", "plan.toml/out"])
+def test_a_folder_that_cannot_be_made_is_refused_before_anything_is_solved(plan, inside, no_solving):
+    assert_refused(codend_cli("run", plan, "--out", plan.parent / inside), "cannot be written", "is no folder")
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="nothing is forbidden to root")
+def test_a_folder_without_permission_is_refused_before_anything_is_solved(plan, no_solving):
+    closed = plan.parent / "closed"
+    closed.mkdir(mode=0o500)
+    assert_refused(codend_cli("run", plan, "--out", closed / "out"), "permission denied")
+
+
+def test_a_full_disk_ends_in_one_line(ran, plan, monkeypatch):
+    def write_report(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(codend.study, "solve", lambda *_: None)
+    monkeypatch.setattr(page, "write_report", write_report)
+    assert_refused(codend_cli("run", plan, "--out", plan.parent / "out"), "No space left on device")
+
+
+def test_interrupted_while_solving_it_writes_nothing(plan, monkeypatch):
+    monkeypatch.setattr(codend.study, "solve", lambda *_: signal.raise_signal(signal.SIGINT))
+    assert_refused(codend_cli("run", plan, "--out", plan.parent / "out"), "codend: interrupted", status=130)
+    assert list(plan.parent.iterdir()) == [plan]
+
+
+def test_interrupted_while_writing_it_leaves_no_half_files(plan, ran, monkeypatch):
+    whole, _ = ran
+    renamed = []
+
+    def replace(source: Path, target: Path) -> None:
+        if len(renamed) == 3:
+            signal.raise_signal(signal.SIGINT)
+        renamed.append(target)
+        os.rename(source, target)
+
+    monkeypatch.setattr(files.os, "replace", replace)
+    out = plan.parent / "out"
+    assert_refused(codend_cli("run", plan, "--out", out), "codend: interrupted", status=130)
+    left = sorted(path for path in out.rglob("*") if path.is_file())
+    assert left == sorted(renamed)
+    for path in left:
+        assert len(path.read_bytes().splitlines()) == len((whole / path.name).read_bytes().splitlines())
+
+
+# --- compare ---------------------------------------------------------------------------------------------------------
+
+FLUME = """\
+# INVENTED for a test: no measurement
+filled_meshes,speed_m_s,drag_n,hoop_drag_n,max_diameter_m
+4,1.0,70,10,0.40
+6,1.0,80,10,
+12,1.0,90,10,0.50
+"""
+
+
+def test_compare_prints_differences_and_the_tables_source_and_writes_both_and_a_plot(ran, tmp_path):
+    folder, _ = ran
+    (tmp_path / "flume.csv").write_text(FLUME, encoding="utf-8")
+    result = codend_cli("compare", folder, tmp_path / "flume.csv")
+    assert result.exit_code == 0
+    assert result.stderr == ""
+    assert "INVENTED for a test: no measurement" in result.stdout.splitlines()[0]
+    assert "2 of 3 rows compared, matched on filled_meshes and speed" in result.stdout
+    assert "not compared, line 5: drag_n, max_diameter_m: filled_meshes = 12 is outside" in result.stdout
+    points = pd.read_csv(folder / "comparison.csv").set_index(["quantity", "table_line"])
+    drag = pd.read_csv(folder / "results.csv")["drag_n"]
+    assert points.loc[("drag_n", 3), "computed"] == pytest.approx(drag[0] + 10.0)
+    assert points.loc[("drag_n", 3), "difference"] == pytest.approx(drag[0] + 10.0 - 70.0)
+    assert drag[0] < points.loc[("drag_n", 4), "computed"] - 10.0 < drag[1]
+    summary = pd.read_csv(folder / "comparison_summary.csv").set_index("quantity")
+    assert summary["points"].to_dict() == {"drag_n": 2, "max_diameter_m": 1}
+    assert f"{summary.loc['drag_n', 'bias']:.4g}" in result.stdout
+    assert (folder / "comparison.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_compare_with_a_bad_table_writes_nothing(ran, tmp_path):
+    folder = tmp_path / "results"
+    folder.mkdir()
+    (folder / "results.csv").write_bytes((ran[0] / "results.csv").read_bytes())
+    (tmp_path / "flume.csv").write_text(FLUME.replace("80", "eighty"), encoding="utf-8")
+    assert_refused(codend_cli("compare", folder, tmp_path / "flume.csv"), "drag_n", '"eighty"', "line 4")
+    assert [path.name for path in folder.iterdir()] == ["results.csv"]
+
+
+# --- fit -------------------------------------------------------------------------------------------------------------
+
+
+def test_fit_finds_millars_haddock_and_writes_both_tables(tmp_path):
+    result = codend_cli("fit", HADDOCK, "--design", "paired", "--out", tmp_path / "out")
+    assert result.exit_code == 0
+    assert result.stderr == ""
+    table = pd.read_csv(tmp_path / "out" / "fit.csv").set_index("parameter")
+    assert list(table.columns) == ["group", "curve", "estimate", "standard_error", "lower_95", "upper_95"]
+    assert table.loc["a", "estimate"] == pytest.approx(-36.3144, abs=1e-4)
+    assert table.loc["b", "estimate"] == pytest.approx(1.2340, abs=1e-4)
+    assert pd.read_csv(tmp_path / "out" / "diagnostics.csv")["converged"].all()
+    assert [line.split()[:3] for line in result.stdout.splitlines() if " l50_cm " in line] == [
+        ["pooled", "l50_cm", "29.43"]
+    ]
+
+
+def covered_hauls(path: Path, l50s: list[float]) -> Path:
+    """Made-up hauls of 100 fish a length, split by a logistic curve of SR 4 cm to the nearest fish."""
+    length = np.arange(20.0, 41.0, 2.0)
+    frames = []
+    for number, l50 in enumerate(l50s, start=1):
+        kept = np.round(100.0 / (1.0 + np.exp(-2.0 * np.log(3.0) / 4.0 * (length - l50))))
+        frames.append(pd.DataFrame({"haul": number, "length_cm": length, "codend": kept, "cover": 100.0 - kept}))
+    pd.concat(frames).assign(depth_m=lambda f: 10.0 * f["haul"]).to_csv(path, index=False)
+    return path
+
+
+def test_fit_of_several_hauls_shows_their_mean_first_then_bootstrap_then_pooled(tmp_path):
+    data = covered_hauls(tmp_path / "data.csv", [28.0, 29.0, 30.0, 31.0, 32.0])
+    words = ["--design", "covered", "--curve", "probit", "--bootstrap", "20", "--seed", "1"]
+    result = codend_cli("fit", data, *words, "--out", tmp_path)
+    assert result.exit_code == 0
+    shown = [line.split()[0] for line in result.stdout.splitlines() if " l50_cm " in line]
+    assert shown == ["between-hauls", "bootstrap", "pooled"]
+    table = pd.read_csv(tmp_path / "fit.csv")
+    assert set(table["curve"]) == {"probit"}
+    assert set(table["group"]) == {"between-hauls", "bootstrap", "pooled", *(f"haul {n}" for n in range(1, 6))}
+
+
+def test_fit_takes_covariates(tmp_path):
+    data = covered_hauls(tmp_path / "data.csv", [28.0, 29.0, 30.0, 31.0, 32.0])
+    assert codend_cli("fit", data, "--design", "covered", "--covariate", "depth_m", "--out", tmp_path).exit_code == 0
+    table = pd.read_csv(tmp_path / "fit.csv").query("group == 'pooled'").set_index("parameter")
+    assert table.loc["l50_cm:depth_m", "estimate"] == pytest.approx(0.1, rel=0.02)
+
+
+def test_a_fit_that_finds_no_maximum_gives_status_3_and_says_why(tmp_path):
+    data = tmp_path / "data.csv"
+    data.write_text("haul,length_cm,codend,cover\n1,20,10,0\n1,25,10,0\n1,30,10,0\n", encoding="utf-8")
+    result = codend_cli("fit", data, "--design", "covered", "--out", tmp_path / "out")
+    assert result.exit_code == 3
+    assert result.stderr.startswith("pooled was not fitted: ")
+    assert pd.read_csv(tmp_path / "out" / "fit.csv")["estimate"].isna().all()
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["--design", "coverd"], "design"),
+        (["--design", "covered"], "codend"),
+        (["--design", "paired", "--curve", "spline"], "curve"),
+        (["--design", "paired", "--split", "0.4"], "split"),
+        (["--design", "paired", "--covariate", "depth_m"], "depth_m"),
+        (["--design", "paired", "--bootstrap", "-1"], "n_bootstrap"),
+    ],
+)
+def test_a_fit_that_cannot_be_made_writes_nothing(words, named, tmp_path):
+    assert_refused(codend_cli("fit", HADDOCK, *words, "--out", tmp_path / "out"), f"{HADDOCK}: {named}")
+    assert not (tmp_path / "out").exists()
+
+
+# --- doctor, version and progress ------------------------------------------------------------------------------------
+
+
+def test_doctor_looks_at_every_package_the_project_declares():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+    def names(requirements: list[str]) -> list[str]:
+        return [requirement.split(">")[0].strip() for requirement in requirements]
+
+    assert list(doctor.REQUIRED) == names(project["dependencies"])
+    assert list(doctor.FOR_TESTS) == names(project["optional-dependencies"]["test"])
+
+
+def test_doctor_warms_up_and_names_versions_and_caches():
+    result = codend_cli("doctor", "--warm-up")
+    assert result.exit_code == 0
+    warm_up, *findings = result.stdout.splitlines()
+    assert "kernels compiled" in warm_up
+    found = {line.split()[0]: line for line in findings}
+    assert np.__version__ in found["numpy"]
+    assert "usable" in found["cores"]
+    assert any(" compiled: " in line for line in findings if line.startswith("kernel cache"))
+
+
+def test_doctor_reports_a_missing_package(monkeypatch):
+    monkeypatch.setattr(doctor, "version_of", lambda name: None if name == "meshio" else "1.0")
+    result = codend_cli("doctor")
+    assert result.exit_code == 1
+    assert [line.split() for line in result.stdout.splitlines() if "MISSING" in line] == [["meshio", "MISSING"]]
+
+
+def test_version_is_that_of_the_installed_package(monkeypatch):
+    monkeypatch.setattr(doctor, "version_of", lambda _: "1.2.3")
+    result = codend_cli("--version")
+    assert (result.exit_code, result.stdout) == (0, "codend 1.2.3\n")
+
+
+def test_progress_without_a_terminal_is_a_plain_line_every_ten_seconds(monkeypatch, capsys):
+    clock = iter([0.0, 1.0, 9.0, 10.5, 20.0, 20.9])
+    monkeypatch.setattr(console, "monotonic", lambda: next(clock))
+    with console.shown_progress() as progress:
+        for done in range(5):
+            progress(done, 5, "solving [1/2]")
+    assert capsys.readouterr().err == "2 of 5 done, solving [1/2]\n4 of 5 done, solving [1/2]\n"
+
+
+def test_progress_in_a_terminal_is_a_bar_that_is_gone_in_the_end(monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    terminal = Terminal()
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(sys, "stderr", terminal)
+    with console.shown_progress() as progress:
+        progress(1, 2, "case 2: solving [1/2]")
+    assert "1/2" in terminal.getvalue()
+    assert "solving [1/2]" in terminal.getvalue()
+    assert terminal.getvalue().endswith("\x1b[2K")
+
+
+def test_tables_align_numbers_to_the_right_and_show_the_unknown_as_a_dash():
+    table = console.text_table(["name", "drag N", "ok"], [("first", 12.3456, True), ("2nd", float("nan"), False)])
+    assert table == "name   drag N  ok\nfirst   12.35  yes\n2nd         -  NO"
