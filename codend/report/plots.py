@@ -13,7 +13,7 @@ import numpy as np
 
 from codend.measures import WANTED_OPENING_DEG, Rows
 from codend.net import Floats
-from codend.report.style import INK, dress, new_figure, number_text, ordered_colours, spread
+from codend.report.style import INK, PALE, dress, new_figure, number_text, ordered_colours, spread
 from codend.study import CaseResult, Study
 
 if TYPE_CHECKING:
@@ -26,7 +26,6 @@ Colour = tuple[float, float, float, float]
 WIDTH_IN = 10.0
 MOST_LEGEND_ENTRIES = 10
 THIN, HEAVY = 1.1, 2.6
-NOTE_BOX = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.0}
 
 
 @dataclass(frozen=True)
@@ -90,7 +89,7 @@ def profiles_plot(study: Study) -> "Figure":
     """Meridian profiles to scale, entry to the left."""
     length = max(result.measures.length_m for result in solved(study))
     width = max(result.measures.max_radius_m for result in solved(study))
-    with _panels(study, max(2.2, 0.75 * WIDTH_IN * 2.2 * width / length + 0.7)) as (figure, panels):
+    with _panels(study, max(2.4, 0.70 * WIDTH_IN * 2.0 * width / length + 0.3)) as (figure, panels):
         for axes, curves in panels:
             for curve in curves:
                 x, r = curve.rows.x_m, curve.rows.radius_m
@@ -114,8 +113,9 @@ def opening_force_plot(study: Study) -> "Figure":
     figure = _along(study, f"opening force to {wanted} (N)", lambda rows: rows.opening_force_n, ahead_only=True)
     for axes in figure.axes:
         axes.axhline(0.0, color=INK, linewidth=1.0)
-        note = f"below 0: the mesh is open beyond {wanted} already"
-        axes.text(0.01, 0.03, note, transform=axes.transAxes, fontsize="small", bbox=NOTE_BOX)
+        bottom, top = axes.get_ylim()
+        axes.axhspan(min(bottom, 0.0), 0.0, color=PALE, alpha=0.35, linewidth=0.0, zorder=0)
+        axes.set_ylim(bottom, top)
     return figure
 
 
@@ -163,12 +163,16 @@ def _panels(study: Study, height_in: float, ahead_only: bool = False) -> Iterato
 
 
 def _add_legend(axes: "Axes", curves: list[Curve], ahead_only: bool) -> None:
+    from matplotlib.artist import Artist
     from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
 
     named = [curves[i] for i in spread(len(curves), MOST_LEGEND_ENTRIES)]
-    handles = [Line2D([], [], color=curve.colour, linewidth=HEAVY, label=curve.label) for curve in named]
+    handles: list[Artist] = [Line2D([], [], color=curve.colour, linewidth=HEAVY, label=curve.label) for curve in named]
     handles.append(Line2D([], [], color=INK, linestyle="", marker="o", markersize=4.0, label="front of the catch"))
-    if not ahead_only:
+    if ahead_only:
+        handles.append(Patch(color=PALE, alpha=0.35, label=f"wider than {WANTED_OPENING_DEG:g}° already"))
+    else:
         handles.append(Line2D([], [], color=INK, linewidth=HEAVY, label="netting on the catch"))
     axes.legend(
         handles=handles,

@@ -19,8 +19,8 @@ def joined_on_axis(whole: WholeNet) -> WholeNet:
 
 
 def mesh_polygons(whole: WholeNet) -> list[tuple[NDArray[np.intp], NDArray[np.int32]]]:
-    """Meshes by their number of corners, repeated corners left out: (numbers of the meshes (k,), corners (k, c))."""
-    differs = whole.meshes != np.roll(whole.meshes, 1, axis=1)
+    """Meshes by their number of corners, repeated corners left out, from the fore one round: (numbers of the meshes (k,), corners (k, c))."""
+    differs = whole.meshes != np.roll(whole.meshes, -1, axis=1)
     corners = differs.sum(axis=1)
     found = []
     for count in np.unique(corners):

@@ -1,0 +1,119 @@
+"""A study as one page to read: no scripts, nothing fetched from anywhere, pictures inside it."""
+
+import base64
+import platform
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from importlib.metadata import PackageNotFoundError, version
+from importlib.resources import files
+from typing import Any
+
+from codend.plan import Plan
+from codend.report.page_tables import results_table, solving_table
+from codend.study import Study
+
+FIDELITIES = {
+    "sector": "One rotational sector of the real net",
+    "globalised": "The full net, globalised",
+    "full": "The full net, every mesh",
+    "meridian": "The meridian of a smooth shell of netting",
+}
+
+
+@dataclass(frozen=True)
+class PageFigure:
+    """A picture of the page."""
+
+    png: bytes
+    caption: str
+
+    @property
+    def source(self) -> str:
+        """The picture itself as an address."""
+        return "data:image/png;base64," + base64.b64encode(self.png).decode("ascii")
+
+
+def page_html(study: Study, figures: Sequence[PageFigure]) -> str:
+    """The page as HTML, everything from the plan escaped.
+
+    Args:
+        study: what to write about, solved or not.
+        figures: the first stands at the top of the page, the others after the table of results; none if nothing was
+            solved.
+    """
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+    template = environment.from_string((files("codend.report") / "report.html").read_text(encoding="utf-8"))
+    plan = study.plan
+    return template.render(
+        title=plan.title,
+        summary=f"{_count(len(study.cases), 'case')}; written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}.",
+        notes=notes(study),
+        fidelity=FIDELITIES.get(study.choice.fidelity, study.choice.fidelity),
+        why=study.choice.why,
+        results=results_table(study),
+        solving=solving_table(study),
+        opening_figures=figures[:1],
+        figures=figures[1:],
+        inputs=input_sections(plan),
+        inputs_remark=f"All values of the plan ({plan.source.name}), with the defaults of keys it leaves out. Which of "
+        "them were measured and which were assumed stands in the comments of the plan's file.",
+        versions=made_with(),
+    )
+
+
+def notes(study: Study) -> list[str]:
+    """What a reader must know before using the numbers."""
+    found = []
+    failed = [str(result.case.number) for result in study.cases if not result.converged]
+    if failed:
+        cases = f"{_count(len(failed), 'case')} of {len(study.cases)} ({', '.join(failed)})"
+        found.append(f"Not solved, and without numbers: {cases}. What was tried stands below.")
+    catch = study.plan.catch
+    if catch.pressure == "uniform":
+        found.append(f"The catch presses with {catch.coefficient:g} times the stagnation pressure on all its netting.")
+    elif catch.sphere_cp_csv is None:
+        found.append(
+            "The pressure outside the catch follows a Cp curve of a sphere that was reconstructed from descriptions of "
+            "the subcritical curve; it is not a digitised measurement. The key catch.sphere_cp_csv names another one."
+        )
+    else:
+        found.append(f"The pressure outside the catch follows the plan's own Cp curve, {catch.sphere_cp_csv}.")
+    if any(section.twine_density_kg_m3 is None for section in study.plan.netting):
+        found.append("Twine whose density the plan does not give is taken as neutrally buoyant.")
+    return found
+
+
+def input_sections(plan: Plan) -> list[dict[str, Any]]:
+    """The tables of a plan with all their values, each with a name and its entries."""
+    sections: list[dict[str, Any]] = []
+    for name, table in plan.to_dict().items():
+        if isinstance(table, dict):
+            sections.append({"name": name, "entries": _entries(table)})
+        elif isinstance(table, list):
+            count = len(table)
+            titles = [name] if count == 1 else [f"{name}, section {i} of {count}" for i in range(1, count + 1)]
+            sections += [{"name": t, "entries": _entries(part)} for t, part in zip(titles, table, strict=True)]
+    return sections
+
+
+def made_with() -> str:
+    """The program, the language and the libraries that numbers come from, with their versions."""
+    found = [f"Python {platform.python_version()}"]
+    for package in ("codend", "numpy", "scipy", "numba"):
+        try:
+            found.append(f"{package} {version(package)}")
+        except PackageNotFoundError:
+            found.append(f"{package} (not installed, run from its source)")
+    return ", ".join(found[1:2] + found[:1] + found[2:]) + "."
+
+
+def _entries(table: dict[str, Any]) -> list[tuple[str, str]]:
+    lists = {key: value if isinstance(value, list) else [value] for key, value in table.items()}
+    return [(key, ", ".join(map(str, values))) for key, values in lists.items()]
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"

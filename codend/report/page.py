@@ -1,0 +1,138 @@
+"""Everything a study leaves in its folder."""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from codend.report.drag_plot import drag_plot
+from codend.report.files import whole_file, write_table
+from codend.report.html import PageFigure, page_html
+from codend.report.picture import net_picture
+from codend.report.plots import catch_text, opening_force_plot, opening_plot, profiles_plot, solved, tension_plot
+from codend.report.style import number_text
+from codend.report.vtk import write_vtu
+from codend.study import CaseResult, Study, StudyProgress
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+DOTS_PER_INCH = 150
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A plot of a study: ``plots/<name>.png`` and its place on the page."""
+
+    name: str
+    draw: Callable[[Study], "Figure"]
+    caption: Callable[[Study], str]
+
+
+def shown_case(study: Study) -> CaseResult:
+    """The case the picture of the net shows: the middle one of those solved."""
+    cases = solved(study)
+    return cases[(len(cases) - 1) // 2]
+
+
+def _net_caption(study: Study) -> str:
+    shown = shown_case(study)
+    catch = catch_text(shown.measures.catch_volume_m3, study.plan.catch_density_kg_m3)
+    globalisation = shown.net.globalisation
+    merged = f" One mesh drawn stands for {globalisation} x {globalisation} real ones." if globalisation > 1 else ""
+    return (
+        f"The net with {catch} of catch at {number_text(shown.case.speed_m_s)} m/s (case {shown.case.number}), "
+        f"every mesh coloured by its opening angle.{merged}"
+    )
+
+
+PLOTS = (
+    Plot("net", lambda study: net_picture(shown_case(study)), _net_caption),
+    Plot("profiles", profiles_plot, lambda _: "Profiles of the codend, to scale."),
+    Plot(
+        "opening",
+        opening_plot,
+        lambda _: "Opening angle of the meshes along the codend: 0° is a closed mesh, 90° a square one.",
+    ),
+    Plot(
+        "opening_force",
+        opening_force_plot,
+        lambda _: (
+            "Opening force of the meshes ahead of the catch, each taken as isolated: the extra pull across its "
+            "short diagonal that opens it to 30°. Below zero it is wider open already."
+        ),
+    ),
+    Plot("tension", tension_plot, lambda _: "Tension of the bars along the codend."),
+    Plot("drag", drag_plot, lambda _: "Drag of the codend, and the parts that the catch and the twine have in it."),
+)
+
+
+def write_report(study: Study, folder: Path, progress: StudyProgress | None = None) -> list[Path]:
+    """Write tables, VTK files, plots and the page of a study into a folder, which is made when it is not there.
+
+    ``results.csv`` and ``profile.csv``; ``meshes.csv`` for nets without symmetry; ``net_<case>.vtu`` for every solved
+    case; ``plots/*.png`` when a case was solved; ``report.html``. Each file appears whole or not at all. Files of these
+    names from an earlier study that this one has nothing to put into are removed, so that all that is there belongs
+    together.
+
+    Args:
+        study: what to write; its cases that were not solved are listed as such, without numbers.
+        folder: where to write.
+        progress: told how many files are done, of how many, and which is being written.
+
+    Returns:
+        The files written.
+
+    Raises:
+        OSError: a file cannot be written.
+    """
+    figures: dict[str, PageFigure] = {}
+
+    def write_plot(plot: Plot, path: Path) -> None:
+        figures[plot.name] = PageFigure(png(plot.draw(study)), plot.caption(study))
+        _write_bytes(figures[plot.name].png, path)
+
+    def write_page(path: Path) -> None:
+        _write_bytes(page_html(study, list(figures.values())).encode(), path)
+
+    writers: dict[Path, Callable[[Path], None]] = {
+        folder / "results.csv": partial(write_table, study.table),
+        folder / "profile.csv": partial(write_table, study.profile),
+    }
+    if not study.meshes.empty:
+        writers[folder / "meshes.csv"] = partial(write_table, study.meshes)
+    writers |= {folder / f"net_{result.case.number}.vtu": partial(write_vtu, result) for result in solved(study)}
+    if solved(study):
+        writers |= {folder / "plots" / f"{plot.name}.png": partial(write_plot, plot) for plot in PLOTS}
+    writers[folder / "report.html"] = write_page
+
+    folder.mkdir(parents=True, exist_ok=True)
+    for done, (path, write) in enumerate(writers.items()):
+        if progress is not None:
+            progress(done, len(writers), f"writing {path.name}")
+        path.parent.mkdir(exist_ok=True)
+        write(path)
+    _remove_leftovers(folder, set(writers))
+    return list(writers)
+
+
+def png(figure: "Figure") -> bytes:
+    """A figure as a PNG picture."""
+    drawn = BytesIO()
+    figure.savefig(drawn, format="png", dpi=DOTS_PER_INCH)
+    return drawn.getvalue()
+
+
+def _write_bytes(content: bytes, path: Path) -> None:
+    with whole_file(path) as temporary:
+        temporary.write_bytes(content)
+
+
+def _remove_leftovers(folder: Path, written: set[Path]) -> None:
+    nets = [path for path in folder.glob("net_*.vtu") if re.fullmatch(r"net_\d+\.vtu", path.name)]
+    plots = [folder / "plots" / f"{plot.name}.png" for plot in PLOTS]
+    for path in {*nets, *plots, folder / "meshes.csv"} - written:
+        path.unlink(missing_ok=True)

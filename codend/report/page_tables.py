@@ -1,0 +1,130 @@
+"""Tables of the report page: numbers rounded for reading, each column with its name and unit."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from codend.measures import ROWS_AHEAD, WANTED_OPENING_DEG
+from codend.report.style import column_text
+from codend.study import CaseResult, Study
+
+
+@dataclass(frozen=True)
+class Head:
+    """Head of a column."""
+
+    name: str
+    unit: str = ""
+    words: bool = False
+    """Whether the column holds words, which are set to the left."""
+
+
+@dataclass(frozen=True)
+class PageRow:
+    """Cells of a row, as text."""
+
+    cells: tuple[str, ...]
+    failed: bool
+    outcome: str
+    attempts: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class PageTable:
+    """A table ready to be shown."""
+
+    heads: tuple[Head, ...]
+    rows: tuple[PageRow, ...]
+    remarks: tuple[str, ...]
+
+
+RESULT_HEADS = {
+    "speed_m_s": Head("Speed", "m/s"),
+    "filled_meshes": Head("Filled meshes"),
+    "catch_volume_m3": Head("Catch volume", "m³"),
+    "catch_mass_kg": Head("Catch mass", "kg"),
+    "front_from_codline_m": Head("Front from codline", "m"),
+    "front_radius_m": Head("Radius at front", "m"),
+    "max_radius_m": Head("Largest radius", "m"),
+    "length_m": Head("Length", "m"),
+    "drag_n": Head("Drag", "N"),
+    "catch_drag_n": Head("Drag by the catch", "N"),
+    "twine_drag_n": Head("Drag by the twine", "N"),
+    "drag_error_n": Head("Drag error, estimated", "N"),
+    "opening_ahead_deg": Head("Opening ahead", "degrees"),
+    "opening_force_ahead_n": Head("Opening force ahead", "N"),
+    "max_bar_tension_n": Head("Largest bar tension", "N"),
+}
+
+DIGITS = {"speed_m_s": 3, "filled_meshes": 3}
+"""Of the largest value in the column; 4 elsewhere."""
+
+
+def results_table(study: Study) -> PageTable:
+    """``results.csv`` for readers; columns that no case has a number for are left out and named in a remark."""
+    table = study.table
+    shown = [name for name in RESULT_HEADS if table[name].notna().any()]
+    cells = [[_case_text(result) for result in study.cases]]
+    cells += [column_text(table[name].to_numpy(dtype=float), digits=DIGITS.get(name, 4)) for name in shown]
+    remarks = [
+        f"Ahead: mean over the {ROWS_AHEAD} rows of meshes just ahead of the catch. Opening force: the extra pull "
+        f"across the short diagonal that brings a mesh, taken as isolated, to an opening of {WANTED_OPENING_DEG:g}°; "
+        "negative where it is wider open already. Length: from the entry to the codline along the axis. "
+        "All digits are in results.csv."
+    ]
+    missing = [RESULT_HEADS[name].name.lower() for name in RESULT_HEADS if name not in shown]
+    if missing:
+        remarks.append(f"Not computed: {'; '.join(missing)}.")
+    heads = (Head("Case"), *(RESULT_HEADS[name] for name in shown))
+    return PageTable(heads, _rows(study, cells), tuple(remarks))
+
+
+def solving_table(study: Study) -> PageTable:
+    """How each case was solved, and how well its forces balance."""
+    reports = [result.report for result in study.cases]
+    drag, reaction = (study.table[name].to_numpy(dtype=float) for name in ("drag_n", "entry_reaction_n"))
+    cells = [
+        [str(result.case.number) for result in study.cases],
+        [report.method for report in reports],
+        [f"{report.iterations}" for report in reports],
+        column_text(np.array([report.solve_ms for report in reports]), digits=3),
+        [_small(report.residual) for report in reports],
+        column_text(reaction, digits=6),
+        column_text(drag, digits=6),
+        [_small(difference) for difference in reaction - drag],
+        [_small(report.length_error) for report in reports],
+    ]
+    heads = (
+        Head("Case"),
+        Head("Method", words=True),
+        Head("Iterations"),
+        Head("Time", "ms"),
+        Head("Residual"),
+        Head("Pull at the entry", "N"),
+        Head("Drag", "N"),
+        Head("Pull less drag", "N"),
+        Head("Length error"),
+    )
+    remark = (
+        "Residual: largest force out of balance on a free node, over the resultant of the loads. Pull at the entry: "
+        "the axial reaction, which must equal the drag. Length error: largest departure of a bar from the law of its "
+        "twine, over its length."
+    )
+    return PageTable(heads, _rows(study, cells), (remark,))
+
+
+def _rows(study: Study, columns: list[list[str]]) -> tuple[PageRow, ...]:
+    reports = [result.report for result in study.cases]
+    return tuple(
+        PageRow(cells, not report.outcome.converged, report.outcome.value, report.attempts)
+        for cells, report in zip(zip(*columns, strict=True), reports, strict=True)
+    )
+
+
+def _case_text(result: CaseResult) -> str:
+    return str(result.case.number) if result.converged else f"{result.case.number} (not solved)"
+
+
+def _small(value: float) -> str:
+    """Two digits in scientific notation; nothing for nan and infinity."""
+    return f"{value:.1e}" if np.isfinite(value) else ""
