@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from bad_plans import BAD_PLANS, VALID_PLAN, BadPlan, assert_is_one_clear_line
+from tests.bad_plans import BAD_PLANS, VALID_PLAN, BadPlan, assert_is_one_clear_line
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError

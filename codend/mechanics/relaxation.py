@@ -306,10 +306,10 @@ def relax(
     fill(work.position, structure, loading, work.share)
     set_pressure_bound(work.position, structure, loading, work.share, work.pressure_bound)
     residual, imbalance, fits = refresh(work, structure, loading, mass_factor)
-    energy = start_from_rest(work, 0.0)
     steps, stops, since_rest = 0, 0, 0
-    last_energy, energy_before = energy, energy
+    energy, last_energy, energy_before = 0.0, 0.0, 0.0
     keep, push, back = 1.0, 1.0, 0.0
+    at_rest = True
     last_x, last_force = state[:, X : X + 3].copy(), work.force.copy()
     while True:
         if not np.isfinite(residual):
@@ -318,7 +318,11 @@ def relax(
             return (CONVERGED if fits else OVERFULL), steps, stops, residual, imbalance
         if steps >= steps_allowed:
             return STEPS_SPENT, steps, stops, residual, imbalance
-        stopped = False
+        if at_rest:
+            set_pressure_bound(work.position, structure, loading, work.share, work.pressure_bound)
+            energy = start_from_rest(work, back)
+            last_energy, energy_before, since_rest = energy, energy, 0
+        at_rest = False
         for _ in range(REFRESH):
             work_done = step(state, work.chain, work.bar_end, work.bar_image, work.law, structure.rotations, keep, push)
             steps += 1
@@ -333,14 +337,10 @@ def relax(
                 peak = 0.5 * (energy_before - energy) / bend if bend < 0.0 else 0.5
                 back = 0.5 - min(max(peak, -0.5), 0.5) if since_rest > 2 else 0.0
                 step_back(state)
-                stopped = True
+                at_rest = True
                 stops += 1
                 break
         residual, imbalance, fits = refresh(work, structure, loading, mass_factor)
-        if stopped:
-            set_pressure_bound(work.position, structure, loading, work.share, work.pressure_bound)
-            energy = start_from_rest(work, back)
-            last_energy, energy_before, since_rest = energy, energy, 0
         if viscous:
             frequency = lowest_frequency(state, last_x, work.force, last_force, structure.free)
             damping = min(2.0 * frequency, 1.0)

@@ -1,0 +1,120 @@
+import numpy as np
+import pytest
+
+from codend.build import build_net, rows_of
+from codend.loads import wet_weight
+from codend.net import all_round, bar_vectors, facet_corners, split_bars
+from tests.plans import make_plan
+
+KINDS = [
+    ("diamond", {}),
+    ("diamond", {"knot_mm": 8.0}),
+    ("t90", {"knot_mm": 8.0}),
+    ("t90", {}),
+    ("square", {}),
+]
+
+
+@pytest.mark.parametrize(("mesh", "netting"), KINDS)
+def test_a_sector_repeated_all_round_is_the_full_net(mesh, netting):
+    plan = make_plan(12, 8, mesh=mesh, netting=netting)
+    full = build_net(plan)
+    sector = build_net(plan, columns=1)
+    assert sector.order == 12
+    whole = all_round(sector, sector.positions)
+
+    def segments(positions, bars):
+        ends = positions[bars].round(9) + 0.0
+        return {tuple(sorted(map(tuple, pair))) for pair in ends}
+
+    assert segments(whole.positions, whole.bars) == segments(full.positions, full.bars)
+    assert len(full.bars) == 12 * len(sector.bars)
+    assert len(full.facets) == 12 * len(sector.facets)
+    assert len(full.mesh_sides) == 12 * len(sector.mesh_sides)
+
+
+@pytest.mark.parametrize(("mesh", "netting"), KINDS)
+def test_facets_close_the_bag_and_face_outward(mesh, netting):
+    net = build_net(make_plan(12, 8, mesh=mesh, netting=netting))
+    corner = facet_corners(net, net.positions)
+    area = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 2
+    middle = corner.mean(axis=1)
+    outward = np.einsum("ij,ij->i", area[:, 1:], middle[:, 1:])
+    assert np.all(outward > -1e-12)
+    # the facets with a lid on the entry are a closed surface: no facet is missing or laid twice
+    total = (area * net.facet_weight[:, None]).sum(axis=0)
+    entry = net.positions[net.fixed.all(axis=1)]
+    azimuth = np.sort(np.arctan2(entry[:, 2], entry[:, 1]))
+    radius = np.hypot(entry[0, 1], entry[0, 2])
+    lid = 0.5 * radius**2 * np.sin(np.diff(np.append(azimuth, azimuth[0] + 2 * np.pi))).sum()
+    assert total == pytest.approx([lid, 0.0, 0.0], abs=1e-12)
+
+
+def test_counts_of_knots_bars_and_meshes_are_those_of_the_netting():
+    net = build_net(make_plan(12, 8))
+    assert len(net.positions) == 12 * 16 + 1
+    assert len(net.bars) == 2 * 12 * 16
+    assert len(net.mesh_sides) == 12 * 15
+    knotted = build_net(make_plan(12, 8, netting={"knot_mm": 8.0}))
+    assert len(knotted.bars) == 3 * 12 * 16
+    assert np.count_nonzero(knotted.bar_drag_diameter == 0) == 12 * 16
+
+
+def test_every_diamond_knot_inside_the_net_holds_four_twines():
+    net = build_net(make_plan(12, 8))
+    twines = np.bincount(net.bars.ravel(), minlength=len(net.positions))
+    inner = np.isin(net.node_row, range(1, 16))
+    assert np.all(twines[inner] == 4)
+    assert twines[-1] == 24
+
+
+def test_mesh_sides_name_their_bars():
+    for mesh, netting in KINDS[:4]:
+        net = build_net(make_plan(12, 8, mesh=mesh, netting=netting), columns=2)
+        assert np.all(net.mesh_bars >= 0)
+        sides = np.sort(net.mesh_sides.reshape(-1, 2), axis=1)
+        assert np.all(np.sort(net.bars[net.mesh_bars.ravel()], axis=1) == sides)
+
+
+@pytest.mark.parametrize("g", [1, 2, 3, 4, 6, 12])
+def test_globalisation_keeps_mass_weight_and_drag_area(g):
+    plan = make_plan(36, 24, netting={"twines": 2, "twine_density_kg_m3": 1140.0})
+    real, model = build_net(plan), build_net(plan, globalisation=g)
+
+    def mass(net):
+        return (net.bar_density * np.pi / 4 * net.bar_solid_diameter**2 * net.bar_length).sum()
+
+    def drag_area(net):
+        return (net.bar_drag_diameter * net.bar_length).sum()
+
+    assert mass(model) == pytest.approx(mass(real), rel=1e-13)
+    assert drag_area(model) == pytest.approx(drag_area(real), rel=1e-13)
+    assert wet_weight(model, 1026.0).sum() == pytest.approx(wet_weight(real, 1026.0).sum(), rel=1e-13)
+    assert len(model.bars) == len(real.bars) / g**2
+
+
+def test_globalised_elastic_bars_are_as_much_stiffer_as_they_carry_more():
+    plan = make_plan(36, 24, netting={"axial_stiffness_n": 1000.0})
+    assert np.unique(build_net(plan, globalisation=3).bar_flexibility) == pytest.approx([1 / 3000])
+
+
+def test_a_hinge_in_mid_bar_leaves_length_and_drag_area():
+    net = build_net(make_plan(12, 8, netting={"knot_mm": 8.0}), columns=1)
+    twine = net.bar_drag_diameter > 0
+    halved = split_bars(net, twine)
+    assert halved.bar_length.sum() == pytest.approx(net.bar_length.sum())
+    assert (halved.bar_length * halved.bar_drag_diameter).sum() == pytest.approx(
+        (net.bar_length * net.bar_drag_diameter).sum()
+    )
+    whole = bar_vectors(halved, halved.positions)
+    assert whole[np.flatnonzero(twine)] == pytest.approx(0.5 * bar_vectors(net, net.positions)[twine])
+
+
+def test_sections_follow_one_another():
+    plan = make_plan(12, 8)
+    second = plan.netting[0].model_copy(update={"bar_mm": 20.0, "meshes_long": 3})
+    joined = plan.model_copy(update={"netting": (plan.netting[0], second)})
+    net = build_net(joined, columns=1)
+    assert len(rows_of(joined)) == net.bands == 22
+    assert np.unique(net.bar_length[net.bar_band >= 16]) == pytest.approx([0.020])
+    assert np.unique(net.bar_length[net.bar_band < 16]) == pytest.approx([0.040])

@@ -1,0 +1,128 @@
+"""Invariants and closed forms of the equilibrium (shell theory of the netting, N large)."""
+
+import numpy as np
+import pytest
+
+from codend.measures import mesh_openings
+from codend.study import solve
+from tests.plans import make_plan, uniform_plan
+from tests.reference import residual
+
+SECTOR = {"fidelity": "sector", "method": "dynamic-relaxation", "tolerance": 1e-7}
+
+
+@pytest.fixture(scope="module")
+def uniform():
+    """100 meshes round, uniform pressure, no drag: T cos^2 phi and cos a / (r^2 cos phi) are constant."""
+    return solve(uniform_plan(100, 60, 25.0, bar_mm=20.0, model=SECTOR)).cases[0]
+
+
+def half_angles(result):
+    """Half opening angle of the twines of each band, from the rows: sin phi = half the spacing of knots over the bar."""
+    rows, net = result.rows, result.net
+    middle = 0.5 * (rows.radius_m[1:] + rows.radius_m[:-1])
+    return np.arcsin(np.clip(middle * np.pi / (net.order * net.bar_length[0]), 0, 1))
+
+
+def test_the_constant_of_the_meridional_pull_holds_from_entry_to_codline(uniform):
+    net, phi = uniform.net, half_angles(uniform)
+    tension = uniform.bar_tension_n[np.argsort(net.bar_band, kind="stable")][::2]
+    constant = (tension * np.cos(phi) ** 2)[:-6]  # the last rows are too few bars wide for the smooth limit
+    assert constant == pytest.approx(constant.mean(), rel=1e-3)
+
+
+def test_the_slope_in_the_catch_follows_radius_and_opening(uniform):
+    rows = uniform.rows
+    phi = half_angles(uniform)
+    cos_a = np.diff(rows.x_m) / np.hypot(np.diff(rows.x_m), np.diff(rows.radius_m))
+    front = uniform.net.bands - 50
+    middle = 0.5 * (rows.radius_m[1:] + rows.radius_m[:-1])
+    in_catch = (cos_a / (middle**2 * np.cos(phi)))[front + 1 : -8]
+    assert in_catch == pytest.approx(in_catch.mean(), rel=2e-3)
+    ahead = (cos_a / (rows.radius_m[front] ** 2 * np.cos(phi)))[: front - 1]
+    assert ahead == pytest.approx(in_catch.mean(), rel=2e-3)
+
+
+def test_entry_reaction_is_pressure_times_the_polygon_of_the_front_row(uniform):
+    net = uniform.net
+    radius = uniform.rows.radius_m[net.bands - 50]
+    polygon = 0.5 * net.order * radius**2 * np.sin(2 * np.pi / net.order)
+    pressure = 1.4 * 500.0
+    assert uniform.measures.catch_drag_n == pytest.approx(pressure * polygon, rel=1e-12)
+    assert uniform.measures.entry_reaction_n == pytest.approx(pressure * polygon, rel=2e-7)
+
+
+def test_opening_and_radius_stay_below_their_bounds_in_a_long_catch():
+    result = solve(uniform_plan(100, 100, 85.0, bar_mm=20.0, model=SECTOR)).cases[0]
+    limit = np.degrees(2 * np.arctan(np.sqrt(2)))
+    bound = 0.8165 * 100 * 0.020 / np.pi
+    assert 105.0 < np.nanmax(result.rows.opening_deg) < limit + 0.02
+    assert 0.98 * bound < result.measures.max_radius_m < 1.0005 * bound
+
+
+@pytest.mark.parametrize(
+    "plan",
+    [
+        make_plan(24, 20, model=SECTOR),
+        make_plan(24, 20, netting={"knot_mm": 6.0, "axial_stiffness_n": 2000.0}, model=SECTOR),
+        make_plan(24, 20, mesh="t90", netting={"knot_mm": 6.0}, drag={"law": "bessonneau-1997"}, model=SECTOR),
+        make_plan(24, 20, mesh="square", model=SECTOR, entry=0.8),
+        make_plan(12, 10, filled=4.0, netting={"twine_density_kg_m3": 1400.0}, model={"fidelity": "full"}),
+        make_plan(24, 20, catch={"volume_m3": 0.02}, model={"fidelity": "globalised", "globalisation": 2}),
+        make_plan(24, 20, model={"bars_per_side": 2, "fidelity": "sector"}),
+    ],
+    ids=["diamond", "knotted elastic", "t90", "square", "full and heavy", "globalised", "hinged"],
+)
+def test_residual_in_the_table_is_that_of_the_arrays(plan):
+    study = solve(plan)
+    result = study.cases[0]
+    assert result.converged
+    recomputed = residual(result.problem, result.positions, result.solution.bar_tension, result.solution.share)
+    assert study.table.residual[0] == pytest.approx(recomputed, rel=1e-6, abs=1e-13)
+    assert recomputed <= plan.model.tolerance
+    balance = result.measures.entry_reaction_n / result.measures.drag_n - 1
+    assert abs(balance) <= 1.01 * plan.model.tolerance
+    assert np.all(result.bar_tension_n >= 0.0)
+    assert result.report.length_error <= 1e-6
+
+
+def test_elastic_twine_tends_to_inextensible_as_its_stiffness_grows():
+    stiff = solve(make_plan(24, 20, model=SECTOR)).cases[0].positions
+    gaps = []
+    for stiffness in (1e4, 1e5, 1e6):
+        soft = solve(make_plan(24, 20, netting={"axial_stiffness_n": stiffness}, model=SECTOR)).cases[0].positions
+        gaps.append(np.abs(soft - stiff).max())
+    rates = np.diff(np.log10(gaps))
+    assert rates == pytest.approx([-1.0, -1.0], abs=0.05)
+
+
+def test_twine_carries_no_compression_and_slack_twine_is_not_longer_than_itself():
+    """Knots lying across near the codline of a T90 bag have no room: they must come out slack."""
+    result = solve(make_plan(24, 20, mesh="t90", netting={"knot_mm": 12.0}, model=SECTOR)).cases[0]
+    assert result.converged
+    slack = result.bar_tension_n == 0.0
+    knots = result.net.bar_drag_diameter == 0.0
+    assert np.any(slack & knots)
+    assert not np.any(slack & ~knots)
+
+
+def test_drag_scales_with_the_square_of_the_speed_and_the_shape_does_not_change():
+    slow, fast = (solve(make_plan(24, 20, speed=v, model=SECTOR)).cases[0] for v in (0.5, 2.0))
+    assert fast.measures.drag_n == pytest.approx(16 * slow.measures.drag_n, rel=1e-4)
+    assert fast.positions == pytest.approx(slow.positions, abs=1e-4)
+
+
+def test_viscous_and_kinetic_damping_end_at_the_same_equilibrium():
+    kinetic, viscous = (
+        solve(make_plan(24, 20, model={**SECTOR, "damping": damping})).cases[0].positions
+        for damping in ("kinetic", "viscous")
+    )
+    assert viscous == pytest.approx(kinetic, abs=1e-5)
+
+
+def test_openings_of_a_flat_panel_are_those_it_was_laid_with(uniform):
+    opening, normal = mesh_openings(uniform.net, uniform.positions)
+    assert np.linalg.norm(normal, axis=1) == pytest.approx(1.0)
+    phi = np.radians(opening) / 2
+    spacing = np.pi * uniform.rows.radius_m[uniform.net.mesh_row] / uniform.net.order
+    assert 2 * uniform.net.bar_length[0] * np.sin(phi[:-2]) == pytest.approx(2 * spacing[:-2], rel=2e-3)
