@@ -24,15 +24,16 @@ def drag_plot(study: Study) -> "Figure":
     Against speed where there is one catch, as bars where there is one case. The study has at least one solved case.
     """
     speeds = curves_by_speed(study)
-    figure = new_figure(WIDTH_IN, 4.2)
+    one_case = len(speeds) == 1 and len(next(iter(speeds.values()))) == 1
+    figure = new_figure(WIDTH_IN, 2.2 if one_case else 4.2)
     axes = figure.add_subplot()
     dress(axes)
-    if max(len(curves) for curves in speeds.values()) > 1:
-        _against_catch(axes, speeds)
-    elif len(speeds) > 1:
-        _against_speed(axes, [curve for curves in speeds.values() for curve in curves])
-    else:
+    if one_case:
         _bars(axes, next(iter(speeds.values()))[0])
+    elif max(len(curves) for curves in speeds.values()) > 1:
+        _against_catch(axes, speeds)
+    else:
+        _against_speed(axes, [curve for curves in speeds.values() for curve in curves])
     return figure
 
 

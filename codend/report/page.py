@@ -33,8 +33,8 @@ class Plot:
 
 
 def shown_case(study: Study) -> CaseResult:
-    """The case the picture of the net shows: the middle one of those solved."""
-    cases = solved(study)
+    """The case the picture of the net shows: the middle one of those solved at the first speed."""
+    cases = [result for result in solved(study) if result.case.speed_m_s == solved(study)[0].case.speed_m_s]
     return cases[(len(cases) - 1) // 2]
 
 
@@ -122,7 +122,7 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
 def png(figure: "Figure") -> bytes:
     """A figure as a PNG picture."""
     drawn = BytesIO()
-    figure.savefig(drawn, format="png", dpi=DOTS_PER_INCH)
+    figure.savefig(drawn, format="png", dpi=DOTS_PER_INCH, bbox_inches="tight", pad_inches=0.1)
     return drawn.getvalue()
 
 

@@ -19,7 +19,10 @@ def joined_on_axis(whole: WholeNet) -> WholeNet:
 
 
 def mesh_polygons(whole: WholeNet) -> list[tuple[NDArray[np.intp], NDArray[np.int32]]]:
-    """Meshes by their number of corners, repeated corners left out, from the fore one round: (numbers of the meshes (k,), corners (k, c))."""
+    """Meshes by their number of corners: (numbers of the meshes (k,), corners (k, c)) for each number c there is.
+
+    Corners are walked from the fore one round, repeated ones left out.
+    """
     differs = whole.meshes != np.roll(whole.meshes, -1, axis=1)
     corners = differs.sum(axis=1)
     found = []
