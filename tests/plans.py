@@ -18,7 +18,13 @@ def make_plan(
     mesh: str = "diamond",
 ) -> Plan:
     """A plan whose entry is a given share of the radius of meshes pulled fully open."""
-    section = {"mesh": mesh, "meshes_round": meshes_round, "meshes_long": meshes_long, "bar_mm": bar_mm, "twine_mm": 2.0}
+    section = {
+        "mesh": mesh,
+        "meshes_round": meshes_round,
+        "meshes_long": meshes_long,
+        "bar_mm": bar_mm,
+        "twine_mm": 2.0,
+    }
     section |= netting or {}
     across = bar_mm + (section.get("knot_mm", 0.0) if mesh == "t90" else 0.0)
     limit = meshes_round * across / 1000 / 3.141592653589793 / (2.0 if mesh == "square" else 1.0)

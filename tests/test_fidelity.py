@@ -1,0 +1,106 @@
+"""Sector, globalised and full models of one plan."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from codend import fidelity
+from codend.build import build_net
+from codend.loads import problem_of
+from codend.net import all_round, rotate
+from codend.solvers import dynamic_relaxation
+from codend.study import solve
+from tests.plans import make_plan
+
+TIGHT = 1e-9
+
+
+def equilibrium(plan, **build):
+    net = build_net(plan, **build)
+    return net, dynamic_relaxation.solve(problem_of(net, plan, plan.cases()[0]), TIGHT)
+
+
+@pytest.mark.parametrize(
+    "plan",
+    [
+        make_plan(24, 20),
+        make_plan(24, 20, mesh="t90", netting={"knot_mm": 6.0}),
+        make_plan(24, 20, netting={"knot_mm": 6.0}),
+    ],
+    ids=["T0", "T90", "T0 with knots"],
+)
+def test_full_net_and_sectors_of_any_size_have_the_same_equilibrium(plan):
+    full_net, full = equilibrium(plan)
+    radius = np.hypot(full.positions[:, 1], full.positions[:, 2]).max()
+    by_place = np.lexsort(full_net.positions.round(9).T)
+    for columns, azimuth in ((1, 0.0), (1, 0.3), (3, 0.0)):
+        net, sector = equilibrium(plan, columns=columns, azimuth_rad=azimuth)
+        assert sector.report.outcome.converged
+        whole = all_round(net, sector.positions)
+        start = all_round(net, net.positions).positions
+        # match the nodes by where they started
+        start, whole_positions = rotate(start, -1, 2 * np.pi / azimuth) if azimuth else start, whole.positions
+        if azimuth:
+            whole_positions = rotate(whole_positions, -1, 2 * np.pi / azimuth)
+        unique = np.unique(start.round(9), axis=0, return_index=True)[1]
+        order = unique[np.lexsort(start[unique].round(9).T)]
+        assert len(order) == len(by_place)
+        assert np.abs(whole_positions[order] - full.positions[by_place]).max() <= 1e-6 * radius
+
+
+def test_a_rotated_full_net_is_the_same_net_rotated():
+    plan = make_plan(24, 20)
+    _, straight = equilibrium(plan)
+    _, turned = equilibrium(plan, azimuth_rad=0.7)
+    radius = np.hypot(straight.positions[:, 1], straight.positions[:, 2]).max()
+    assert np.abs(turned.positions - rotate(straight.positions, 1, 2 * np.pi / 0.7)).max() <= 1e-6 * radius
+
+
+def test_a_sector_does_not_depend_on_which_images_its_nodes_are_taken_from():
+    plan = make_plan(24, 20)
+    net, plain = equilibrium(plan, columns=1)
+    shift = np.arange(len(net.positions)) % 2
+    shift[-1] = 0
+    recut = replace(
+        net,
+        positions=rotate(net.positions, shift, net.order),
+        bar_image=(net.bar_image + shift[net.bars[:, 0]] - shift[net.bars[:, 1]]).astype(np.int32),
+        facet_image=(net.facet_image - shift[net.facets]).astype(np.int32),
+    )
+    again = dynamic_relaxation.solve(problem_of(recut, plan, plan.cases()[0]), TIGHT)
+    assert again.positions == pytest.approx(rotate(plain.positions, shift, net.order), abs=1e-7)
+
+
+def test_globalised_drag_converges_with_the_square_of_the_factor():
+    plan = make_plan(120, 60, bar_mm=20.0, filled=20.0)
+    exact = solve(plan).cases[0].measures.drag_n
+    factors = [2, 3, 4, 6]
+    errors = []
+    for g in factors:
+        model = {"fidelity": "globalised", "globalisation": g}
+        errors.append(
+            abs(solve(make_plan(120, 60, bar_mm=20.0, filled=20.0, model=model)).cases[0].measures.drag_n / exact - 1)
+        )
+    rate = np.polyfit(np.log(factors), np.log(errors), 1)[0]
+    assert 1.6 < rate < 2.6
+    assert errors[0] < 2e-3
+
+
+def test_automatic_choice_is_a_sector_unless_weight_breaks_the_symmetry():
+    assert fidelity.choose(make_plan(24, 20)).fidelity == "sector"
+    light = make_plan(24, 20, netting={"twine_density_kg_m3": 1001.0})
+    assert "negligible" in fidelity.choose(light).why
+    heavy = make_plan(24, 20, netting={"twine_density_kg_m3": 1400.0}, speed=0.5)
+    choice = fidelity.choose(heavy)
+    assert choice.fidelity == "globalised"
+    assert "symmetry" in choice.why
+
+
+def test_a_heavy_bag_sags():
+    plan = make_plan(12, 10, filled=4.0, netting={"twine_density_kg_m3": 1400.0}, model={"fidelity": "full"}, speed=0.5)
+    result = solve(plan).cases[0]
+    assert result.converged
+    middle = [result.positions[result.net.node_row == row].mean(axis=0) for row in (4, 8, 12)]
+    assert all(m[2] < -1e-4 for m in middle)
+    assert np.abs([m[1] for m in middle]).max() < 1e-4
