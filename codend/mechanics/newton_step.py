@@ -88,7 +88,7 @@ def empty_step(structure: Structure, pattern: Pattern) -> Step:
     )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def measure(structure: Structure, loading: Loading, tension: float, state: State) -> None:
     """Cut the density of bars that are slack, and write all that follows from positions and densities.
 
@@ -123,7 +123,7 @@ def measure(structure: Structure, loading: Loading, tension: float, state: State
     marks[0], marks[1], marks[2], marks[3], marks[4] = np.sqrt(merit), residual, imbalance, worst, 1.0 if fits else 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def linearise(
     structure: Structure, loading: Loading, pattern: Pattern, tension: float, shift: float, state: State, step: Step
 ) -> int:
@@ -167,7 +167,7 @@ def linearise(
     return 2
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def finish_step(structure: Structure, tension: float, state: State, solved: Floats, step: Step) -> tuple[float, float]:
     """Write the step from the solutions of the linear system.
 
@@ -201,8 +201,10 @@ def finish_step(structure: Structure, tension: float, state: State, solved: Floa
     return largest, determinant
 
 
-@njit(cache=True)
-def take(structure: Structure, loading: Loading, tension: float, size: float, state: State, step: Step, new: State) -> None:
+@njit(cache=True, error_model="numpy")
+def take(
+    structure: Structure, loading: Loading, tension: float, size: float, state: State, step: Step, new: State
+) -> None:
     """Write the state that a fraction ``size`` of the step leads to."""
     new.position[:] = state.position + size * step.move
     new.density[:] = state.density + size * step.change

@@ -36,7 +36,9 @@ def pattern_of(structure: Structure) -> Pattern:
     nodes = len(structure.free)
     first, second = structure.first.astype(np.int64), structure.second.astype(np.int64)
     facets = structure.facets.astype(np.int64)
-    bar_pairs = np.stack([first * nodes + first, first * nodes + second, second * nodes + first, second * nodes + second])
+    bar_pairs = np.stack(
+        [first * nodes + first, first * nodes + second, second * nodes + first, second * nodes + second]
+    )
     facet_pairs = facets[:, :, None] * nodes + facets[:, None, :]
     own = np.arange(nodes) * (nodes + 1)
     keys, place = np.unique(np.concatenate([bar_pairs.T.ravel(), facet_pairs.ravel(), own]), return_inverse=True)

@@ -1,0 +1,193 @@
+"""Linear systems of a net's tangent: unknowns numbered once a structure, then factorised again and again.
+
+A sector, or any net that is narrow against its length, gives a narrow band: it is factorised by a compiled band LU.
+Wide nets go to SuperLU in its symmetric mode, whole. Neither pivots: stiff and inextensible bars enter as stiffness and not as
+zeros on the diagonal, so near a stable equilibrium the matrix is close to symmetric and positive definite, and
+elsewhere the solver adds a shift until it is. The signs of the pivots tell whether the equilibrium is stable.
+"""
+
+from typing import Protocol
+
+import numpy as np
+from numba import njit
+from scipy.sparse import csr_array
+
+from codend.mechanics.arrays import Structure
+from codend.mechanics.tangent import Pattern
+from codend.net import Floats, Ints
+
+WIDEST_BAND = 250
+"""Half-bandwidth beyond which SuperLU is the faster (measured)."""
+
+
+class LinearSystem(Protocol):
+    """A factorised tangent; fixed coordinates are left out of it and come back as 0."""
+
+    def factorise(self, blocks: Floats) -> int:
+        """Factorise the tangent ``blocks`` (b, 3, 3); number of negative pivots, -1 if it is singular."""
+
+    def solve(self, right: Floats) -> Floats:
+        """Solutions for right sides (k, n, 3), of the same shape."""
+
+
+def linear_system(structure: Structure, pattern: Pattern) -> LinearSystem:
+    """The system that suits a net: banded if its numbering by reverse Cuthill-McKee is narrow, else sparse."""
+    unknown = _band_numbering(structure, pattern)
+    row, column = _scalar_places(pattern, unknown)
+    used = (row >= 0) & (column >= 0)
+    half_band = int(np.abs(row - column)[used].max(initial=0))
+    if half_band <= WIDEST_BAND:
+        return BandedSystem(unknown, row, column, half_band)
+    return SparseSystem(unknown, row, column)
+
+
+def _band_numbering(structure: Structure, pattern: Pattern) -> Ints:
+    """Number of the unknown of every free coordinate, -1 for held ones, (n, 3)."""
+    from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+    nodes = len(structure.free)
+    graph = csr_array((np.ones(len(pattern.row)), (pattern.row, pattern.column)), shape=(nodes, nodes))
+    place = np.empty(nodes, dtype=np.int64)
+    place[reverse_cuthill_mckee(graph, symmetric_mode=True)] = np.arange(nodes)
+    free = structure.free > 0.0
+    key = np.where(free, 3 * place[:, None] + np.arange(3), -1)
+    unknown = np.full(3 * nodes, -1, dtype=np.int32)
+    unknown[np.sort(key[free])] = np.arange(np.count_nonzero(free))
+    return np.where(free, unknown[key], -1).astype(np.int32)
+
+
+def _scalar_places(pattern: Pattern, unknown: Ints) -> tuple[Ints, Ints]:
+    """Row and column of every entry of every block, -1 for held coordinates, each (b, 3, 3)."""
+    row = np.repeat(unknown[pattern.row][:, :, None], 3, axis=2)
+    column = np.repeat(unknown[pattern.column][:, None, :], 3, axis=1)
+    return row, column
+
+
+class BandedSystem:
+    """Band LU without pivoting."""
+
+    def __init__(self, unknown: Ints, row: Ints, column: Ints, half_band: int) -> None:
+        self.unknown, self.half_band = unknown, half_band
+        size = int(unknown.max(initial=-1)) + 1
+        width = 2 * half_band + 1
+        used = (row >= 0) & (column >= 0)
+        self.place = np.where(used, row.astype(np.int64) * width + column - row + half_band, -1).ravel()
+        self.band = np.zeros((size, width))
+
+    def factorise(self, blocks: Floats) -> int:
+        return int(factorise_band(blocks.reshape(-1), self.place, self.band))
+
+    def solve(self, right: Floats) -> Floats:
+        solution = np.zeros_like(right)
+        solve_band(self.band, self.unknown, right, solution)
+        return solution
+
+
+@njit(cache=True, fastmath={"contract", "reassoc", "nsz"}, error_model="numpy")
+def factorise_band(entries: Floats, place: Ints, band: Floats) -> int:
+    """Gather a matrix into its band and factorise it in place; number of negative pivots, -1 if it is singular.
+
+    ``band[i, half + j - i]`` holds entry (i, j), later the multipliers of L below the diagonal and U.
+    """
+    size, width = band.shape
+    half = width // 2
+    band[:] = 0.0
+    flat = band.reshape(-1)
+    for entry in range(len(place)):
+        if place[entry] >= 0:
+            flat[place[entry]] += entries[entry]
+    negative = 0
+    for k in range(size):
+        pivot = band[k, half]
+        if pivot == 0.0 or not np.isfinite(pivot):
+            return -1
+        if pivot < 0.0:
+            negative += 1
+        inverse = 1.0 / pivot
+        reach = min(half, size - 1 - k)
+        upper = band[k, half + 1 : half + 1 + reach]
+        for below in range(1, reach + 1):
+            row, start = k + below, half - below
+            factor = band[row, start] * inverse
+            band[row, start] = factor
+            lower = band[row, start + 1 : start + 1 + reach]
+            for i in range(reach):
+                lower[i] -= factor * upper[i]
+    return negative
+
+
+@njit(cache=True, error_model="numpy")
+def solve_band(band: Floats, unknown: Ints, right: Floats, solution: Floats) -> None:
+    """Solve with the factors of ``factorise_band``; right sides and solutions are (k, n, 3)."""
+    size, width = band.shape
+    half = width // 2
+    x = np.zeros(size)
+    for side in range(len(right)):
+        for node in range(len(unknown)):
+            for i in range(3):
+                if unknown[node, i] >= 0:
+                    x[unknown[node, i]] = right[side, node, i]
+        for i in range(size):
+            value = x[i]
+            for j in range(max(0, i - half), i):
+                value -= band[i, half + j - i] * x[j]
+            x[i] = value
+        for i in range(size - 1, -1, -1):
+            value = x[i]
+            for j in range(i + 1, min(size, i + half + 1)):
+                value -= band[i, half + j - i] * x[j]
+            x[i] = value / band[i, half]
+        for node in range(len(unknown)):
+            for i in range(3):
+                if unknown[node, i] >= 0:
+                    solution[side, node, i] = x[unknown[node, i]]
+
+
+class SparseSystem:
+    """SuperLU in its symmetric mode; the ordering is found once and kept."""
+
+    def __init__(self, unknown: Ints, row: Ints, column: Ints) -> None:
+        self.size = int(unknown.max(initial=-1)) + 1
+        self._used = np.flatnonzero(((row >= 0) & (column >= 0)).ravel())
+        self._row, self._column = row.ravel()[self._used], column.ravel()[self._used]
+        self._free = unknown >= 0
+        self._number = unknown[self._free]
+        self._ordered = False
+        self._lay_out()
+
+    def _lay_out(self) -> None:
+        """Columns in order, and in each the rows in order: where every entry goes."""
+        order = np.lexsort((self._row, self._column))
+        self._gather = self._used[order]
+        self._indices = self._row[order].astype(np.int32)
+        self._starts = np.searchsorted(self._column[order], np.arange(self.size + 1)).astype(np.int32)
+
+    def factorise(self, blocks: Floats) -> int:
+        from scipy.sparse import csc_array
+        from scipy.sparse.linalg import splu
+
+        # the entries are gathered, never added up by scipy, which would drop zeros and with them the pattern
+        matrix = csc_array((blocks.reshape(-1)[self._gather], self._indices, self._starts), shape=(self.size, self.size))
+        try:
+            self._factors = splu(
+                matrix,
+                permc_spec="NATURAL" if self._ordered else "MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
+        except RuntimeError:
+            return -1
+        if not self._ordered:
+            self._renumber(self._factors.perm_c)
+        return 0
+
+    def _renumber(self, place: Ints) -> None:
+        pass
+
+    def solve(self, right: Floats) -> Floats:
+        sides = np.empty((self.size, len(right)))
+        sides[self._number] = right[:, self._free].T
+        solved = self._factors.solve(sides)
+        solution = np.zeros_like(right)
+        solution[:, self._free] = solved[self._number].T
+        return solution
