@@ -1,0 +1,59 @@
+"""Species files: TOML to ``catch_models.fish.Species``, every error on one line with the key and what is allowed."""
+
+from __future__ import annotations
+
+import tomllib
+from importlib.resources import files
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from catch_models.fish import PARAMETERS, Species
+from codend.errors import InputError
+from codend.plan_messages import input_error
+
+
+def example_species_path() -> Path:
+    """The documented example of a species file, all of its numbers assumed."""
+    return Path(str(files("catch_models") / "data" / "species_example.toml"))
+
+
+def load_species(path: str | Path) -> Species:
+    """Read and check a species file.
+
+    Raises:
+        InputError: no such file, not TOML, an unknown, missing, mistyped or out-of-range key, a number outside its own
+            range, an exponent for an ellipse or none for a superellipse, length classes that run backwards.
+    """
+    try:
+        data = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise InputError(path, "", None, "the path of a species file", f"cannot be read: {error.strerror}") from None
+    except ValueError as error:  # not UTF-8, not TOML, or no possible name of a file
+        raise InputError(path, "", None, "a species file in TOML", f"cannot be read: {error}") from None
+    try:
+        species = Species.model_validate(data)
+    except ValidationError as error:
+        raise input_error(error, Species, data, path) from None
+    _check(species, path)
+    return species
+
+
+def _check(species: Species, path: str | Path) -> None:
+    """What several keys must fulfil together."""
+    if species.shape == "superellipse" and species.section.exponent is None:
+        raise InputError(path, "section.exponent", None, "a table with value and source", "is missing")
+    if species.shape == "ellipse" and species.section.exponent is not None:
+        raise InputError(path, "section.exponent", species.section.exponent.value, 'only with shape = "superellipse"')
+    if species.lengths.to_cm <= species.lengths.from_cm:
+        raise InputError(path, "lengths.to_cm", species.lengths.to_cm, f"above {species.lengths.from_cm:g}, from_cm")
+    for name in PARAMETERS:
+        number = species.number(name)
+        if number is None or (number.low is None and number.high is None):
+            continue
+        if number.low is None or number.high is None:
+            missing = "low" if number.low is None else "high"
+            raise InputError(path, f"{name}.{missing}", None, "low and high together, or neither", "is missing")
+        if not number.low <= number.value <= number.high:
+            bounds = f"from {number.low:g} to {number.high:g}, its own low and high"
+            raise InputError(path, f"{name}.value", number.value, bounds)
