@@ -33,11 +33,12 @@ class PressureLaw:
 
     def __call__(self, theta_rad: ArrayLike) -> NDArray[np.float64]:
         """Net pressure coefficient at ``theta_rad`` (any shape)."""
-        return np.asarray(PPoly(self.coefficients, self.angles_rad)(theta_rad))
+        return np.asarray(PPoly(self.coefficients, self.angles_rad)(np.asarray(theta_rad, dtype=np.float64)))
 
     def derivative(self, theta_rad: ArrayLike) -> NDArray[np.float64]:
         """Derivative of the net pressure coefficient with respect to theta, per radian."""
-        return np.asarray(PPoly(self.coefficients, self.angles_rad).derivative()(theta_rad))
+        slope = PPoly(self.coefficients, self.angles_rad).derivative()
+        return np.asarray(slope(np.asarray(theta_rad, dtype=np.float64)))
 
 
 def uniform_law(coefficient: float = UNIFORM_COEFFICIENT) -> PressureLaw:

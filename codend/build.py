@@ -350,7 +350,7 @@ def _assembled(parts: _Parts, lattice: _Lattice, positions: Floats, node_row: In
         bars=bars[:, :2].astype(np.int32),
         bar_image=bars[:, 2].astype(np.int32),
         bar_length=g * np.where(is_knot, of_section("knot_m"), of_section("bar_m")),
-        bar_flexibility=1.0 / stiffness,
+        bar_flexibility=np.where(is_knot, 0.0, 1.0 / stiffness),  # a knot is a lump that does not stretch
         bar_drag_diameter=np.where(is_knot, 0.0, g * of_section("drag_width_m")),
         bar_solid_diameter=np.sqrt(g) * of_section("solid_diameter_m"),
         bar_density=np.array(

@@ -188,7 +188,7 @@ def _pressure_at(problem: Problem, cosine: Floats) -> Floats:
     """Net pressure in the catch, Pa, at given cosines of theta."""
     loading = problem.loading
     law = PressureLaw("", loading.angles, loading.coefficients)
-    return loading.stagnation_pressure * law(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    return np.asarray(loading.stagnation_pressure * law(np.arccos(np.clip(cosine, -1.0, 1.0))))
 
 
 def _mean_over(values: Floats, index: np.ndarray) -> Floats:

@@ -46,7 +46,7 @@ class RelaxationSettings:
     """Residual asked for between two settings of the multipliers, over the length error at the last."""
     steps_at_once: int = 20_000
     """Steps between two looks at the progress."""
-    steps_allowed: int = 400_000
+    steps_allowed: int = 200_000
     restarts: int = 4
 
 
@@ -102,9 +102,8 @@ def solve(
 
 def _compile_kernels(problem: Problem) -> None:
     """Have the kernels compiled or read from the cache, so that the time of a solve is that of the solve alone."""
-    if not relaxation.relax.signatures:
-        work = relaxation.workspace(problem.structure, problem.net.positions)
-        relaxation.relax(work, problem.structure, problem.loading, 1.0, 1.0, False, 0)
+    work = relaxation.workspace(problem.structure, problem.net.positions)
+    relaxation.relax(work, problem.structure, problem.loading, 1.0, 1.0, False, 0)
 
 
 class _Run:
@@ -125,6 +124,7 @@ class _Run:
         self.progress = progress
         self.steps = 0
         self.residual = self.imbalance = self.length_error = np.inf
+        self.tension = 0.0
 
     def to_equilibrium(self, tolerance: float, start: Solution | None) -> Outcome:
         work, structure = self.work, self.problem.structure
@@ -154,17 +154,22 @@ class _Run:
                 if self.steps >= self.steps_allowed or self.steps - last_gain > 2 * self.settings.steps_at_once:
                     return Outcome.STEPS_SPENT
                 continue
-            self.length_error = length_error(structure, work.length, work.density)
+            last_error, self.length_error = self.length_error, length_error(structure, work.length, work.density)
             reached = max(self.residual, self.imbalance) <= tolerance and self.length_error <= LENGTH_TOLERANCE
             if reached or outcome is Outcome.OVERFULL:
                 return outcome
             # the tensions found are a better measure of the penalty than the guess before them
-            self._set_law(float(np.mean(work.density * work.length)))
+            tension = float(np.mean(work.density * work.length))
+            if not 0.5 < tension / self.tension < 2.0:
+                self._set_law(tension)
             work.multiplier[:] = work.density
-            inner = max(tolerance, min(inner, self.settings.tightening * self.length_error))
+            # multipliers taken from a shape that has not settled do not bring the lengths nearer: settle it further
+            inner = min(inner, self.settings.tightening * self.length_error)
+            inner = max(inner, tolerance) if self.length_error < 0.5 * last_error else 0.3 * inner
             best, last_gain = np.inf, self.steps
 
     def _set_law(self, tension: float) -> None:
+        self.tension = tension
         augmented_law(self.problem.structure, self.penalty * tension, self.work.relief, self.work.gain)
 
 

@@ -1,0 +1,105 @@
+"""A case of a plan as a problem of the meridian method, and its shape as a start for the net."""
+
+import numpy as np
+from scipy.optimize import brentq
+
+from codend.errors import InputError
+from codend.loads import pressure_law_of
+from codend.meridian.problem import Floats, MeridianProblem, MeridianShape
+from codend.meridian.solve import solve_meridian, uniform_pressure_shape
+from codend.net import Net
+from codend.plan import Case, Plan
+
+MEAN_COEFFICIENT = 1.4
+"""Uniform pressure over q that stands in for the sphere's law in a first guess."""
+
+
+def why_not(plan: Plan) -> str:
+    """What keeps the meridian method from a plan, in words; empty if nothing does."""
+    if len(plan.netting) > 1:
+        return "it takes one section of netting"
+    section = plan.netting[0]
+    if section.mesh == "square":
+        return "it takes diamond and T90 netting"
+    if section.bending_stiffness_n_m2 > 0.0:
+        return "it knows no bending stiffness"
+    return ""
+
+
+def solve_case(plan: Plan, case: Case) -> MeridianShape:
+    """Shape of a case by the meridian method, its front found for whatever the catch is given by.
+
+    Raises:
+        InputError: the plan is not one the method takes, or the catch does not fit.
+    """
+    if reason := why_not(plan):
+        raise InputError(
+            file=plan.source, key="model.fidelity", value="meridian", allowed=f"another fidelity; {reason}"
+        )
+    if case.catch_kind == "filled_meshes":
+        return solve_meridian(_problem(plan, case, _rows(plan) - 2.0 * case.catch_value))
+    wanted = case.catch_value / (plan.catch_density_kg_m3 if case.catch_kind == "mass_kg" else 1.0)
+
+    def excess(front_row: float) -> float:
+        shape = solve_meridian(_problem(plan, case, front_row))
+        if not shape.converged:
+            raise RuntimeError(shape.message)
+        if case.catch_kind == "front_from_codline_m":
+            return shape.length_m - shape.front_x_m - wanted
+        return shape.catch_volume_m3 - wanted
+
+    least, most = _rows(plan) - 0.5, 0.0
+    if excess(most) < 0.0:
+        raise InputError(
+            file=plan.source, key=f"catch.{case.catch_kind}", value=case.catch_value, allowed="a catch that the bag holds"
+        )
+    return solve_meridian(_problem(plan, case, float(brentq(excess, most, least, xtol=1e-10))))
+
+
+def first_guess(plan: Plan, case: Case) -> MeridianShape | None:
+    """Shape under uniform pressure without twine drag, close to the answer and cheap; None where there is none."""
+    if why_not(plan) or case.catch_kind != "filled_meshes":
+        return None
+    coefficient = plan.catch.coefficient if plan.catch.pressure == "uniform" else MEAN_COEFFICIENT
+    try:
+        shape = uniform_pressure_shape(_problem(plan, case, _rows(plan) - 2.0 * case.catch_value), coefficient)
+    except ValueError:
+        return None
+    return shape if shape.converged else None
+
+
+def tensions_on(net: Net, shape: MeridianShape) -> Floats:
+    """Tension of every bar of a sector net that was laid out along the shape, N, (m,)."""
+    by_band = 0.5 * (shape.bar_tension_n[:-1] + shape.bar_tension_n[1:])
+    phi = 0.5 * (shape.half_angle_rad[:-1] + shape.half_angle_rad[1:])
+    tension, phi = by_band[net.bar_band], phi[net.bar_band]
+    # a knot carries what its two twines pull with, along the netting or across it
+    knot = net.bar_drag_diameter == 0.0
+    across = net.node_row[net.bars[:, 0]] == net.node_row[net.bars[:, 1]]
+    knot_tension = 2.0 * tension * np.where(across, np.sin(phi), np.cos(phi))
+    return np.where(knot, knot_tension, tension)
+
+
+def _rows(plan: Plan) -> int:
+    return 2 * plan.netting[0].meshes_long
+
+
+def _problem(plan: Plan, case: Case, front_row: float) -> MeridianProblem:
+    section = plan.netting[0]
+    normal, tangential = plan.drag.coefficients
+    return MeridianProblem(
+        meshes_round=section.meshes_round,
+        half_mesh_rows=_rows(plan),
+        bar_m=section.bar_m,
+        entry_radius_m=plan.entry.radius_m,
+        front_row=max(front_row, 0.0),
+        stagnation_pressure_pa=0.5 * plan.tow.water_density_kg_m3 * case.speed_m_s**2,
+        pressure_law=pressure_law_of(plan),
+        mesh="t90" if section.mesh == "t90" else "diamond",
+        knot_m=section.knot_m,
+        drag_width_m=section.drag_width_m,
+        drag_law=plan.drag.law,
+        normal_drag=normal,
+        tangential_drag=tangential,
+        axial_stiffness_n=section.axial_stiffness_n,
+    )
