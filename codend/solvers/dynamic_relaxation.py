@@ -163,9 +163,16 @@ class _Run:
             if not 0.5 < tension / self.tension < 2.0:
                 self._set_law(tension)
             work.multiplier[:] = work.density
-            # multipliers taken from a shape that has not settled do not bring the lengths nearer: settle it further
             inner = min(inner, self.settings.tightening * self.length_error)
-            inner = max(inner, tolerance) if self.length_error < 0.5 * last_error else 0.3 * inner
+            if self.length_error < 0.5 * last_error:
+                inner = max(inner, tolerance)
+            elif inner > 0.01 * self.settings.tightening * self.length_error:
+                # multipliers taken from a shape that has not settled do not bring the lengths nearer: settle it further
+                inner *= 0.3
+            else:
+                # the shape has settled: nearly dependent bars want a stiffer penalty
+                self.penalty *= 3.0
+                self._set_law(self.tension)
             best, last_gain = np.inf, self.steps
 
     def _set_law(self, tension: float) -> None:
