@@ -1,5 +1,6 @@
 """Which model a scene needs: no more than the scene asks for, and the reason in words."""
 
+import math
 from dataclasses import dataclass
 
 from codend.build import build_net
@@ -15,7 +16,7 @@ class Choice:
     """A model, and why it is enough."""
 
     fidelity: str
-    """``sector``, ``globalised`` or ``full``."""
+    """``meridian``, ``sector``, ``globalised`` or ``full``."""
     globalisation: int
     columns: int | None
     """Meshes round that are modelled, None for all."""
@@ -30,13 +31,16 @@ def choose(plan: Plan) -> Choice:
     """
     asked, g = plan.model.fidelity, plan.model.globalisation
     weight = abs(float(wet_weight(build_net(plan), plan.tow.water_density_kg_m3).sum()))
-    area = 3.14159 * plan.entry.radius_m**2
+    area = math.pi * plan.entry.radius_m**2
     scale = 0.5 * plan.tow.water_density_kg_m3 * min(plan.tow.speed_m_s) ** 2 * area
     heavy = weight > NEGLIGIBLE_WEIGHT * scale
     weighed = f"wet weight {weight:.3g} N against {scale:.3g} N of stagnation pressure on the entry's area"
     if asked == "sector":
         warning = f"; it leaves out the wet weight, which here matters ({weighed})" if heavy else ""
         return Choice("sector", 1, 1, f"Asked for: one of {_sectors(plan)} equal sectors of the real net{warning}.")
+    if asked == "meridian":
+        warning = f"; it leaves out the wet weight, which here matters ({weighed})" if heavy else ""
+        return Choice("meridian", 1, 1, f"Asked for: the netting as a membrane, the same all round{warning}.")
     if asked == "globalised":
         return Choice("globalised", g, None, f"Asked for: the full net, {g} x {g} real meshes merged into one.")
     if asked == "full":

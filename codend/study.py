@@ -1,22 +1,20 @@
 """Cases of a plan: every speed and catch solved in turn, each from the last one where that helps."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property
+from time import perf_counter
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from codend import fidelity
+from codend import equilibrium, fidelity
 from codend.build import build_net
 from codend.fidelity import Choice
 from codend.loads import Problem, problem_of
 from codend.measures import Measures, Meshes, Rows, measure, measure_meshes, measure_rows
+from codend.meridian import plan_case
 from codend.net import Floats, Net
 from codend.plan import Case, Plan
-from codend.solvers import dynamic_relaxation
-from codend.solvers.dynamic_relaxation import RelaxationSettings
-from codend.solvers.outcome import Solution, SolverReport
+from codend.solvers.outcome import Outcome, Solution, SolverReport
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -112,22 +110,21 @@ def solve(plan: Plan, progress: StudyProgress | None = None) -> Study:
         InputError: the plan asks for what its netting does not allow.
     """
     choice = fidelity.choose(plan)
-    net = build_net(plan, globalisation=choice.globalisation, columns=choice.columns)
+    if choice.fidelity == "meridian":
+        return Study(plan, choice, tuple(_solve_meridian(plan, progress)))
+    scene = equilibrium.scene_of(plan, choice.globalisation, choice.columns)
     results: list[CaseResult] = []
     cases = plan.cases()
     last: Solution | None = None
     for case in cases:
-        problem = problem_of(net, plan, case)
 
         def report(doing: str, residual: float, case: Case = case) -> None:
             if progress is not None:
                 progress(case.number - 1, len(cases), f"case {case.number}: {doing}, residual {residual:.1e}")
 
-        report(dynamic_relaxation.METHOD, float("inf"))
-        settings = RelaxationSettings(viscous=plan.model.damping == "viscous")
-        solution = dynamic_relaxation.solve(
-            problem, plan.model.tolerance, settings=settings, progress=report
-        )
+        if progress is not None:
+            progress(case.number - 1, len(cases), f"case {case.number}")
+        problem, solution = equilibrium.solve(scene, case, last, report)
         last = solution if solution.report.outcome.converged else None
         results.append(_measured(case, problem, solution))
     if progress is not None:
@@ -141,3 +138,47 @@ def _measured(case: Case, problem: Problem, solution: Solution) -> CaseResult:
     meshes = measure_meshes(problem, solution)
     rows = measure_rows(problem, solution, meshes)
     return CaseResult(case, problem, solution, measure(problem, solution, rows), rows, meshes)
+
+
+def _solve_meridian(plan: Plan, progress: StudyProgress | None) -> Iterator[CaseResult]:
+    """Cases by the meridian method: its own drag, volume and sizes; openings on a sector net laid out along its shape."""
+    cases = plan.cases()
+    for case in cases:
+        if progress is not None:
+            progress(case.number - 1, len(cases), f"case {case.number}: meridian method")
+        started = perf_counter()
+        shape = plan_case.solve_case(plan, case)
+        outcome = Outcome.CONVERGED if shape.converged else Outcome.NOT_IMPROVING
+        report = SolverReport(
+            method=plan_case.METHOD,
+            outcome=outcome,
+            iterations=shape.iterations,
+            residual=shape.residual,
+            imbalance=shape.axial_imbalance,
+            length_error=0.0,
+            solve_ms=1e3 * (perf_counter() - started),
+            attempts=(f"meridian method, {shape.method}: {shape.message}",),
+        )
+        net = build_net(plan, columns=1, rows=(shape.x_m, shape.radius_m))
+        problem = problem_of(net, plan, case)
+        share = plan_case.share_of(shape, net.bands)
+        solution = Solution(net.positions, plan_case.tensions_on(net, shape), share, report)
+        result = _measured(case, problem, solution)
+        if not result.converged:
+            yield result
+            continue
+        own = replace(
+            result.measures,
+            catch_volume_m3=shape.catch_volume_m3,
+            front_radius_m=shape.front_radius_m,
+            front_from_codline_m=shape.length_m - shape.front_x_m,
+            max_radius_m=shape.largest_radius_m,
+            length_m=shape.length_m,
+            drag_n=shape.drag_n,
+            catch_drag_n=shape.catch_drag_n,
+            twine_drag_n=shape.twine_drag_n,
+            entry_reaction_n=shape.entry_reaction_n,
+        )
+        yield replace(result, measures=own)
+    if progress is not None:
+        progress(len(cases), len(cases), "done")

@@ -44,7 +44,8 @@ def _result_row(study: Study, result: CaseResult) -> dict[str, object]:
     density = study.plan.catch_density_kg_m3
     measures["catch_mass_kg"] = density * measures["catch_volume_m3"]
     if not result.converged:
-        measures[result.case.catch_kind] = result.case.catch_value
+        asked = {"volume_m3": "catch_volume_m3", "mass_kg": "catch_mass_kg"}
+        measures[asked.get(result.case.catch_kind, result.case.catch_kind)] = result.case.catch_value
     return {
         "case": result.case.number,
         "speed_m_s": result.case.speed_m_s,

@@ -10,6 +10,7 @@ from codend.meridian.solve import solve_meridian, uniform_pressure_shape
 from codend.net import Net
 from codend.plan import Case, Plan
 
+METHOD = "meridian"
 MEAN_COEFFICIENT = 1.4
 """Uniform pressure over q that stands in for the sphere's law in a first guess."""
 
@@ -51,7 +52,10 @@ def solve_case(plan: Plan, case: Case) -> MeridianShape:
     least, most = _rows(plan) - 0.5, 0.0
     if excess(most) < 0.0:
         raise InputError(
-            file=plan.source, key=f"catch.{case.catch_kind}", value=case.catch_value, allowed="a catch that the bag holds"
+            file=plan.source,
+            key=f"catch.{case.catch_kind}",
+            value=case.catch_value,
+            allowed="a catch that the bag holds",
         )
     return solve_meridian(_problem(plan, case, float(brentq(excess, most, least, xtol=1e-10))))
 
@@ -68,16 +72,23 @@ def first_guess(plan: Plan, case: Case) -> MeridianShape | None:
     return shape if shape.converged else None
 
 
-def tensions_on(net: Net, shape: MeridianShape) -> Floats:
-    """Tension of every bar of a sector net that was laid out along the shape, N, (m,)."""
-    by_band = 0.5 * (shape.bar_tension_n[:-1] + shape.bar_tension_n[1:])
-    phi = 0.5 * (shape.half_angle_rad[:-1] + shape.half_angle_rad[1:])
+def tensions_on(net: Net, shape: MeridianShape, globalisation: int = 1) -> Floats:
+    """Tension of the real bars that every bar of a sector net laid out along the shape stands for, N, (m,)."""
+    tension, phi = shape.bar_tension_n[::globalisation], shape.half_angle_rad[::globalisation]
+    by_band = 0.5 * (tension[:-1] + tension[1:])
+    phi = 0.5 * (phi[:-1] + phi[1:])
     tension, phi = by_band[net.bar_band], phi[net.bar_band]
     # a knot carries what its two twines pull with, along the netting or across it
     knot = net.bar_drag_diameter == 0.0
     across = net.node_row[net.bars[:, 0]] == net.node_row[net.bars[:, 1]]
     knot_tension = 2.0 * tension * np.where(across, np.sin(phi), np.cos(phi))
     return np.where(knot, knot_tension, tension)
+
+
+def share_of(shape: MeridianShape, bands: int) -> Floats:
+    """Share of each band that lies in the catch, by the place of the front on the axis, (bands,)."""
+    front_row = np.interp(shape.front_x_m, shape.x_m, np.arange(bands + 1.0))
+    return np.clip(np.arange(1.0, bands + 1.0) - front_row, 0.0, 1.0)
 
 
 def _rows(plan: Plan) -> int:

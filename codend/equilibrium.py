@@ -1,0 +1,115 @@
+"""Net under loads to equilibrium: the methods, in the order in which they are tried."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from codend.build import build_net
+from codend.loads import Problem, problem_of
+from codend.meridian.plan_case import first_guess, tensions_on
+from codend.net import Net, rotate
+from codend.plan import Case, Plan
+from codend.solvers import dynamic_relaxation, newton
+from codend.solvers.dynamic_relaxation import RelaxationSettings
+from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+
+ROUGH_TOLERANCE = 1e-3
+"""Residual to which relaxation brings a net before Newton's method takes over."""
+
+Attempt = tuple[str, Callable[[], Solution]]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A net with what is kept from one of its equilibria to the next."""
+
+    plan: Plan
+    net: Net
+    columns: int | None
+    globalisation: int
+    prepared: newton.Prepared | None
+
+
+def scene_of(plan: Plan, globalisation: int, columns: int | None) -> Scene:
+    """Build the net of a plan, and number its unknowns if Newton's method may be used."""
+    net = build_net(plan, globalisation=globalisation, columns=columns)
+    uses_newton = plan.model.method in ("auto", "newton")
+    prepared = newton.prepare(problem_of(net, plan, plan.cases()[0]).structure) if uses_newton else None
+    return Scene(plan, net, columns, globalisation, prepared)
+
+
+def solve(scene: Scene, case: Case, last: Solution | None, progress: Progress | None) -> tuple[Problem, Solution]:
+    """Equilibrium of one case.
+
+    ``auto`` tries, in this order: Newton from the last equilibrium, Newton from the meridian method's shape (of one
+    sector, set all round for a full net), relaxation from a crude bag with Newton to finish, and relaxation alone. The
+    other methods try what they can of that. The report of what is returned tells every attempt and adds up their times.
+    """
+    problem = problem_of(scene.net, scene.plan, case)
+    attempts: list[str] = []
+    spent = 0.0
+    for start, attempt in _attempts(scene, problem, case, last, progress):
+        solution = attempt()
+        attempts += [f"from {start}: {line}" for line in solution.report.attempts]
+        spent += solution.report.solve_ms
+        if solution.report.outcome.converged or solution.report.outcome is Outcome.OVERFULL:
+            break
+    return problem, replace(solution, report=replace(solution.report, attempts=tuple(attempts), solve_ms=spent))
+
+
+def _attempts(
+    scene: Scene, problem: Problem, case: Case, last: Solution | None, progress: Progress | None
+) -> Iterator[Attempt]:
+    method, tolerance = scene.plan.model.method, scene.plan.model.tolerance
+    settings = RelaxationSettings(viscous=scene.plan.model.damping == "viscous")
+
+    def by_newton(start: Solution) -> Solution:
+        return newton.solve(problem, tolerance, start, progress=progress, prepared=scene.prepared)
+
+    def by_relaxation(accuracy: float) -> Solution:
+        return dynamic_relaxation.solve(problem, accuracy, settings=settings, progress=progress)
+
+    if method in ("auto", "newton"):
+        if last is not None:
+            yield "the last equilibrium", lambda: by_newton(last)
+        guess = _sector_guess(scene, case)
+        if guess is not None:
+            yield "the meridian method's shape", lambda: by_newton(guess)
+        rough = by_relaxation(ROUGH_TOLERANCE)
+        if rough.report.outcome.converged:
+            yield "a rough relaxation", lambda: _added(rough, by_newton(rough))
+    if method in ("auto", "dynamic-relaxation"):
+        yield "a crude bag", lambda: by_relaxation(tolerance)
+
+
+def _added(first: Solution, second: Solution) -> Solution:
+    """The second of two solves that belong together, with the time and the attempts of both."""
+    a, b = first.report, second.report
+    return replace(second, report=replace(b, solve_ms=a.solve_ms + b.solve_ms, attempts=a.attempts + b.attempts))
+
+
+def _sector_guess(scene: Scene, case: Case) -> Solution | None:
+    """Shape and tensions of the meridian method, laid out on the scene's net; None where it does not apply."""
+    if scene.plan.model.bars_per_side > 1:
+        return None
+    shape = first_guess(scene.plan, case)
+    if shape is None:
+        return None
+    g = scene.globalisation
+    rows = (shape.x_m[::g], shape.radius_m[::g])
+    sector = build_net(scene.plan, globalisation=g, columns=1, rows=rows)
+    tension = g * tensions_on(sector, shape, g)
+    return all_round_start(sector, sector.positions, tension, 1 if scene.columns == 1 else sector.order)
+
+
+def all_round_start(sector: Net, positions: np.ndarray, tension: np.ndarray, columns: int) -> Solution:
+    """A start for the net of ``columns`` sectors, from the shape and tensions of one without hinges.
+
+    Nodes and bars of the wider net are numbered row by row, its columns one after the other within a row.
+    """
+    turned = rotate(positions[:-1, None], np.arange(columns)[None], sector.order).reshape(-1, 3)
+    report = SolverReport("start", Outcome.CONVERGED, 0, np.nan, np.nan, np.nan, 0.0)
+    return Solution(
+        np.concatenate([turned, positions[-1:]]), np.repeat(tension, columns), np.zeros(sector.bands), report
+    )
