@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from codend.build import build_net
-from codend.loads import Problem, problem_of
+from codend.loads import problem_of
+from codend.problem import Problem
 from codend.meridian.plan_case import first_guess, tensions_on
 from codend.net import Net, rotate
 from codend.plan import Case, Plan

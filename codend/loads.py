@@ -1,26 +1,16 @@
 """What acts on a net in a case of a plan: the current, the catch (by its law in ``catch_models``) and wet weight."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from catch_models.pressure import PressureLaw, sphere_law, uniform_law
 from codend.errors import InputError
 from codend.mechanics import arrays
-from codend.mechanics.arrays import Loading, Structure, structure_of
+from codend.mechanics.arrays import Loading, structure_of
 from codend.net import Floats, Net
 from codend.plan import Case, Plan
+from codend.problem import Problem
 
 GRAVITY_M_S2 = 9.80665
-
-
-@dataclass(frozen=True)
-class Problem:
-    """A net under loads: what a solver is given. Solvers know nothing else."""
-
-    net: Net
-    structure: Structure
-    loading: Loading
 
 
 def problem_of(net: Net, plan: Plan, case: Case) -> Problem:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from catch_models.pressure import PressureLaw
-from codend.loads import Problem
+from codend.problem import Problem
 from codend.mechanics import bars, drag, pressure
 from codend.net import Floats, Net, mesh_corners
 from codend.solvers.outcome import Solution

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from codend import equilibrium, fidelity
 from codend.build import build_net
 from codend.fidelity import Choice
-from codend.loads import Problem, problem_of
+from codend.loads import problem_of
+from codend.problem import Problem
 from codend.measures import Measures, Meshes, Rows, measure, measure_meshes, measure_rows
 from codend.meridian import plan_case
 from codend.net import Floats, Net

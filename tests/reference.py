@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from codend.loads import Problem
+from codend.problem import Problem
 from codend.net import Net
 
 

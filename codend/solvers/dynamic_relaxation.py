@@ -9,7 +9,7 @@ from time import perf_counter
 
 import numpy as np
 
-from codend.loads import Problem
+from codend.problem import Problem
 from codend.mechanics import relaxation
 from codend.mechanics.bars import augmented_law, bar_lengths, length_error
 from codend.mechanics.relaxation import Workspace
