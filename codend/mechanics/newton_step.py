@@ -58,6 +58,8 @@ class Step(NamedTuple):
     """Change of the positions, (n, 3)."""
     change: Floats
     """Change of the force densities, (m,)."""
+    hardening: Floats
+    """(dq/dl) / l of the taut bars, N/m3, (m,)."""
 
 
 def empty_state(structure: Structure) -> State:
@@ -84,6 +86,7 @@ def empty_step(structure: Structure, pattern: Pattern) -> Step:
         np.zeros((2, nodes, 3)),
         np.zeros((nodes, 3)),
         np.zeros((nodes, 3)),
+        np.zeros(bars),
         np.zeros(bars),
     )
 
@@ -124,6 +127,23 @@ def measure(structure: Structure, loading: Loading, tension: float, state: State
 
 
 @njit(cache=True, error_model="numpy")
+def right_side(structure: Structure, here: State, there: State, step: Step) -> None:
+    """Write the first right side: what is out of balance in ``there``, by the linearisation in ``here``."""
+    right = step.right[0]
+    right[:] = there.force
+    for bar in range(len(there.gap)):
+        if step.hardening[bar] == 0.0 or there.gap[bar] == 0.0:
+            continue
+        q = there.gap[bar] * step.hardening[bar] * here.length[bar] ** 3
+        dx, dy, dz = bar_vector(here.position, structure, bar)
+        first, second, image = structure.first[bar], structure.second[bar], structure.image[bar]
+        right[first, 0] += q * dx
+        right[first, 1] += q * dy
+        right[first, 2] += q * dz
+        add_turned_back(right, second, -q * dx, -q * dy, -q * dz, image, structure.rotations)
+
+
+@njit(cache=True, error_model="numpy")
 def linearise(
     structure: Structure, loading: Loading, pattern: Pattern, tension: float, shift: float, state: State, step: Step
 ) -> int:
@@ -133,23 +153,14 @@ def linearise(
         the number of right sides: 2 if the front's share follows the net.
     """
     position, density, gap = state.position, state.density, state.gap
-    blocks, right = step.blocks, step.right
+    blocks, hardening = step.blocks, step.hardening
     blocks[:] = 0.0
-    right[0] = state.force
-    hardening = step.change
     for bar in range(len(density)):
         hardening[bar] = 0.0
-        if density[bar] == 0.0 and gap[bar] == 0.0:
-            continue
-        compliance = max(structure.flexibility[bar], 1.0 / (STIFFEST * tension))
-        hardening[bar] = 1.0 / (compliance * state.length[bar] ** 3)
-        q = gap[bar] / compliance
-        dx, dy, dz = bar_vector(position, structure, bar)
-        first, second = structure.first[bar], structure.second[bar]
-        right[0, first, 0] += q * dx
-        right[0, first, 1] += q * dy
-        right[0, first, 2] += q * dz
-        add_turned_back(right[0], second, -q * dx, -q * dy, -q * dz, structure.image[bar], structure.rotations)
+        if density[bar] != 0.0 or gap[bar] != 0.0:
+            compliance = max(structure.flexibility[bar], 1.0 / (STIFFEST * tension))
+            hardening[bar] = 1.0 / (compliance * state.length[bar] ** 3)
+    right_side(structure, state, state, step)
     add_bar_tangent(position, structure, pattern, density, hardening, blocks)
     add_drag_tangent(position, structure, loading, pattern, state.share, blocks)
     add_pressure_tangent(position, structure, loading, pattern, state.share, blocks)
@@ -163,42 +174,77 @@ def linearise(
     if band < 0:
         return 1
     share_gradient(position, structure, loading, state.share, band, step.gradient)
-    load_by_share(position, structure, loading, band, right[1])
+    load_by_share(position, structure, loading, band, step.right[1])
     return 2
 
 
 @njit(cache=True, error_model="numpy")
-def finish_step(structure: Structure, tension: float, state: State, solved: Floats, step: Step) -> tuple[float, float]:
+def combine(solved: Floats, step: Step, move: Floats) -> float:
+    """Write the move of the nodes from the solutions of the linear system (Sherman and Morrison).
+
+    Returns:
+        the factor 1 - v . K^-1 u by which the moving front changes the tangent's determinant.
+    """
+    move[:] = solved[0]
+    if len(solved) == 1:
+        return 1.0
+    along, determinant = 0.0, 1.0
+    for node in range(len(move)):
+        for i in range(3):
+            along += step.gradient[node, i] * solved[0, node, i]
+            determinant -= step.gradient[node, i] * solved[1, node, i]
+    move += (along / determinant) * solved[1]
+    return determinant
+
+
+@njit(cache=True, error_model="numpy")
+def finish_step(structure: Structure, state: State, solved: Floats, step: Step) -> tuple[float, float, float]:
     """Write the step from the solutions of the linear system.
 
     Returns:
-        largest change of a taut bar's vector over its length, and the factor 1 - v . K^-1 u by which the moving front
-        changes the tangent's determinant (Sherman and Morrison).
+        norm of the move, largest change of a taut bar's vector over its length, and the factor of ``combine``.
     """
     move, change = step.move, step.change
-    move[:] = solved[0]
-    determinant = 1.0
-    if len(solved) == 2:
-        along, determinant = 0.0, 1.0
-        for node in range(len(move)):
-            for i in range(3):
-                along += step.gradient[node, i] * solved[0, node, i]
-                determinant -= step.gradient[node, i] * solved[1, node, i]
-        move += (along / determinant) * solved[1]
+    determinant = combine(solved, step, move)
     largest = 0.0
     for bar in range(len(change)):
         change[bar] = 0.0
-        if state.density[bar] == 0.0 and state.gap[bar] == 0.0:
+        if step.hardening[bar] == 0.0:
             continue
         first, second, image = structure.first[bar], structure.second[bar], structure.image[bar]
         dx, dy, dz = bar_vector(state.position, structure, bar)
         vy, vz = turned(move[second, 1], move[second, 2], image, structure.rotations)
         vx, vy, vz = move[second, 0] - move[first, 0], vy - move[first, 1], vz - move[first, 2]
         length = state.length[bar]
-        compliance = max(structure.flexibility[bar], 1.0 / (STIFFEST * tension))
-        change[bar] = (state.gap[bar] + (dx * vx + dy * vy + dz * vz) / length**3) / compliance
+        change[bar] = step.hardening[bar] * (state.gap[bar] * length**3 + dx * vx + dy * vy + dz * vz)
         largest = max(largest, np.sqrt(vx * vx + vy * vy + vz * vz) / length)
-    return largest, determinant
+    return norm(move), largest, determinant
+
+
+@njit(cache=True, error_model="numpy")
+def norm(values: Floats) -> float:
+    """Euclidean norm of an (n, 3) array."""
+    squares = 0.0
+    for node in range(len(values)):
+        for i in range(3):
+            squares += values[node, i] ** 2
+    return np.sqrt(squares)
+
+
+@njit(cache=True, error_model="numpy")
+def simplified_move(solved: Floats, size: float, step: Step, move: Floats) -> tuple[float, float]:
+    """Write the move that the old tangent asks for at the new state.
+
+    Returns:
+        its norm, and the norm of its difference from the (1 - size) of the step that is left.
+    """
+    combine(solved, step, move)
+    squares, differences = 0.0, 0.0
+    for node in range(len(move)):
+        for i in range(3):
+            squares += move[node, i] ** 2
+            differences += (move[node, i] - (1.0 - size) * step.move[node, i]) ** 2
+    return np.sqrt(squares), np.sqrt(differences)
 
 
 @njit(cache=True, error_model="numpy")

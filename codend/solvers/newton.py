@@ -31,10 +31,10 @@ class NewtonSettings:
     iterations_allowed: int = 80
     largest_turn: float = 1.0
     """Largest change of a taut bar's vector in one step, over its length."""
-    shortest_step: float = 0.1
-    first_shift: float = 1.0
+    shortest_step: float = 0.01
+    first_shift: float = 1e-4
     """Shift of the tangent far from equilibrium, in units of the stiffness that tension gives the nodes."""
-    largest_shift: float = 1e6
+    largest_shift: float = 1e3
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,7 @@ class Prepared:
     system: LinearSystem
     state: State
     trial: State
+    move: Floats
     step: Step
 
 
@@ -66,6 +67,7 @@ def prepare(structure: Structure) -> Prepared:
         linear_system(structure, pattern),
         kernels.empty_state(structure),
         kernels.empty_state(structure),
+        np.zeros((len(structure.free), 3)),
         kernels.empty_step(structure, pattern),
     )
 
@@ -123,14 +125,14 @@ class _Run:
         self.prepared, self.settings, self.progress = prepared, settings, progress
         self.state, self.trial, self.step = prepared.state, prepared.trial, prepared.step
         self.iterations = 0
+        self.trace = []
         self.negative_pivots: int | None = None
         self.history: list[float] = []
 
     def to_equilibrium(self, tolerance: float, start: Solution | None) -> Outcome:
         self._start(start)
-        settings, state = self.settings, self.state
-        near = max(state.marks[1], state.marks[2]) < 1e-2 and state.marks[3] < 1e-2
-        shift = 0.0 if near else settings.first_shift
+        settings = self.settings
+        shift = 0.0
         while True:
             marks = self.state.marks
             error = max(marks[1], marks[2])
@@ -147,12 +149,10 @@ class _Run:
                 return Outcome.STEPS_SPENT
             self.iterations += 1
             while not self._advance(shift):
-                shift = max(4.0 * shift, 1e-3 * settings.first_shift)
+                shift = max(10.0 * shift, settings.first_shift)
                 if shift > settings.largest_shift:
                     return Outcome.SINGULAR if self.negative_pivots == -1 else Outcome.NOT_IMPROVING
-            gain = self.state.marks[0] / marks[0]
-            shift *= 0.1 if gain < 0.3 else (0.3 if gain < 0.8 else 1.0)
-            shift = 0.0 if shift < 1e-3 * settings.first_shift else shift
+            shift = 0.1 * shift if shift > settings.first_shift else 0.0
 
     def _start(self, start: Solution | None) -> None:
         state, structure = self.state, self.structure
@@ -181,19 +181,24 @@ class _Run:
         if negative != 0:
             return False
         solved = system.solve(step.right[:sides])
-        turn, determinant = kernels.finish_step(structure, tension, state, solved, step)
+        length, turn, determinant = kernels.finish_step(structure, state, solved, step)
         if not determinant > 0.0 or not np.isfinite(turn):
             self.negative_pivots = 1
             return False
         size = min(1.0, settings.largest_turn / max(turn, 1e-300))
-        merit = state.marks[0]
+        # Deuflhard's natural monotonicity: the move still asked for, by the old tangent, must get shorter
         while True:
             kernels.take(structure, loading, tension, size, state, step, trial)
-            if trial.marks[0] <= (1.0 - 0.05 * size) * merit:
+            kernels.right_side(structure, state, trial, step)
+            solved[0] = system.solve(step.right[:1])[0]
+            left, bend = kernels.simplified_move(solved, size, step, self.prepared.move)
+            self.trace.append((shift, size, length, left, turn))
+            if left <= (1.0 - 0.25 * size) * length or (shift > 0.0 and left <= 2.0*length):
                 break
-            size *= 0.5
+            size = min(0.5 * size, 0.5 * size * size * length / max(bend, 1e-300))
             if size < settings.shortest_step:
                 return False
+        self.ratio = left / length
         self.state, self.trial = trial, state
         return True
 
