@@ -28,50 +28,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from catch_models.fish import FishSection
+from codend.selectivity.passage import FINE, KINDS, SQUARE, T90, Effort, Fish, Hole, best_opening, longest_at, sides_of
 
 Floats = NDArray[np.float64]
-Sides = tuple[float, float, float, float, float, float]
-"""Angle of the normal and distance from the centre, of three pairs of sides in turn."""
-
-KINDS: Final = ("diamond", "t90", "square")
-DIAMOND, T90, SQUARE = range(3)
-GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)
-FINE: Final = 40
-"""Steps of bisection and of golden-section search by which a single answer is refined."""
-ROTATIONS, OPENINGS = 15, 8
-"""Intervals in which the best rotation and the best opening are looked for before they are refined."""
-
-
-class Fish(NamedTuple):
-    """Half height and half width of the section of a fish of length 1, and the superellipse's exponent."""
-
-    a: float
-    b: float
-    n: float
-
-
-class Hole(NamedTuple):
-    """One mesh but for its opening, as in ``Holes``."""
-
-    kind: int
-    bar: float
-    knot: float
-    across: float
-    load: float
-
-
-class Effort(NamedTuple):
-    """Force of a fish's push, N, and steps of refinement in the search for the best opening."""
-
-    push: float
-    steps: int
 
 
 @dataclass(frozen=True)
@@ -136,13 +100,13 @@ def longest_fish(
     for i in range(len(longest)):
         hole, phi = _hole(holes, i), float(holes.half_angle_rad[i])
         phi = best_opening(hole, phi, fish, rotation, Effort(push_force_n, FINE))
-        longest[i] = _longest_at(hole, phi, fish, rotation, FINE)
+        longest[i] = longest_at(hole, phi, fish, rotation, FINE)
     return longest
 
 
 def hole_sides(holes: Holes, i: int) -> tuple[Floats, Floats]:
     """Normal angles (3,) and distances (3,) from the centre of the pairs of sides of mesh i; no side: at infinity."""
-    sides = _sides(_hole(holes, i), holes.half_angle_rad[i])
+    sides = sides_of(_hole(holes, i), holes.half_angle_rad[i])
     return np.array(sides[0::2]), np.array(sides[1::2])
 
 
@@ -166,129 +130,3 @@ def hole_corners(holes: Holes, i: int) -> Floats:
 def _hole(holes: Holes, i: int) -> Hole:
     of_mesh = (holes.bar_m[i], holes.knot_m[i], holes.across_m[i], holes.load_n[i])
     return Hole(int(holes.kind[i]), *map(float, of_mesh))
-
-
-@njit(cache=True, nogil=True)
-def longest_turned(hole: Hole, phi: float, fish: Fish, rotation: float) -> float:
-    """Longest fish at a given rotation, m: min of d / h_1 over the sides."""
-    return min(_by_side(_sides(hole, phi), fish, rotation))
-
-
-@njit(cache=True, nogil=True)
-def _by_side(sides: Sides, fish: Fish, rotation: float) -> tuple[float, float, float]:
-    """Longest fish that each pair of sides would let through, m."""
-    nu1, d1, nu2, d2, nu3, d3 = sides
-    third = d3 / _support(fish, nu3 - rotation) if d3 < math.inf else math.inf
-    return d1 / _support(fish, nu1 - rotation), d2 / _support(fish, nu2 - rotation), third
-
-
-@njit(cache=True, nogil=True)
-def _sides(hole: Hole, phi: float) -> Sides:
-    """Normal angle to the netting's axis and distance from the centre of three pairs of sides; see the heading."""
-    if hole.kind == SQUARE:
-        return 0.0, 0.5 * hole.bar, 0.5 * math.pi, 0.5 * hole.across, 0.0, math.inf
-    sine, cosine = math.sin(phi), math.cos(phi)
-    normal = 0.5 * math.pi - phi
-    if hole.kind == T90:
-        d = (hole.bar * sine + 0.5 * hole.knot) * cosine
-        return normal, d, -normal, d, 0.0, hole.bar * cosine if hole.knot > 0.0 else math.inf
-    d = (hole.bar * cosine + 0.5 * hole.knot) * sine
-    return normal, d, -normal, d, 0.5 * math.pi, hole.bar * sine if hole.knot > 0.0 else math.inf
-
-
-@njit(cache=True, nogil=True)
-def _support(fish: Fish, angle: float) -> float:
-    x, y = fish.a * math.cos(angle), fish.b * math.sin(angle)
-    if fish.n == 2.0:
-        return math.sqrt(x * x + y * y)
-    q = fish.n / (fish.n - 1.0)
-    return (abs(x) ** q + abs(y) ** q) ** (1.0 / q)
-
-
-@njit(cache=True, nogil=True)
-def best_rotation(hole: Hole, phi: float, fish: Fish, steps: int) -> float:
-    """Rotation of the longest fish, in [0, 90] degrees: hole and section are symmetric to both their axes.
-
-    The least of several functions is largest where one of them is, or where two of them cross. The first is known, at
-    the least supports: along an axis of the section, or for n < 2 at tan t = (a / b)^(q / (q - 2)) between them. The
-    second is looked for in intervals and found by bisection.
-    """
-    quarter = 0.5 * math.pi
-    sides = _sides(hole, phi)
-    best, value = 0.0, min(_by_side(sides, fish, 0.0))
-    at_end = min(_by_side(sides, fish, quarter))
-    if at_end > value:
-        best, value = quarter, at_end
-    if fish.n == 2.0 and hole.knot == 0.0 and hole.kind != SQUARE:  # an ellipse in a rhombus lies along a diagonal
-        return best
-    q = fish.n / (fish.n - 1.0)
-    between = math.atan((fish.a / fish.b) ** (q / (q - 2.0))) if q > 2.0 else 0.0
-    for side in range(3):
-        for turned in (0.0, quarter, between, -between):
-            tried = sides[2 * side] - turned
-            length = min(_by_side(sides, fish, tried))
-            if length > value:
-                best, value = tried, length
-    width = quarter / ROTATIONS
-    left = _by_side(sides, fish, 0.0)
-    for k in range(1, ROTATIONS + 1):
-        right = _by_side(sides, fish, k * width)
-        for one, two in ((0, 1), (1, 2), (2, 0)):
-            if (left[one] - left[two]) * (right[one] - right[two]) < 0.0:
-                crossing = _crossing(sides, fish, one, two, (k - 1) * width, k * width, steps)
-                length = min(_by_side(sides, fish, crossing))
-                if length > value:
-                    best, value = crossing, length
-        left = right
-    return best
-
-
-@njit(cache=True, nogil=True)
-def _crossing(sides: Sides, fish: Fish, one: int, two: int, left: float, right: float, steps: int) -> float:  # noqa: PLR0917
-    """Rotation between ``left`` and ``right`` at which two pairs of sides let the same fish through, by bisection."""
-    at_left = _by_side(sides, fish, left)
-    rising = at_left[one] < at_left[two]
-    for _ in range(steps):
-        middle = 0.5 * (left + right)
-        at_middle = _by_side(sides, fish, middle)
-        if (at_middle[one] < at_middle[two]) == rising:
-            left = middle
-        else:
-            right = middle
-    return 0.5 * (left + right)
-
-
-@njit(cache=True, nogil=True)
-def _longest_at(hole: Hole, phi: float, fish: Fish, rotation: float, steps: int) -> float:
-    """Longest fish at the given rotation, or at the best one for nan."""
-    if math.isnan(rotation):
-        rotation = best_rotation(hole, phi, fish, steps)
-    return longest_turned(hole, phi, fish, rotation)
-
-
-@njit(cache=True, nogil=True)
-def best_opening(hole: Hole, phi: float, fish: Fish, rotation: float, effort: Effort) -> float:
-    """Half opening angle within reach of a fish's push that lets the longest one through, at a rotation or the best."""
-    push, steps = effort.push, effort.steps
-    if push <= 0.0 or hole.kind == SQUARE:
-        return phi
-    load_across = hole.load * math.tan(phi)
-    lowest, highest = math.atan2(load_across, hole.load + push), math.atan2(load_across + push, hole.load)
-    best, value = phi, _longest_at(hole, phi, fish, rotation, steps)
-    width = (highest - lowest) / OPENINGS
-    for k in range(OPENINGS + 1):
-        tried = _longest_at(hole, lowest + k * width, fish, rotation, steps)
-        if tried > value:
-            best, value = lowest + k * width, tried
-    left, right = max(best - width, lowest), min(best + width, highest)
-    for _ in range(steps):
-        one, two = right - GOLDEN * (right - left), left + GOLDEN * (right - left)
-        at_one = _longest_at(hole, one, fish, rotation, steps)
-        at_two = _longest_at(hole, two, fish, rotation, steps)
-        if max(at_one, at_two) > value:
-            best, value = (one, at_one) if at_one > at_two else (two, at_two)
-        if at_one > at_two:
-            right = two
-        else:
-            left = one
-    return best

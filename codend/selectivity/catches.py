@@ -1,0 +1,158 @@
+"""The meshes ahead of every catch of a study, as fish meet them: from the study's tables and its plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codend.build import rows_of
+from codend.errors import InputError
+from codend.plan import Netting, Plan, load_plan
+from codend.selectivity.passage import KINDS, SQUARE
+from codend.selectivity.penetration import Holes
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from codend.study import Study
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Run:
+    """What is read of a study: its plan and its tables."""
+
+    source: str
+    plan: Plan
+    results: pd.DataFrame
+    profile: pd.DataFrame
+    meshes: pd.DataFrame
+    """Empty for nets that are the same all round."""
+
+
+@dataclass(frozen=True)
+class Catch:
+    """A solved case: its size and the meshes that fish meet ahead of it."""
+
+    case: int
+    speed_m_s: float
+    volume_m3: float
+    opening_ahead_deg: float
+    holes: Holes
+    rows_ahead: Floats
+    """Distance of each mesh from the front, in rows of meshes; 1 and more lie wholly ahead, (k,)."""
+    share: Floats
+    """Share of each mesh in its row, (k,)."""
+
+
+def run_of(study: Study) -> Run:
+    """A study that is still in memory."""
+    return Run(str(study.plan.source), study.plan, study.table, study.profile, study.meshes)
+
+
+def read_run(folder: str | Path) -> Run:
+    """A study from the folder ``codend run`` wrote: plan.toml, results.csv, profile.csv and, if there, meshes.csv.
+
+    Raises:
+        InputError: a file or a column is missing.
+    """
+    import pandas as pd
+
+    folder = Path(folder)
+    needed = {
+        "results.csv": ["case", "speed_m_s", "filled_meshes", "catch_volume_m3", "opening_ahead_deg", "converged"],
+        "profile.csv": ["case", "row", "radius_m", "opening_deg", "bar_tension_n"],
+        "meshes.csv": ["case", "row", "opening_deg", "bar_tension_n"],
+    }
+    plan = load_plan(folder / "plan.toml")
+    tables = {}
+    for name, columns in needed.items():
+        path = folder / name
+        if name == "meshes.csv" and not path.exists():
+            tables[name] = pd.DataFrame(columns=columns)
+            continue
+        try:
+            tables[name] = pd.read_csv(path)
+        except (OSError, ValueError) as error:
+            raise InputError(path, "", None, "a table that codend run wrote", f"cannot be read: {error}") from None
+        for column in columns:
+            if column not in tables[name].columns:
+                raise InputError(path, column, None, "a table that codend run wrote", "is missing")
+    return Run(str(folder), plan, tables["results.csv"], tables["profile.csv"], tables["meshes.csv"])
+
+
+def inside_mesh_m(section: Netting) -> float:
+    """Stretched inside opening of a mesh: full mesh less one knot, or 2 (b - w) where the plan gives no knot, m."""
+    return 2.0 * clear_bar_m(section) + section.knot_m
+
+
+def clear_bar_m(section: Netting) -> float:
+    """Length of a bar that no twine crosses, m; see ``codend.selectivity.penetration``."""
+    return section.bar_m if section.knot_m > 0.0 else section.bar_m - section.drag_width_m
+
+
+def catches_of(run: Run, most_rows: float) -> list[Catch]:
+    """Solved cases of a study, with the meshes up to ``most_rows`` + 1 rows ahead of the front.
+
+    A net that is the same all round has one mesh a row, another all its meshes; every row of a globalised net stands
+    for as many real ones.
+
+    Raises:
+        InputError: no case was solved.
+    """
+    solved = run.results[run.results["converged"].astype(bool)]
+    if solved.empty:
+        raise InputError(run.source, "converged", None, "at least one solved case in results.csv", "is nowhere true")
+    profiles = dict(list(run.profile.groupby("case")))
+    all_meshes = dict(list(run.meshes.groupby("case")))
+    found = []
+    for result in solved.to_dict("records"):
+        profile = profiles[result["case"]].sort_values("row")
+        bands = len(profile) - 1
+        merged = len(rows_of(run.plan)) // bands
+        sections = rows_of(run.plan, merged)
+        square = sections[0].mesh == "square"
+        meshes_long = 0.5 * bands * merged * (2.0 if square else 1.0)
+        front_row = (meshes_long - result["filled_meshes"]) / (1.0 if square else 0.5)
+        meshes = all_meshes.get(result["case"], profile)
+        meshes = meshes[meshes["opening_deg"].notna()]
+        row = meshes["row"].to_numpy(dtype=int)
+        # a merged row stands for real rows about its middle, the middle of the mesh in knotted netting
+        within = np.arange(merged) - 0.5 * (merged - 1)
+        ahead = (float(front_row) - merged * row[:, None] - within).ravel()
+        near = (ahead > 0.0) & (ahead < most_rows + 1.0)
+        which = np.repeat(np.arange(len(row)), merged)[near]
+        share = 1.0 / np.bincount(row)[row]
+        found.append(
+            Catch(
+                case=int(result["case"]),
+                speed_m_s=float(result["speed_m_s"]),
+                volume_m3=float(result["catch_volume_m3"]),
+                opening_ahead_deg=float(result["opening_ahead_deg"]),
+                holes=_holes(sections, meshes.iloc[which], profile["radius_m"].to_numpy()),
+                rows_ahead=ahead[near],
+                share=share[which],
+            )
+        )
+    return found
+
+
+def _holes(sections: list[Netting], meshes: pd.DataFrame, radius_m: Floats) -> Holes:
+    row = meshes["row"].to_numpy(dtype=int)
+    is_square = sections[0].mesh == "square"
+    section = [sections[min(r if is_square else max(r - 1, 0), len(sections) - 1)] for r in row]
+    half = 0.5 * np.radians(meshes["opening_deg"].to_numpy(dtype=float))
+    bar = np.array([clear_bar_m(s) for s in section])
+    width = np.array([s.drag_width_m for s in section])
+    around = np.array([s.meshes_round for s in section])
+    # the chord between two meridional bars, which a bar across them bounds
+    between = 2.0 * 0.5 * (radius_m[row] + radius_m[np.minimum(row + 1, len(radius_m) - 1)]) * np.sin(np.pi / around)
+    kind = np.array([KINDS.index(s.mesh) for s in section], dtype=np.int64)
+    across = np.where(kind == SQUARE, np.clip(between - width, 0.0, bar), bar)
+    load = 2.0 * meshes["bar_tension_n"].to_numpy(dtype=float) * np.cos(half)
+    return Holes(kind, bar, np.array([s.knot_m for s in section]), half, across, load)

@@ -1,0 +1,207 @@
+"""Kernels of the longest fish that passes a mesh; equations and symbols stand in ``codend.selectivity.penetration``."""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from numba import njit
+
+Sides = tuple[float, float, float, float, float, float]
+"""Angle of the normal and distance from the centre, of three pairs of sides in turn."""
+
+KINDS: Final = ("diamond", "t90", "square")
+DIAMOND, T90, SQUARE = range(3)
+GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)
+FINE: Final = 40
+"""Steps of bisection and of golden-section search by which a single answer is refined."""
+ROTATIONS, OPENINGS = 15, 6
+"""Intervals in which the best rotation and the best opening are looked for before they are refined."""
+
+
+class Fish(NamedTuple):
+    """Half height and half width of the section of a fish of length 1, and the superellipse's exponent."""
+
+    a: float
+    b: float
+    n: float
+
+
+class Hole(NamedTuple):
+    """One mesh but for its opening, as in ``Holes``."""
+
+    kind: int
+    bar: float
+    knot: float
+    across: float
+    load: float
+
+
+class Effort(NamedTuple):
+    """Force of a fish's push, N, and steps of refinement in the search for the best opening."""
+
+    push: float
+    steps: int
+
+
+@njit(cache=True, nogil=True)
+def longest_turned(hole: Hole, phi: float, fish: Fish, rotation: float) -> float:
+    """Longest fish at a given rotation, m: min of d / h_1 over the sides."""
+    return min(_by_side(sides_of(hole, phi), fish, rotation))
+
+
+@njit(cache=True, nogil=True)
+def _by_side(sides: Sides, fish: Fish, rotation: float) -> tuple[float, float, float]:
+    """Longest fish that each pair of sides would let through, m."""
+    nu1, d1, nu2, d2, nu3, d3 = sides
+    third = d3 / _support(fish, nu3 - rotation) if d3 < math.inf else math.inf
+    return d1 / _support(fish, nu1 - rotation), d2 / _support(fish, nu2 - rotation), third
+
+
+@njit(cache=True, nogil=True)
+def sides_of(hole: Hole, phi: float) -> Sides:
+    """Normal angle to the netting's axis and distance from the centre of three pairs of sides; see the heading."""
+    if hole.kind == SQUARE:
+        return 0.0, 0.5 * hole.bar, 0.5 * math.pi, 0.5 * hole.across, 0.0, math.inf
+    sine, cosine = math.sin(phi), math.cos(phi)
+    normal = 0.5 * math.pi - phi
+    if hole.kind == T90:
+        d = (hole.bar * sine + 0.5 * hole.knot) * cosine
+        return normal, d, -normal, d, 0.0, hole.bar * cosine if hole.knot > 0.0 else math.inf
+    d = (hole.bar * cosine + 0.5 * hole.knot) * sine
+    return normal, d, -normal, d, 0.5 * math.pi, hole.bar * sine if hole.knot > 0.0 else math.inf
+
+
+@njit(cache=True, nogil=True)
+def _support(fish: Fish, angle: float) -> float:
+    if fish.n == 2.0:
+        squares, difference = fish.a * fish.a + fish.b * fish.b, fish.a * fish.a - fish.b * fish.b
+        return math.sqrt(0.5 * (squares + difference * math.cos(2.0 * angle)))
+    x, y = fish.a * math.cos(angle), fish.b * math.sin(angle)
+    q = fish.n / (fish.n - 1.0)
+    return (abs(x) ** q + abs(y) ** q) ** (1.0 / q)
+
+
+@njit(cache=True, nogil=True)
+def best_rotation(hole: Hole, phi: float, fish: Fish, steps: int) -> float:
+    """Rotation of the longest fish, in [0, 90] degrees: hole and section are symmetric to both their axes.
+
+    The least of several functions is largest where one of them is, or where two of them cross. The first is known, at
+    the least supports: along an axis of the section, or for n < 2 at tan t = (a / b)^(q / (q - 2)) between them. So is
+    the second for ellipses; for other sections it is looked for in intervals and found by bisection.
+    """
+    quarter = 0.5 * math.pi
+    sides = sides_of(hole, phi)
+    if sides[1] <= 0.0 or sides[3] <= 0.0:  # closed
+        return 0.0
+    best, value = 0.0, min(_by_side(sides, fish, 0.0))
+    at_end = min(_by_side(sides, fish, quarter))
+    if at_end > value:
+        best, value = quarter, at_end
+    if fish.n == 2.0 and hole.knot == 0.0 and hole.kind != SQUARE:  # an ellipse in a rhombus lies along a diagonal
+        return best
+    q = fish.n / (fish.n - 1.0)
+    between = math.atan((fish.a / fish.b) ** (q / (q - 2.0))) if q > 2.0 else 0.0
+    for side in range(3):
+        for turned in (0.0, quarter, between, -between):
+            tried = sides[2 * side] - turned
+            length = min(_by_side(sides, fish, tried))
+            if length > value:
+                best, value = tried, length
+    width = quarter / ROTATIONS
+    for one, two in ((0, 1), (1, 2), (2, 0)):
+        if sides[2 * one + 1] == math.inf or sides[2 * two + 1] == math.inf:
+            continue
+        for k in range(ROTATIONS if fish.n != 2.0 else 2):
+            if fish.n == 2.0:
+                tried = _crossing_of_ellipse(sides, fish, one, two, k)
+            else:
+                tried = _crossing(sides, fish, one, two, k * width, steps)
+            if not math.isnan(tried):
+                length = min(_by_side(sides, fish, tried))
+                if length > value:
+                    best, value = tried, length
+    return best
+
+
+@njit(cache=True, nogil=True)
+def _crossing_of_ellipse(sides: Sides, fish: Fish, one: int, two: int, root: int) -> float:
+    """Rotation at which two pairs of sides let the same ellipse through, one of two; nan where they never do.
+
+    With S = a^2 + b^2, D = a^2 - b^2 and h^2 = (S + D cos 2(nu - theta)) / 2, equal h / d on both is a linear
+    equation in cos(2 theta) and sin(2 theta).
+    """
+    squares, difference = fish.a * fish.a + fish.b * fish.b, fish.a * fish.a - fish.b * fish.b
+    first, second = sides[2 * one + 1] ** -2, -(sides[2 * two + 1] ** -2)
+    cosine = difference * (first * math.cos(2.0 * sides[2 * one]) + second * math.cos(2.0 * sides[2 * two]))
+    sine = difference * (first * math.sin(2.0 * sides[2 * one]) + second * math.sin(2.0 * sides[2 * two]))
+    reach, wanted = math.hypot(cosine, sine), -squares * (first + second)
+    if abs(wanted) > reach or reach == 0.0:
+        return math.nan
+    turn = math.acos(wanted / reach)
+    return 0.5 * (math.atan2(sine, cosine) + (turn if root == 0 else -turn))
+
+
+@njit(cache=True, nogil=True)
+def _crossing(sides: Sides, fish: Fish, one: int, two: int, left: float, steps: int) -> float:
+    """The same for any section, by bisection in one interval from ``left`` on; nan where there is none in it."""
+    right = left + 0.5 * math.pi / ROTATIONS
+    at_left, at_right = _by_side(sides, fish, left), _by_side(sides, fish, right)
+    rising = at_left[one] < at_left[two]
+    if (at_right[one] < at_right[two]) == rising:
+        return math.nan
+    for _ in range(steps):
+        middle = 0.5 * (left + right)
+        at_middle = _by_side(sides, fish, middle)
+        if (at_middle[one] < at_middle[two]) == rising:
+            left = middle
+        else:
+            right = middle
+    return 0.5 * (left + right)
+
+
+@njit(cache=True, nogil=True)
+def longest_at(hole: Hole, phi: float, fish: Fish, rotation: float, steps: int) -> float:
+    """Longest fish at the given rotation, or at the best one for nan."""
+    if math.isnan(rotation):
+        rotation = best_rotation(hole, phi, fish, steps)
+    return longest_turned(hole, phi, fish, rotation)
+
+
+@njit(cache=True, nogil=True)
+def best_opening(hole: Hole, phi: float, fish: Fish, rotation: float, effort: Effort) -> float:
+    """Half opening angle within reach of a fish's push that lets the longest one through, at a rotation or the best."""
+    push, steps = effort.push, effort.steps
+    if push <= 0.0 or hole.kind == SQUARE:
+        return phi
+    load_across = hole.load * math.tan(phi)
+    lowest, highest = math.atan2(load_across, hole.load + push), math.atan2(load_across + push, hole.load)
+    best, value = phi, longest_at(hole, phi, fish, rotation, steps)
+    if math.isnan(rotation) and fish.n == 2.0 and hole.knot == 0.0:  # an ellipse in a rhombus: tan^2(phi) = b/a or a/b
+        for ideal in (math.atan(math.sqrt(fish.b / fish.a)), math.atan(math.sqrt(fish.a / fish.b))):
+            reached = min(max(ideal, lowest), highest)
+            tried = longest_at(hole, reached, fish, rotation, steps)
+            if tried > value:
+                best, value = reached, tried
+        return best
+    width = (highest - lowest) / OPENINGS
+    for k in range(OPENINGS + 1):
+        tried = longest_at(hole, lowest + k * width, fish, rotation, steps)
+        if tried > value:
+            best, value = lowest + k * width, tried
+    left, right = max(best - width, lowest), min(best + width, highest)
+    one, two = right - GOLDEN * (right - left), left + GOLDEN * (right - left)
+    at_one = longest_at(hole, one, fish, rotation, steps)
+    at_two = longest_at(hole, two, fish, rotation, steps)
+    for _ in range(steps):
+        if max(at_one, at_two) > value:
+            best, value = (one, at_one) if at_one > at_two else (two, at_two)
+        if at_one > at_two:
+            right, two, at_two = two, one, at_one
+            one = right - GOLDEN * (right - left)
+            at_one = longest_at(hole, one, fish, rotation, steps)
+        else:
+            left, one, at_one = one, two, at_two
+            two = left + GOLDEN * (right - left)
+            at_two = longest_at(hole, two, fish, rotation, steps)
+    return best

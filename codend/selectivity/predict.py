@@ -1,0 +1,167 @@
+"""Retention, L50 and SR of a computed codend: for every catch and over the haul, with what makes them uncertain.
+
+Two sets of L50 and SR stand beside each other. ``l50_cm`` and ``sr_cm`` are read off the computed curve itself: the
+lengths at which it is 0.5, and 0.75 less 0.25. ``l50_logit_cm`` and ``sr_logit_cm`` are those of a logit curve fitted
+to it as to a trial with the same number of fish in every length class, which is what trials report.
+
+Two things make them uncertain. A haul meets a finite number of fish: the intervals are those of the fitted logit curve
+for ``haul.fish`` fish, by the delta method for single catches, by a parametric bootstrap for the haul (arrivals a
+Poisson process, so that retained and escaped fish of a class are Poisson numbers with means n r and n (1 - r)). And the
+numbers of the species are known between bounds only: see ``codend.selectivity.sensitivity``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtri
+
+from catch_models.fish import PARAMETERS, Species
+from codend.selectivity.catches import Run, catches_of
+from codend.selectivity.fielddata import FieldData
+from codend.selectivity.haul import Haul, hauls_of, terms_of_catches, terms_of_haul
+from codend.selectivity.model import SelectionModel, selection_model
+from codend.selectivity.parameters import parameter_names, public_parameters
+from codend.selectivity.scoring import Maximum, maximise
+from codend.selectivity.sensitivity import SAMPLES, Sensitivity, sensitivity
+
+Floats = NDArray[np.float64]
+
+BOOTSTRAP: Final = 1000
+LOWER, UPPER = 2.5, 97.5
+LEAST_REFITTED: Final = 0.9
+"""Share of the bootstrap's refits that must have converged for its percentiles to be given."""
+PredictionProgress = Callable[[int, int, str], None]
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """One species in one haul of c catches: rows are the catches in the order of their volume, and then the haul."""
+
+    species: Species
+    haul: Haul
+    length_cm: Floats
+    """(n,)."""
+    retention: Floats
+    """(c + 1, n)."""
+    l50_sr: Floats
+    """Of the computed curves, cm, (c + 1, 2); nan where too few fish escape to have them."""
+    logit: Floats
+    """L50 and SR of the logit curves fitted to them, cm, (c + 1, 2); nan where no such curve fits."""
+    lower_95: Floats
+    upper_95: Floats
+    """Intervals of those, (c + 1, 2); nan for the haul without bootstrap."""
+    fish_band: Floats | None
+    """Percentiles 2.5 and 97.5 of the logit curves refitted to bootstrapped hauls, (2, n)."""
+    sensitivity: Sensitivity | None
+
+    @property
+    def contact(self) -> float:
+        """Probability that a fish tries a mesh at all."""
+        return float(self.species.values[PARAMETERS.index("behaviour.contact")])
+
+
+def predict(
+    run: Run,
+    species: Sequence[Species],
+    *,
+    n_bootstrap: int = BOOTSTRAP,
+    samples: int = SAMPLES,
+    seed: int = 0,
+    progress: PredictionProgress | None = None,
+) -> list[Prediction]:
+    """Selectivity of a study for every species, a haul for every speed.
+
+    Args:
+        run: the study's plan and tables (``codend.selectivity.catches.run_of`` or ``read_run``).
+        species: whom to ask for.
+        n_bootstrap: replicates of the haul; 0 for none.
+        samples: of the Sobol design, a power of 2; 0 leaves the sensitivity out.
+        seed: of the bootstrap and the design.
+        progress: told how many species and hauls are done, of how many, and which is being done.
+
+    Raises:
+        InputError: no case of the study was solved.
+    """
+    column = PARAMETERS.index("behaviour.rows_ahead")
+    most_rows = max(max(one.values[column], one.ranges.get(PARAMETERS[column], (0, 0))[1]) for one in species)
+    hauls = hauls_of(catches_of(run, most_rows))
+    work = [(one, haul) for one in species for haul in hauls]
+    found = []
+    for done, (one, haul) in enumerate(work):
+        if progress is not None:
+            progress(done, len(work), f"{one.name} at {haul.speed_m_s:g} m/s")
+        found.append(_predicted(one, haul, n_bootstrap, samples, seed))
+    if progress is not None:
+        progress(len(work), len(work), "done")
+    return found
+
+
+def _predicted(species: Species, haul: Haul, n_bootstrap: int, samples: int, seed: int) -> Prediction:
+    of_catches = terms_of_catches(haul, species)
+    every = [*of_catches, terms_of_haul(haul, of_catches, species)]
+    length_cm = species.length_cm
+    retention = np.array([terms.retention(length_cm) for terms in every])
+    per_class = species.haul.fish.value / len(length_cm)
+
+    model = _logit_model(length_cm)
+    fitted = maximise(model, per_class * retention, per_class * (1.0 - retention))
+    logit, errors = _l50_sr(model, fitted)
+    half = float(ndtri(0.975)) * errors
+    lower, upper, band = logit - half, logit + half, None
+    lower[-1] = upper[-1] = np.nan
+    if n_bootstrap and fitted.converged[-1]:
+        rng = np.random.default_rng(seed)
+        shape = (n_bootstrap, len(length_cm))
+        escaped = rng.poisson(per_class * (1.0 - retention[-1]), shape).astype(float)
+        refitted = maximise(model, rng.poisson(per_class * retention[-1], shape).astype(float), escaped)
+        good = refitted.converged
+        if good.mean() >= LEAST_REFITTED:
+            replicates, _ = _l50_sr(model, refitted)
+            lower[-1], upper[-1] = np.percentile(replicates[good], (LOWER, UPPER), axis=0)
+            parameters = public_parameters(model, refitted.theta[good])[0][:, :2]
+            band = np.percentile(model.curve.retention(length_cm, parameters), (LOWER, UPPER), axis=0)
+    return Prediction(
+        species=species,
+        haul=haul,
+        length_cm=length_cm,
+        retention=retention,
+        l50_sr=np.array([terms.l50_sr() for terms in every]),
+        logit=logit,
+        lower_95=lower,
+        upper_95=upper,
+        fish_band=band,
+        sensitivity=sensitivity(haul, species, samples, seed) if samples else None,
+    )
+
+
+def _logit_model(length_cm: Floats) -> SelectionModel:
+    """Covered codend without raising, one row a length class."""
+    none, one = np.zeros(len(length_cm)), np.ones(len(length_cm))
+    rows = FieldData(
+        source="computed retention",
+        design="covered",
+        haul_names=("haul",),
+        haul=np.zeros(len(length_cm), dtype=np.int64),
+        length_cm=length_cm,
+        test_count=none,
+        other_count=none,
+        test_raising=one,
+        other_raising=one,
+        covariate_names=(),
+        covariates=np.empty((1, 0)),
+    )
+    return selection_model(rows, "logit")
+
+
+def _l50_sr(model: SelectionModel, fitted: Maximum) -> tuple[Floats, Floats]:
+    """L50 and SR of many fits, (B, 2), and their standard errors."""
+    names = parameter_names(model)
+    which = [names.index("l50_cm"), names.index("sr_cm")]
+    values, jacobian = public_parameters(model, fitted.theta)
+    jacobian = jacobian[:, which]
+    return values[:, which], np.sqrt(np.einsum("bmi,bij,bmj->bm", jacobian, fitted.covariance, jacobian))
