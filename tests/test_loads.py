@@ -100,7 +100,7 @@ def test_a_sector_carries_the_loads_of_its_part_of_the_full_net(case):
 @settings(max_examples=15, deadline=None)
 @given(random_nets(), st.integers(0, 2**32 - 1))
 def test_bar_forces_are_minus_the_gradient_of_their_energy(case, seed):
-    _, net = case
+    net = replace(case[1], bar_flexibility=np.maximum(case[1].bar_flexibility, 1e-4))
     structure = structure_of(net)
     stiffness = 1.0 / net.bar_flexibility
 

@@ -21,8 +21,9 @@ from codend.net import Floats
 @njit(cache=True)
 def augmented_law(structure: Structure, penalty: float, relief: Floats, gain: Floats) -> None:
     """Write q's derivatives with respect to multiplier (``relief``) and to 1/l0 - 1/l (``gain``, N), each (m,)."""
-    for bar in range(len(structure.first)):
-        flexibility = structure.flexibility[bar]
+    flexibilities = structure.flexibility
+    for bar in range(len(flexibilities)):
+        flexibility = flexibilities[bar]
         if flexibility * penalty >= 1.0:
             relief[bar] = 0.0
             gain[bar] = 1.0 / flexibility
@@ -31,34 +32,35 @@ def augmented_law(structure: Structure, penalty: float, relief: Floats, gain: Fl
             gain[bar] = penalty * relief[bar]
 
 
-@njit(cache=True, inline="always")
-def bar_vector(position: Floats, structure: Structure, bar: int) -> tuple[float, float, float]:
+@njit(cache=True)
+def bar_vector(position: Floats, first: int, second: int, image: int, rotations: Floats) -> tuple[float, float, float]:
     """Vector from the first to the second end."""
-    first, second = structure.first[bar], structure.second[bar]
-    y, z = turned(position[second, 1], position[second, 2], structure.image[bar], structure.rotations)
+    y, z = turned(position[second, 1], position[second, 2], image, rotations)
     return position[second, 0] - position[first, 0], y - position[first, 1], z - position[first, 2]
 
 
 @njit(cache=True)
 def add_bar_forces(position: Floats, structure: Structure, density: Floats, force: Floats) -> None:
     """Add to the nodal forces the pull of bars with force densities ``density`` (N/m), (m,)."""
-    for bar in range(len(structure.first)):
+    firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
+    for bar in range(len(firsts)):
         q = density[bar]
         if q == 0.0:
             continue
-        dx, dy, dz = bar_vector(position, structure, bar)
-        first, second = structure.first[bar], structure.second[bar]
+        first, second, image = firsts[bar], seconds[bar], images[bar]
+        dx, dy, dz = bar_vector(position, first, second, image, rotations)
         force[first, 0] += q * dx
         force[first, 1] += q * dy
         force[first, 2] += q * dz
-        add_turned_back(force, second, -q * dx, -q * dy, -q * dz, structure.image[bar], structure.rotations)
+        add_turned_back(force, second, -q * dx, -q * dy, -q * dz, image, rotations)
 
 
 @njit(cache=True)
 def bar_lengths(position: Floats, structure: Structure, length: Floats) -> None:
     """Write the length of every bar, m, (m,)."""
-    for bar in range(len(structure.first)):
-        dx, dy, dz = bar_vector(position, structure, bar)
+    firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
+    for bar in range(len(firsts)):
+        dx, dy, dz = bar_vector(position, firsts[bar], seconds[bar], images[bar], rotations)
         length[bar] = np.sqrt(dx * dx + dy * dy + dz * dz)
 
 
@@ -69,11 +71,12 @@ def length_error(structure: Structure, length: Floats, density: Floats) -> float
     A taut bar should be as long as its tension makes it, a slack one no longer than without load.
     """
     worst = 0.0
-    for bar in range(len(structure.first)):
-        rest = structure.length[bar]
+    rests, flexibilities = structure.length, structure.flexibility
+    for bar in range(len(rests)):
+        rest = rests[bar]
         if density[bar] > 0.0:
             tension = density[bar] * length[bar]
-            error = abs(length[bar] / rest - 1.0 - tension * structure.flexibility[bar])
+            error = abs(length[bar] / rest - 1.0 - tension * flexibilities[bar])
         else:
             error = length[bar] / rest - 1.0
         worst = max(worst, error)

@@ -21,12 +21,13 @@ def add_drag(position: Floats, structure: Structure, loading: Loading, share: Fl
     pressure = 0.5 * loading.density * loading.speed * loading.speed
     if loading.normal == 0.0 and loading.tangential == 0.0:
         return
-    rotations = structure.rotations
-    for bar in range(len(structure.first)):
-        exposed = 1.0 - share[structure.bar_band[bar]]
-        if structure.drag_diameter[bar] == 0.0 or exposed == 0.0:
+    firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
+    bands, widths = structure.bar_band, structure.drag_diameter
+    for bar in range(len(firsts)):
+        exposed = 1.0 - share[bands[bar]]
+        if widths[bar] == 0.0 or exposed == 0.0:
             continue
-        first, second, image = structure.first[bar], structure.second[bar], structure.image[bar]
+        first, second, image = firsts[bar], seconds[bar], images[bar]
         y, z = turned(position[second, 1], position[second, 2], image, rotations)
         dx = position[second, 0] - position[first, 0]
         dy = y - position[first, 1]
@@ -36,7 +37,7 @@ def add_drag(position: Floats, structure: Structure, loading: Loading, share: Fl
             continue
         cosine = dx / length
         sine_squared = (dy * dy + dz * dz) / (length * length)
-        scale = 0.5 * exposed * pressure * structure.drag_diameter[bar] * length
+        scale = 0.5 * exposed * pressure * widths[bar] * length
         if loading.drag_law == LE_BRIS_1999:
             normal = scale * loading.normal * np.sqrt(sine_squared)
             tangential = scale * loading.normal * loading.tangential * abs(cosine)

@@ -5,7 +5,7 @@ from numba import njit
 from codend.net import Floats
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def turned(y: float, z: float, image: int, rotations: Floats) -> tuple[float, float]:
     """Components (y, z) turned forward by ``image`` sectors."""
     if image == 0:
@@ -15,7 +15,7 @@ def turned(y: float, z: float, image: int, rotations: Floats) -> tuple[float, fl
     return cosine * y - sine * z, sine * y + cosine * z
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def add_turned_back(force: Floats, node: int, x: float, y: float, z: float, image: int, rotations: Floats) -> None:
     """Add a force that acts on the image of a node to the node itself."""
     if image != 0:

@@ -6,20 +6,19 @@ from numba import njit
 from catch_models.filling import fill_by_meshes, fill_to_plane, fill_to_volume
 from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, Loading, Structure
 from codend.mechanics.images import add_turned_back, turned
-from codend.net import Floats
+from codend.net import Floats, Ints
 
 
-@njit(cache=True, inline="always")
-def _corners(position: Floats, structure: Structure, facet: int) -> tuple[float, ...]:
-    a, b, c = structure.facets[facet, 0], structure.facets[facet, 1], structure.facets[facet, 2]
-    rotations = structure.rotations
-    ay, az = turned(position[a, 1], position[a, 2], structure.facet_image[facet, 0], rotations)
-    by, bz = turned(position[b, 1], position[b, 2], structure.facet_image[facet, 1], rotations)
-    cy, cz = turned(position[c, 1], position[c, 2], structure.facet_image[facet, 2], rotations)
+@njit(cache=True)
+def _corners(position: Floats, facets: Ints, images: Ints, rotations: Floats, facet: int) -> tuple[float, ...]:
+    a, b, c = facets[facet, 0], facets[facet, 1], facets[facet, 2]
+    ay, az = turned(position[a, 1], position[a, 2], images[facet, 0], rotations)
+    by, bz = turned(position[b, 1], position[b, 2], images[facet, 1], rotations)
+    cy, cz = turned(position[c, 1], position[c, 2], images[facet, 2], rotations)
     return position[a, 0], ay, az, position[b, 0], by, bz, position[c, 0], cy, cz
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def _area_vector(corners: tuple[float, ...]) -> tuple[float, float, float]:
     """Half the cross product of two edges: points outward, as long as the facet's area."""
     ax, ay, az, bx, by, bz, cx, cy, cz = corners
@@ -46,35 +45,38 @@ def add_pressure(position: Floats, structure: Structure, loading: Loading, share
     Facet load = share of the facet within the catch x q (1 - Cp(theta)) x area vector, theta between the upstream
     direction and the outward normal (Le Bris et al. 1999, section 5). Nothing acts at the front, which is open.
     """
-    uniform = len(loading.angles) == 2 and not np.any(loading.coefficients[:3] != 0.0)
-    for facet in range(len(structure.facet_band)):
-        filled = share[structure.facet_band[facet]]
+    angles, coefficients = loading.angles, loading.coefficients
+    uniform = len(angles) == 2 and not np.any(coefficients[:3] != 0.0)
+    facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
+    bands, weights = structure.facet_band, structure.facet_weight
+    for facet in range(len(bands)):
+        filled = share[bands[facet]]
         if filled == 0.0:
             continue
-        x, y, z = _area_vector(_corners(position, structure, facet))
+        x, y, z = _area_vector(_corners(position, facets, images, rotations, facet))
         if uniform:
-            coefficient = loading.coefficients[3, 0]
+            coefficient = coefficients[3, 0]
         else:
             area = np.sqrt(x * x + y * y + z * z)
             if area == 0.0:
                 continue
             theta = np.arccos(min(max(-x / area, -1.0), 1.0))
-            coefficient = pressure_coefficient(theta, loading.angles, loading.coefficients)
-        third = filled * structure.facet_weight[facet] * loading.stagnation_pressure * coefficient / 3.0
+            coefficient = pressure_coefficient(theta, angles, coefficients)
+        third = filled * weights[facet] * loading.stagnation_pressure * coefficient / 3.0
         x, y, z = third * x, third * y, third * z
         for corner in range(3):
-            image = structure.facet_image[facet, corner]
-            add_turned_back(force, structure.facets[facet, corner], x, y, z, image, structure.rotations)
+            add_turned_back(force, facets[facet, corner], x, y, z, images[facet, corner], rotations)
 
 
 @njit(cache=True)
 def row_positions(position: Floats, structure: Structure, row_x: Floats) -> None:
     """Write the mean axial position of every row's ring of nodes, (rows + 1,)."""
     row_x[:] = 0.0
-    for node in range(len(structure.node_row)):
-        row = structure.node_row[node]
+    rows, sizes = structure.node_row, structure.row_size
+    for node in range(len(rows)):
+        row = rows[node]
         if row >= 0:
-            row_x[row] += position[node, 0] / structure.row_size[row]
+            row_x[row] += position[node, 0] / sizes[row]
 
 
 @njit(cache=True)
@@ -82,10 +84,12 @@ def band_geometry(position: Floats, structure: Structure, band_area: Floats, ban
     """Write area projected on the axis (m2) and its integral of x (m3) for every band, all round."""
     band_area[:] = 0.0
     band_moment[:] = 0.0
-    for facet in range(len(structure.facet_band)):
-        corners = _corners(position, structure, facet)
-        area = _area_vector(corners)[0] * structure.facet_weight[facet] * structure.order
-        band = structure.facet_band[facet]
+    facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
+    bands, weights = structure.facet_band, structure.facet_weight
+    for facet in range(len(bands)):
+        corners = _corners(position, facets, images, rotations, facet)
+        area = _area_vector(corners)[0] * weights[facet] * structure.order
+        band = bands[facet]
         band_area[band] += area
         band_moment[band] += area * (corners[0] + corners[3] + corners[6]) / 3.0
 

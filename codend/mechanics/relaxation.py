@@ -99,13 +99,14 @@ def out_of_balance(structure: Structure, force: Floats, load: Floats) -> tuple[f
     """Largest nodal residual and axial imbalance of the free nodes, both over the resultant of the loads."""
     largest, axial = 0.0, 0.0
     total = np.zeros(3)
+    free, order = structure.free, structure.order
     for node in range(len(force)):
         squares = 0.0
         for i in range(3):
-            total[i] += structure.order * load[node, i]
-            squares += structure.free[node, i] * force[node, i] ** 2
+            total[i] += order * load[node, i]
+            squares += free[node, i] * force[node, i] ** 2
         largest = max(largest, squares)
-        axial += structure.order * structure.free[node, 0] * force[node, 0]
+        axial += order * free[node, 0] * force[node, 0]
     if structure.order > 1.0:
         total[1:] = 0.0
     resultant = np.sqrt(np.sum(total**2))
@@ -129,32 +130,35 @@ def refresh(work: Workspace, structure: Structure, loading: Loading, mass_factor
 
     # masses that keep a unit time step stable: half the sum of the moduli of a node's row of the stiffness matrix
     stiffness[:] = work.pressure_bound
-    for place in range(len(work.bar_order)):
-        bar = work.bar_order[place]
-        dx, dy, dz = bar_vector(position, structure, bar)
-        squared = dx * dx + dy * dy + dz * dz
-        length = np.sqrt(squared)
-        rest = structure.length[bar]
-        held = work.relief[bar] * work.multiplier[bar]
-        density = max(0.0, held + work.gain[bar] * (1.0 / rest - 1.0 / length)) if length > 0.0 else 0.0
+    firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
+    rests, reliefs, gains, multipliers = structure.length, work.relief, work.gain, work.multiplier
+    bar_order, law, lengths, densities = work.bar_order, work.law, work.length, work.density
+    for place in range(len(bar_order)):
+        bar = bar_order[place]
+        first, second, image = firsts[bar], seconds[bar], images[bar]
+        dx, dy, dz = bar_vector(position, first, second, image, rotations)
+        length = np.sqrt(dx * dx + dy * dy + dz * dz)
+        rest, gain = rests[bar], gains[bar]
+        held = reliefs[bar] * multipliers[bar]
+        density = max(0.0, held + gain * (1.0 / rest - 1.0 / length)) if length > 0.0 else 0.0
         # a slack bar is seen at the length at which it will come taut
         seen = length if density > 0.0 else rest
-        rigidity = work.gain[bar] / seen
-        work.law[place, 1] = 0.5 * rigidity / (seen * seen)
-        work.law[place, 0] = held + work.gain[bar] / rest - 1.5 * rigidity
-        work.length[bar], work.density[bar] = length, density
-        first, second, image = structure.first[bar], structure.second[bar], structure.image[bar]
+        rigidity = gain / seen
+        law[place, 1] = 0.5 * rigidity / (seen * seen)
+        law[place, 0] = held + gain / rest - 1.5 * rigidity
+        lengths[bar], densities[bar] = length, density
         stiffness[first] += density + rigidity
         stiffness[second] += density + rigidity
         if density > 0.0:
             force[first, 0] += density * dx
             force[first, 1] += density * dy
             force[first, 2] += density * dz
-            add_turned_back(force, second, -density * dx, -density * dy, -density * dz, image, structure.rotations)
+            add_turned_back(force, second, -density * dx, -density * dy, -density * dz, image, rotations)
+    free = structure.free
     for node in range(len(force)):
         mobility = 2.0 / (mass_factor * stiffness[node]) if stiffness[node] > 0.0 else 0.0
         for i in range(3):
-            state[node, MOBILITY + i] = mobility * structure.free[node, i]
+            state[node, MOBILITY + i] = mobility * free[node, i]
     residual, imbalance = out_of_balance(structure, force, state[:, LOAD : LOAD + 3])
     return residual, imbalance, fits
 
@@ -165,29 +169,26 @@ def set_pressure_bound(
 ) -> None:
     """Write a bound on the pressure's part of each node's row of the stiffness matrix: p times perimeter / 6 a facet."""
     stiffness[:] = 0.0
-    largest = 0.0
-    for piece in range(len(loading.angles) - 1):
-        largest = max(largest, abs(loading.coefficients[3, piece]))
-    pressure = loading.stagnation_pressure * largest
-    for facet in range(len(structure.facet_band)):
-        filled = share[structure.facet_band[facet]]
+    pressure = loading.stagnation_pressure * np.max(np.abs(loading.coefficients[3]))
+    facets, bands, weights, order = structure.facets, structure.facet_band, structure.facet_weight, structure.order
+    for facet in range(len(bands)):
+        filled = share[bands[facet]]
         if filled == 0.0:
             continue
         perimeter = 0.0
         for corner in range(3):
-            a, b = structure.facets[facet, corner], structure.facets[facet, (corner + 1) % 3]
+            a, b = facets[facet, corner], facets[facet, (corner + 1) % 3]
             # images turn both ends alike or by one sector; the axial and radial parts bound the edge well enough
             ra = np.sqrt(position[a, 1] ** 2 + position[a, 2] ** 2)
             rb = np.sqrt(position[b, 1] ** 2 + position[b, 2] ** 2)
-            chord = (
-                2.0 * np.sin(np.pi / structure.order) * max(ra, rb)
-                if structure.order > 1.0
-                else abs(position[a, 1] - position[b, 1]) + abs(position[a, 2] - position[b, 2])
-            )
+            if order > 1.0:
+                chord = 2.0 * np.sin(np.pi / order) * max(ra, rb)
+            else:
+                chord = abs(position[a, 1] - position[b, 1]) + abs(position[a, 2] - position[b, 2])
             perimeter += abs(position[a, 0] - position[b, 0]) + abs(ra - rb) + chord
-        bound = filled * structure.facet_weight[facet] * pressure * perimeter / 6.0
+        bound = filled * weights[facet] * pressure * perimeter / 6.0
         for corner in range(3):
-            stiffness[structure.facets[facet, corner]] += bound
+            stiffness[facets[facet, corner]] += bound
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
@@ -260,27 +261,28 @@ def start_from_rest(work: Workspace, back: float) -> float:
     The velocity is set to that half a step before rest, which the first step turns into that half a step after it.
     """
     energy = 0.0
-    for node in range(work.state.shape[0]):
+    state, force = work.state, work.force
+    for node in range(state.shape[0]):
         for i in range(3):
-            impulse = work.state[node, MOBILITY + i] * work.force[node, i]
-            work.state[node, X + i] -= back * (work.state[node, VELOCITY + i] - impulse)
-            work.state[node, VELOCITY + i] = -0.5 * impulse
-            energy += 0.125 * impulse * work.force[node, i]
+            impulse = state[node, MOBILITY + i] * force[node, i]
+            state[node, X + i] -= back * (state[node, VELOCITY + i] - impulse)
+            state[node, VELOCITY + i] = -0.5 * impulse
+            energy += 0.125 * impulse * force[node, i]
     return energy
 
 
 @njit(cache=True)
 def lowest_frequency(state: Floats, last_x: Floats, force: Floats, last_force: Floats, free: Floats) -> float:
     """Rayleigh quotient of the last move, (dx . K dx / dx . M dx)^1/2 per step; 0 where it says nothing."""
-    bending, inertia = 0.0, 0.0
+    stored, inertia = 0.0, 0.0
     for node in range(state.shape[0]):
         for i in range(3):
             mobility = state[node, MOBILITY + i]
             if free[node, i] > 0.0 and mobility > 0.0:
                 move = state[node, X + i] - last_x[node, i]
-                bending -= move * (force[node, i] - last_force[node, i])
+                stored -= move * (force[node, i] - last_force[node, i])
                 inertia += move * move / mobility
-    return np.sqrt(bending / inertia) if bending > 0.0 and inertia > 0.0 else 0.0
+    return np.sqrt(stored / inertia) if stored > 0.0 and inertia > 0.0 else 0.0
 
 
 @njit(cache=True)
@@ -347,6 +349,5 @@ def relax(
             keep, push = (2.0 - damping) / (2.0 + damping), 2.0 / (2.0 + damping)
             last_x[:] = state[:, X : X + 3]
             last_force[:] = work.force
-        for bar in range(len(work.length)):
-            if work.length[bar] > 3.0 * structure.length[bar]:
-                return OVERSTRETCHED, steps, stops, residual, imbalance
+        if np.any(work.length > 3.0 * structure.length):
+            return OVERSTRETCHED, steps, stops, residual, imbalance

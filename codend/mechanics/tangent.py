@@ -94,7 +94,7 @@ def add_bar_tangent(
         q, k = density[bar], hardening[bar]
         if q == 0.0 and k == 0.0:
             continue
-        dx, dy, dz = bar_vector(position, structure, bar)
+        dx, dy, dz = bar_vector(position, structure.first[bar], structure.second[bar], structure.image[bar], structure.rotations)
         h[0, 0], h[0, 1], h[0, 2] = q + k * dx * dx, k * dx * dy, k * dx * dz
         h[1, 0], h[1, 1], h[1, 2] = h[0, 1], q + k * dy * dy, k * dy * dz
         h[2, 0], h[2, 1], h[2, 2] = h[0, 2], h[1, 2], q + k * dz * dz

@@ -49,7 +49,7 @@ def share_gradient(
             place = structure.facet_band[facet]
             if share[place] == 0.0:
                 continue
-            corners = _corners(position, structure, facet)
+            corners = _corners(position, structure.facets, structure.facet_image, structure.rotations, facet)
             ax, ay, az, bx, by, bz, cx, cy, cz = corners
             weight = structure.facet_weight[facet] * structure.order
             projected = _area_vector(corners)[0] * weight

@@ -35,7 +35,7 @@ def add_drag_tangent(
         exposed = 1.0 - share[structure.bar_band[bar]]
         if structure.drag_diameter[bar] == 0.0 or exposed == 0.0:
             continue
-        a, y, z = bar_vector(position, structure, bar)
+        a, y, z = bar_vector(position, structure.first[bar], structure.second[bar], structure.image[bar], structure.rotations)
         squared = a * a + y * y + z * z
         if squared == 0.0:
             continue
@@ -101,7 +101,7 @@ def add_pressure_tangent(
         filled = share[structure.facet_band[facet]]
         if filled == 0.0:
             continue
-        corners = _corners(position, structure, facet)
+        corners = _corners(position, structure.facets, structure.facet_image, structure.rotations, facet)
         ax, ay, az, bx, by, bz, cx, cy, cz = corners
         x, y, z = _area_vector(corners)
         third = filled * structure.facet_weight[facet] * loading.stagnation_pressure / 3.0
