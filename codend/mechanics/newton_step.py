@@ -24,6 +24,7 @@ from codend.mechanics.tangent_loads import add_drag_tangent, add_pressure_tangen
 from codend.net import Floats
 
 STIFFEST = 1e8
+SWITCH = 0.1
 LENGTH_WEIGHT = 10.0
 """Force, in units of the reference tension, that a bar's strain of 1 counts as in the merit."""
 
@@ -101,12 +102,12 @@ def measure(structure: Structure, loading: Loading, tension: float, state: State
     position, density = state.position, state.density
     merit, worst = 0.0, 0.0
     for bar in range(len(density)):
-        dx, dy, dz = bar_vector(position, structure, bar)
+        dx, dy, dz = bar_vector(position, structure.first[bar], structure.second[bar], structure.image[bar], structure.rotations)
         length = np.sqrt(dx * dx + dy * dy + dz * dz)
         rest, flexibility = structure.length[bar], structure.flexibility[bar]
         weight = 1.0 / max(flexibility, 1.0 / (LENGTH_WEIGHT * tension))
         gap = 1.0 / rest - 1.0 / max(length, 1e-6 * rest) - flexibility * density[bar]
-        if density[bar] + weight * gap <= 0.0:
+        if density[bar] + min(weight, SWITCH * tension) * gap <= 0.0:
             density[bar] = gap = 0.0
         state.length[bar], state.gap[bar] = length, gap
         error = abs(gap) * length
@@ -135,7 +136,7 @@ def right_side(structure: Structure, here: State, there: State, step: Step) -> N
         if step.hardening[bar] == 0.0 or there.gap[bar] == 0.0:
             continue
         q = there.gap[bar] * step.hardening[bar] * here.length[bar] ** 3
-        dx, dy, dz = bar_vector(here.position, structure, bar)
+        dx, dy, dz = bar_vector(here.position, structure.first[bar], structure.second[bar], structure.image[bar], structure.rotations)
         first, second, image = structure.first[bar], structure.second[bar], structure.image[bar]
         right[first, 0] += q * dx
         right[first, 1] += q * dy
@@ -212,7 +213,7 @@ def finish_step(structure: Structure, state: State, solved: Floats, step: Step) 
         if step.hardening[bar] == 0.0:
             continue
         first, second, image = structure.first[bar], structure.second[bar], structure.image[bar]
-        dx, dy, dz = bar_vector(state.position, structure, bar)
+        dx, dy, dz = bar_vector(state.position, structure.first[bar], structure.second[bar], structure.image[bar], structure.rotations)
         vy, vz = turned(move[second, 1], move[second, 2], image, structure.rotations)
         vx, vy, vz = move[second, 0] - move[first, 0], vy - move[first, 1], vz - move[first, 2]
         length = state.length[bar]
