@@ -88,7 +88,8 @@ def best_rotation(hole: Hole, phi: float, fish: Fish, steps: int) -> float:
 
     The least of several functions is largest where one of them is, or where two of them cross. The first is known, at
     the least supports: along an axis of the section, or for n < 2 at tan t = (a / b)^(q / (q - 2)) between them. So is
-    the second for ellipses; for other sections it is looked for in intervals and found by bisection.
+    the second for ellipses; for other sections it is looked for in intervals and found by bisection. The second pair of
+    sides mirrors the first, or lies on an axis, and brings nothing of its own.
     """
     quarter = 0.5 * math.pi
     sides = sides_of(hole, phi)
@@ -102,15 +103,16 @@ def best_rotation(hole: Hole, phi: float, fish: Fish, steps: int) -> float:
         return best
     q = fish.n / (fish.n - 1.0)
     between = math.atan((fish.a / fish.b) ** (q / (q - 2.0))) if q > 2.0 else 0.0
-    for side in range(3):
+    for side in (0, 2):
         for turned in (0.0, quarter, between, -between):
             tried = sides[2 * side] - turned
             length = min(_by_side(sides, fish, tried))
             if length > value:
                 best, value = tried, length
     width = quarter / ROTATIONS
-    for one, two in ((0, 1), (1, 2), (2, 0)):
-        if sides[2 * one + 1] == math.inf or sides[2 * two + 1] == math.inf:
+    for one, two in ((0, 1), (0, 2)):
+        mirrored = fish.n == 2.0 and two == 1 and hole.kind != SQUARE  # such cross at 0 and at 90 degrees only
+        if mirrored or sides[2 * two + 1] == math.inf:
             continue
         for k in range(ROTATIONS if fish.n != 2.0 else 2):
             if fish.n == 2.0:

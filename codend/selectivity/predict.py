@@ -26,6 +26,7 @@ from codend.selectivity.fielddata import FieldData
 from codend.selectivity.haul import Haul, hauls_of, terms_of_catches, terms_of_haul
 from codend.selectivity.model import SelectionModel, selection_model
 from codend.selectivity.parameters import parameter_names, public_parameters
+from codend.selectivity.retention import EscapeTerms
 from codend.selectivity.scoring import Maximum, maximise
 from codend.selectivity.sensitivity import SAMPLES, Sensitivity, sensitivity
 
@@ -44,10 +45,12 @@ class Prediction:
 
     species: Species
     haul: Haul
+    terms: tuple[EscapeTerms, ...]
+    """The computed curves, c + 1 of them."""
     length_cm: Floats
     """(n,)."""
     retention: Floats
-    """(c + 1, n)."""
+    """Of those at these lengths, (c + 1, n)."""
     l50_sr: Floats
     """Of the computed curves, cm, (c + 1, 2); nan where too few fish escape to have them."""
     logit: Floats
@@ -128,6 +131,7 @@ def _predicted(species: Species, haul: Haul, n_bootstrap: int, samples: int, see
     return Prediction(
         species=species,
         haul=haul,
+        terms=tuple(every),
         length_cm=length_cm,
         retention=retention,
         l50_sr=np.array([terms.l50_sr() for terms in every]),

@@ -37,8 +37,10 @@ class Sensitivity:
     parameters: tuple[str, ...]
     ranges: Floats
     """(p, 2)."""
+    base: Floats
+    """L50 and SR with all numbers as given, (2,): by fewer catches and nodes than the prediction's own."""
     one_at_a_time: Floats
-    """L50 and SR at the low and at the high end, (p, 2, 2)."""
+    """L50 and SR at the low and at the high end, by the same, (p, 2, 2)."""
     first_order: Floats
     """Sobol indices, (p, 2); nan where L50 or SR does not vary, or does not exist over all of the ranges."""
     total: Floats
@@ -76,7 +78,8 @@ def sensitivity(haul: Haul, species: Species, samples: int = SAMPLES, seed: int 
     design = np.tile(species.values, ((2 + count) * samples, 1))
     design[:, column] = np.concatenate([a, b, mixed.reshape(-1, count)])
 
-    ends, _ = many_hauls(haul, single.reshape(-1, len(PARAMETERS)), COARSE, np.empty(0))
+    singles = np.vstack([species.values, single.reshape(-1, len(PARAMETERS))])
+    ends, _ = many_hauls(haul, singles, COARSE, np.empty(0))
     of_a, retained = many_hauls(haul, design[:samples], COARSE, species.length_cm)
     of_others, _ = many_hauls(haul, design[samples:], COARSE, np.empty(0))
     found = np.concatenate([of_a, of_others])
@@ -96,7 +99,8 @@ def sensitivity(haul: Haul, species: Species, samples: int = SAMPLES, seed: int 
     return Sensitivity(
         parameters=tuple(ranges),
         ranges=np.stack([low, high], axis=1),
-        one_at_a_time=ends.reshape(count, 2, 2),
+        base=ends[0],
+        one_at_a_time=ends[1:].reshape(count, 2, 2),
         first_order=first_order,
         total=total,
         band=np.percentile(retained, BAND, axis=0),

@@ -1,0 +1,154 @@
+"""Everything ``codend selectivity`` leaves in a study's folder: tables, plots and a section of ``report.html``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from codend.report.files import whole_file, write_table
+from codend.report.html import PageFigure
+from codend.report.page import png
+from codend.report.selectivity_plots import catch_plot, history_plot, mesh_plot, retention_plot, sensitivity_plot
+from codend.report.style import column_text
+from codend.selectivity.predict import Prediction
+from codend.selectivity.tables import HAUL, retention_table, selectivity_table, sensitivity_table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PLOTS: dict[str, tuple[Callable[[Sequence[Prediction]], Figure], str]] = {
+    "retention": (
+        retention_plot,
+        "Retention by length for each catch and over the haul. Grey: 95 % of hauls when all numbers with a range vary "
+        "over it. Orange: 95 % of logit curves fitted to hauls with a finite number of fish.",
+    ),
+    "l50_sr": (
+        catch_plot,
+        "L50 and SR of fish that meet each catch: of the computed curve, and of a logit curve as a trial would fit it.",
+    ),
+    "haul_history": (history_plot, "The haul: opening of the meshes ahead of the catch, and L50 of fish that arrive."),
+    "meshes": (
+        mesh_plot,
+        "The mesh just ahead of the catch, to scale, and the section of the longest mean fish that passes it at its "
+        "best orientation. The outline is the clear hole: twine lies outside it.",
+    ),
+    "sensitivity": (
+        sensitivity_plot,
+        "What each number does to the haul's L50 over its range: alone, and as a share of the variance of L50 and SR "
+        "when all vary together.",
+    ),
+}
+COLUMNS = {
+    "catch_volume_m3": "Catch volume m³",
+    "opening_ahead_deg": "Opening ahead degrees",
+    "l50_cm": "L50 cm",
+    "sr_cm": "SR cm",
+    "l50_logit_cm": "L50 of logit cm",
+    "l50_lower_95_cm": "lower 95 %",
+    "l50_upper_95_cm": "upper 95 %",
+}
+START, END = "<!-- selectivity -->", "<!-- end of selectivity -->"
+
+_SECTION = """{{ start }}
+<h2>Selectivity</h2>
+<p class="quiet">Predicted from the computed openings of the meshes ahead of the catch and the sections of fish; not
+fitted to any trial.</p>
+<div class="notes"><ul>{% for note in notes %}<li>{{ note }}</li>{% endfor %}</ul></div>
+<div class="wide"><table><thead><tr><th class="words">Species</th><th>Case</th>
+{% for head in heads %}<th>{{ head }}</th>{% endfor %}</tr></thead><tbody>
+{% for row in rows %}<tr><td class="words">{{ row[0] }}</td>
+{% for cell in row[1:] %}<td>{{ cell }}</td>{% endfor %}</tr>
+{% endfor %}</tbody></table></div>
+{% for figure in figures %}<figure><img src="{{ figure.source }}" alt="{{ figure.caption }}">
+<figcaption>{{ figure.caption }}</figcaption></figure>
+{% endfor %}{{ end }}
+"""
+
+
+def write_selectivity(predictions: Sequence[Prediction], folder: Path) -> list[Path]:
+    """Write selectivity.csv, retention.csv, sensitivity.csv and plots/selectivity_*.png and a section into report.html.
+
+    A section from an earlier run is replaced; where there is no report.html none is made.
+
+    Raises:
+        OSError: a file cannot be written.
+    """
+    written = []
+    tables = {
+        "selectivity.csv": selectivity_table(predictions),
+        "retention.csv": retention_table(predictions),
+        "sensitivity.csv": sensitivity_table(predictions),
+    }
+    for name, table in tables.items():
+        write_table(table, folder / name)
+        written.append(folder / name)
+    (folder / "plots").mkdir(exist_ok=True)
+    figures = []
+    for name, (draw, caption) in PLOTS.items():
+        path = folder / "plots" / f"selectivity_{name}.png"
+        if name == "sensitivity" and tables["sensitivity.csv"].empty:
+            path.unlink(missing_ok=True)
+            continue
+        figures.append(PageFigure(png(draw(predictions)), caption))
+        with whole_file(path) as temporary:
+            temporary.write_bytes(figures[-1].png)
+        written.append(path)
+    report = folder / "report.html"
+    if report.exists():
+        page = with_section(report.read_text(encoding="utf-8"), section_html(predictions, figures))
+        with whole_file(report) as temporary:
+            temporary.write_text(page, encoding="utf-8")
+        written.append(report)
+    return written
+
+
+def section_html(predictions: Sequence[Prediction], figures: Sequence[PageFigure]) -> str:
+    """The section of the report, everything from species files escaped."""
+    from jinja2 import Environment, StrictUndefined
+    from markupsafe import Markup
+
+    table = selectivity_table(predictions)
+    columns = [column_text(table[name].to_numpy(dtype=float), digits=4) for name in COLUMNS]
+    cases = ["whole haul" if case == HAUL else case for case in table["case"]]
+    return (
+        Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+        .from_string(_SECTION)
+        .render(
+            start=Markup(START),
+            end=Markup(END),
+            notes=notes(predictions),
+            heads=list(COLUMNS.values()),
+            rows=list(zip(table["species"], cases, *columns, strict=True)),
+            figures=figures,
+        )
+    )
+
+
+def notes(predictions: Sequence[Prediction]) -> list[str]:
+    """What a reader must know before using the numbers."""
+    found = []
+    for species in {id(p.species): p.species for p in predictions}.values():
+        if species.assumed:
+            found.append(f"{species.name}: assumed, not measured: {', '.join(species.assumed)}.")
+    for one in predictions:
+        early = one.haul.time(one.species)[0]
+        if len(one.haul.catches) == 1:
+            found.append(f"{one.species.name}: a single catch was computed, and stands for the whole haul.")
+        elif early > 0.1:
+            found.append(
+                f"{one.species.name} at {one.haul.speed_m_s:g} m/s: {early:.0%} of the haul comes before the smallest "
+                "catch computed, and is given its openings."
+            )
+    return found
+
+
+def with_section(page: str, section: str) -> str:
+    """A page with the section in the place of an earlier one, or before the inputs, or at the end."""
+    page = re.sub(f"{re.escape(START)}.*?{re.escape(END)}\n?", "", page, flags=re.DOTALL)
+    for mark in ("<h2>Inputs</h2>", "</body>"):
+        if mark in page:
+            before, after = page.split(mark, 1)
+            return f"{before}{section}{mark}{after}"
+    return page + section
