@@ -185,6 +185,56 @@ def _print_comparison(comparison: "Comparison") -> None:
 
 
 @main.command()
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option("--species", "files", multiple=True, required=True, metavar="FILE.toml", help="May be repeated.")
+@click.option("--bootstrap", "replicates", default=1000, show_default=True, help="Hauls drawn; 0 for none.")
+@click.option("--samples", default=128, show_default=True, help="Of the ranking by variance: a power of 2; 0 for none.")
+@click.option("--seed", default=0, show_default=True, help="Of both.")
+def selectivity(folder: Path, files: tuple[str, ...], replicates: int, samples: int, seed: int) -> None:
+    """Predict which fish the codend of a run in DIR retains, from the computed openings and the fish's sections.
+
+    Writes selectivity.csv, retention.csv, sensitivity.csv and plots into DIR, and a section into its report.html.
+    `codend species` shows an example of a species file.
+    """
+    for key, value, good, allowed in (
+        ("--bootstrap", replicates, replicates >= 0, "0 or more"),
+        ("--samples", samples, samples >= 0 and samples & (samples - 1) == 0, "a power of 2, or 0"),
+    ):
+        if not good:
+            raise InputError("command line", key, value, allowed)
+    from codend.selectivity.catches import read_run
+    from codend.selectivity.predict import predict
+    from codend.selectivity.species import load_species
+
+    species, read = [load_species(file) for file in files], read_run(folder)
+    _check_writable(folder)
+    from codend.report.selectivity_page import notes, write_selectivity
+    from codend.selectivity.tables import HAUL, selectivity_table
+
+    with shown_progress() as progress:
+        found = predict(read, species, n_bootstrap=replicates, samples=samples, seed=seed, progress=progress)
+    with _written_into(folder):
+        written = write_selectivity(found, folder)
+    table = selectivity_table(found)
+    columns = ["species", "speed_m_s", "catch_volume_m3", "opening_ahead_deg", "l50_cm", "sr_cm"]
+    columns += ["l50_logit_cm", "l50_lower_95_cm", "l50_upper_95_cm"]
+    headers = ["species", "speed m/s", "m3", "opening deg", "L50 cm", "SR cm", "logit L50", "lower 95 %", "upper"]
+    click.echo("whole haul")
+    click.echo(text_table(headers, table.loc[table["case"] == HAUL, columns].itertuples(index=False)))
+    for note in notes(found):
+        click.echo(note)
+    click.echo(f"{len(written)} files written into {folder}")
+
+
+@main.command()
+def species() -> None:
+    """Print an example of a species file, every number in it assumed; save it, and put in those of your species."""
+    from codend.selectivity.species import example_species_path
+
+    click.echo(example_species_path().read_text(encoding="utf-8"), nl=False)
+
+
+@main.command()
 @click.argument("data", metavar="DATA.csv")
 @click.option("--design", required=True, help="covered (codend and cover) or paired (test and control gear).")
 @click.option("--curve", default="logit", show_default=True, help="logit, probit, gompertz, cloglog or richards.")

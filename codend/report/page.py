@@ -12,6 +12,7 @@ from codend.report.drag_plot import drag_plot
 from codend.report.files import whole_file, write_table
 from codend.report.html import PageFigure, page_html
 from codend.report.picture import net_picture
+from codend.report.plan_copy import plan_toml
 from codend.report.plots import catch_text, opening_force_plot, opening_plot, profiles_plot, solved, tension_plot
 from codend.report.style import number_text
 from codend.report.vtk import write_vtu
@@ -73,10 +74,10 @@ PLOTS = (
 def write_report(study: Study, folder: Path, progress: StudyProgress | None = None) -> list[Path]:
     """Write tables, VTK files, plots and the page of a study into a folder, which is made when it is not there.
 
-    ``results.csv`` and ``profile.csv``; ``meshes.csv`` for nets without symmetry; ``net_<case>.vtu`` for every solved
-    case; ``plots/*.png`` when a case was solved; ``report.html``. Each file appears whole or not at all. Files of these
-    names from an earlier study that this one has nothing to put into are removed, so that all that is there belongs
-    together.
+    ``plan.toml``, the plan as it was solved; ``results.csv`` and ``profile.csv``; ``meshes.csv`` for nets without
+    symmetry; ``net_<case>.vtu`` for every solved case; ``plots/*.png`` when a case was solved; ``report.html``. Each
+    file appears whole or not at all. Files of these names from an earlier study that this one has nothing to put into
+    are removed, and so is what ``codend selectivity`` made of that study, so that all that is there belongs together.
 
     Args:
         study: what to write; its cases that were not solved are listed as such, without numbers.
@@ -98,7 +99,11 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
     def write_page(path: Path) -> None:
         _write_bytes(page_html(study, list(figures.values())).encode(), path)
 
+    def write_plan(path: Path) -> None:
+        _write_bytes(plan_toml(study.plan).encode(), path)
+
     writers: dict[Path, Callable[[Path], None]] = {
+        folder / "plan.toml": write_plan,
         folder / "results.csv": partial(write_table, study.table),
         folder / "profile.csv": partial(write_table, study.profile),
     }
@@ -134,5 +139,7 @@ def _write_bytes(content: bytes, path: Path) -> None:
 def _remove_leftovers(folder: Path, written: set[Path]) -> None:
     nets = [path for path in folder.glob("net_*.vtu") if re.fullmatch(r"net_\d+\.vtu", path.name)]
     plots = [folder / "plots" / f"{plot.name}.png" for plot in PLOTS]
-    for path in {*nets, *plots, folder / "meshes.csv"} - written:
+    selectivity = [folder / name for name in ("selectivity.csv", "retention.csv", "sensitivity.csv")]
+    plots += (folder / "plots").glob("selectivity_*.png")
+    for path in {*nets, *plots, *selectivity, folder / "meshes.csv"} - written:
         path.unlink(missing_ok=True)

@@ -69,6 +69,8 @@ def read_run(folder: str | Path) -> Run:
         "profile.csv": ["case", "row", "radius_m", "opening_deg", "bar_tension_n"],
         "meshes.csv": ["case", "row", "opening_deg", "bar_tension_n"],
     }
+    if not (folder / "plan.toml").is_file():
+        raise InputError(folder, "", None, "a folder that codend run wrote", "holds no plan.toml")
     plan = load_plan(folder / "plan.toml")
     tables = {}
     for name, columns in needed.items():
