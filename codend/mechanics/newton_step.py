@@ -1,11 +1,11 @@
 """Newton's method on shape and force densities together: kernels.
 
-Unknowns are the free coordinates x and the force density q of every bar. A bar is taut where q + w (gap - q / EA) > 0, gap =
-1/l0 - 1/l, for any w > 0 (in newtons); then gap = q / EA must hold, else q = 0: together that is the law of twine
-that carries no compression (a semismooth complementarity problem). The densities are eliminated from the linear system bar by bar,
-which leaves the nodes' coordinates only. For that an inextensible bar is given a compliance so small, that of ``STIFFEST``
-times the reference tension, that it changes nothing but the last digits of a step; the lengths themselves are held exactly,
-since each step corrects the gap that is left.
+Unknowns are the free coordinates x and the force density q of every bar. With gap = 1/l0 - 1/l, a bar is taut where
+q + w (gap - q / EA) > 0, for any w > 0 (in newtons); then gap = q / EA must hold, else q = 0: together that is the law
+of twine that carries no compression (a semismooth complementarity problem). The densities are eliminated from the
+linear system bar by bar, which leaves the nodes' coordinates only. For that an inextensible bar is given a compliance so
+small, that of ``STIFFEST`` times the reference tension, that it changes nothing but the last digits of a step; the
+lengths themselves are held exactly, since each step corrects the gap that is left.
 """
 
 from typing import NamedTuple
@@ -15,7 +15,7 @@ from numba import njit
 
 from codend.mechanics.arrays import Loading, Structure
 from codend.mechanics.bars import add_bar_forces, bar_vector
-from codend.mechanics.images import add_turned_back, turned
+from codend.mechanics.images import add_turned_back
 from codend.mechanics.pressure import fill
 from codend.mechanics.relaxation import add_loads, out_of_balance
 from codend.mechanics.tangent import Pattern, add_bar_tangent
@@ -24,7 +24,6 @@ from codend.mechanics.tangent_loads import add_drag_tangent, add_pressure_tangen
 from codend.net import Floats
 
 STIFFEST = 1e8
-SWITCH = 0.1
 LENGTH_WEIGHT = 10.0
 """Force, in units of the reference tension, that a bar's strain of 1 counts as in the merit."""
 
@@ -93,35 +92,45 @@ def empty_step(structure: Structure, pattern: Pattern) -> Step:
 
 
 @njit(cache=True, error_model="numpy")
-def measure(structure: Structure, loading: Loading, tension: float, state: State) -> None:
+def measure(structure: Structure, loading: Loading, tension: float, switch: float, state: State) -> None:
     """Cut the density of bars that are slack, and write all that follows from positions and densities.
 
     The merit is the root of the sum of the squares of the free out-of-balance forces and of the bars' strain errors
     times ``LENGTH_WEIGHT`` x ``tension`` (or the bar's own stiffness if less).
+
+    Args:
+        structure: the net.
+        loading: what acts on it.
+        tension: reference tension, N.
+        switch: the w in the test for taut bars, in units of the reference tension. Any positive value gives the same
+            answer; a small one lets bars go slack only as their tension passes through 0.
+        state: positions and densities; the rest of it is written.
     """
-    position, density = state.position, state.density
+    firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
+    rests, flexibilities = structure.length, structure.flexibility
+    position, density, gaps, lengths = state.position, state.density, state.gap, state.length
+    force, load, free = state.force, state.load, structure.free
     merit, worst = 0.0, 0.0
     for bar in range(len(density)):
-        dx, dy, dz = bar_vector(position, structure.first[bar], structure.second[bar], structure.image[bar], structure.rotations)
+        dx, dy, dz = bar_vector(position, firsts[bar], seconds[bar], images[bar], rotations)
         length = np.sqrt(dx * dx + dy * dy + dz * dz)
-        rest, flexibility = structure.length[bar], structure.flexibility[bar]
-        weight = 1.0 / max(flexibility, 1.0 / (LENGTH_WEIGHT * tension))
-        gap = 1.0 / rest - 1.0 / max(length, 1e-6 * rest) - flexibility * density[bar]
-        if density[bar] + min(weight, SWITCH * tension) * gap <= 0.0:
+        rest = rests[bar]
+        weight = 1.0 / max(flexibilities[bar], 1.0 / (LENGTH_WEIGHT * tension))
+        gap = 1.0 / rest - 1.0 / max(length, 1e-6 * rest) - flexibilities[bar] * density[bar]
+        if density[bar] + min(weight, switch * tension) * gap <= 0.0:
             density[bar] = gap = 0.0
-        state.length[bar], state.gap[bar] = length, gap
+        lengths[bar], gaps[bar] = length, gap
         error = abs(gap) * length
         worst = max(worst, error)
         merit += (weight * error) ** 2
     fits = fill(position, structure, loading, state.share)
-    load, force = state.load, state.force
     load[:] = 0.0
     add_loads(position, structure, loading, state.share, load)
     force[:] = load
     add_bar_forces(position, structure, density, force)
     for node in range(len(force)):
         for i in range(3):
-            merit += structure.free[node, i] * force[node, i] ** 2
+            merit += free[node, i] * force[node, i] ** 2
     residual, imbalance = out_of_balance(structure, force, load)
     marks = state.marks
     marks[0], marks[1], marks[2], marks[3], marks[4] = np.sqrt(merit), residual, imbalance, worst, 1.0 if fits else 0.0
@@ -130,18 +139,19 @@ def measure(structure: Structure, loading: Loading, tension: float, state: State
 @njit(cache=True, error_model="numpy")
 def right_side(structure: Structure, here: State, there: State, step: Step) -> None:
     """Write the first right side: what is out of balance in ``there``, by the linearisation in ``here``."""
-    right = step.right[0]
+    firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
+    right, hardening, gaps, lengths, position = step.right[0], step.hardening, there.gap, here.length, here.position
     right[:] = there.force
-    for bar in range(len(there.gap)):
-        if step.hardening[bar] == 0.0 or there.gap[bar] == 0.0:
+    for bar in range(len(gaps)):
+        if hardening[bar] == 0.0 or gaps[bar] == 0.0:
             continue
-        q = there.gap[bar] * step.hardening[bar] * here.length[bar] ** 3
-        dx, dy, dz = bar_vector(here.position, structure.first[bar], structure.second[bar], structure.image[bar], structure.rotations)
-        first, second, image = structure.first[bar], structure.second[bar], structure.image[bar]
+        q = gaps[bar] * hardening[bar] * lengths[bar] ** 3
+        first, second, image = firsts[bar], seconds[bar], images[bar]
+        dx, dy, dz = bar_vector(position, first, second, image, rotations)
         right[first, 0] += q * dx
         right[first, 1] += q * dy
         right[first, 2] += q * dz
-        add_turned_back(right, second, -q * dx, -q * dy, -q * dz, image, structure.rotations)
+        add_turned_back(right, second, -q * dx, -q * dy, -q * dz, image, rotations)
 
 
 @njit(cache=True, error_model="numpy")
@@ -153,24 +163,25 @@ def linearise(
     Returns:
         the number of right sides: 2 if the front's share follows the net.
     """
-    position, density, gap = state.position, state.density, state.gap
-    blocks, hardening = step.blocks, step.hardening
+    firsts, seconds, rests, flexibilities = structure.first, structure.second, structure.length, structure.flexibility
+    position, density, gaps, lengths = state.position, state.density, state.gap, state.length
+    blocks, hardening, diagonal = step.blocks, step.hardening, pattern.diagonal
     blocks[:] = 0.0
     for bar in range(len(density)):
         hardening[bar] = 0.0
-        if density[bar] != 0.0 or gap[bar] != 0.0:
-            compliance = max(structure.flexibility[bar], 1.0 / (STIFFEST * tension))
-            hardening[bar] = 1.0 / (compliance * state.length[bar] ** 3)
+        if density[bar] != 0.0 or gaps[bar] != 0.0:
+            compliance = max(flexibilities[bar], 1.0 / (STIFFEST * tension))
+            hardening[bar] = 1.0 / (compliance * lengths[bar] ** 3)
     right_side(structure, state, state, step)
     add_bar_tangent(position, structure, pattern, density, hardening, blocks)
     add_drag_tangent(position, structure, loading, pattern, state.share, blocks)
     add_pressure_tangent(position, structure, loading, pattern, state.share, blocks)
     if shift > 0.0:
         for bar in range(len(density)):
-            stiffness = shift * tension / structure.length[bar]
+            stiffness = shift * tension / rests[bar]
             for i in range(3):
-                blocks[pattern.diagonal[structure.first[bar]], i, i] += stiffness
-                blocks[pattern.diagonal[structure.second[bar]], i, i] += stiffness
+                blocks[diagonal[firsts[bar]], i, i] += stiffness
+                blocks[diagonal[seconds[bar]], i, i] += stiffness
     band = front_band(loading, state.share)
     if band < 0:
         return 1
@@ -189,11 +200,12 @@ def combine(solved: Floats, step: Step, move: Floats) -> float:
     move[:] = solved[0]
     if len(solved) == 1:
         return 1.0
+    gradient = step.gradient
     along, determinant = 0.0, 1.0
     for node in range(len(move)):
         for i in range(3):
-            along += step.gradient[node, i] * solved[0, node, i]
-            determinant -= step.gradient[node, i] * solved[1, node, i]
+            along += gradient[node, i] * solved[0, node, i]
+            determinant -= gradient[node, i] * solved[1, node, i]
     move += (along / determinant) * solved[1]
     return determinant
 
@@ -205,19 +217,19 @@ def finish_step(structure: Structure, state: State, solved: Floats, step: Step) 
     Returns:
         norm of the move, largest change of a taut bar's vector over its length, and the factor of ``combine``.
     """
+    firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
+    position, lengths, gaps, hardening = state.position, state.length, state.gap, step.hardening
     move, change = step.move, step.change
     determinant = combine(solved, step, move)
     largest = 0.0
     for bar in range(len(change)):
         change[bar] = 0.0
-        if step.hardening[bar] == 0.0:
+        if hardening[bar] == 0.0:
             continue
-        first, second, image = structure.first[bar], structure.second[bar], structure.image[bar]
-        dx, dy, dz = bar_vector(state.position, structure.first[bar], structure.second[bar], structure.image[bar], structure.rotations)
-        vy, vz = turned(move[second, 1], move[second, 2], image, structure.rotations)
-        vx, vy, vz = move[second, 0] - move[first, 0], vy - move[first, 1], vz - move[first, 2]
-        length = state.length[bar]
-        change[bar] = step.hardening[bar] * (state.gap[bar] * length**3 + dx * vx + dy * vy + dz * vz)
+        first, second, image, length = firsts[bar], seconds[bar], images[bar], lengths[bar]
+        dx, dy, dz = bar_vector(position, first, second, image, rotations)
+        vx, vy, vz = bar_vector(move, first, second, image, rotations)
+        change[bar] = hardening[bar] * (gaps[bar] * length**3 + dx * vx + dy * vy + dz * vz)
         largest = max(largest, np.sqrt(vx * vx + vy * vy + vz * vz) / length)
     return norm(move), largest, determinant
 
@@ -240,19 +252,28 @@ def simplified_move(solved: Floats, size: float, step: Step, move: Floats) -> tu
         its norm, and the norm of its difference from the (1 - size) of the step that is left.
     """
     combine(solved, step, move)
+    whole = step.move
     squares, differences = 0.0, 0.0
     for node in range(len(move)):
         for i in range(3):
             squares += move[node, i] ** 2
-            differences += (move[node, i] - (1.0 - size) * step.move[node, i]) ** 2
+            differences += (move[node, i] - (1.0 - size) * whole[node, i]) ** 2
     return np.sqrt(squares), np.sqrt(differences)
 
 
 @njit(cache=True, error_model="numpy")
 def take(
-    structure: Structure, loading: Loading, tension: float, size: float, state: State, step: Step, new: State
+    structure: Structure,
+    loading: Loading,
+    tension: float,
+    switch: float,
+    size: float,
+    state: State,
+    step: Step,
+    new: State,
 ) -> None:
-    """Write the state that a fraction ``size`` of the step leads to."""
+    """Write the state that a fraction ``size`` of the step leads to, and what is out of balance there."""
     new.position[:] = state.position + size * step.move
     new.density[:] = state.density + size * step.change
-    measure(structure, loading, tension, new)
+    measure(structure, loading, tension, switch, new)
+    right_side(structure, state, new, step)

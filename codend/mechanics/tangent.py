@@ -1,9 +1,9 @@
 """Exact tangent of the nodal forces: where its blocks lie, and the bars' part. Loads follow in ``tangent_loads``.
 
-The tangent is kept as 3 x 3 blocks -dF_i/dx_j for every pair of nodes (i, j) that share a bar or a facet. Bars and facets name
-images of nodes: with R the rotation of an image, a force acts on the node itself as R^T f, and a move of the node
-shows at the image as R dx, so a block enters as R_i^T H R_j. Anything else that acts between the ends of one bar or the
-corners of one facet (resistance to bending, say) adds its blocks in the same places.
+The tangent is kept as 3 x 3 blocks -dF_i/dx_j for every pair of nodes (i, j) that share a bar or a facet. Bars and
+facets name images of nodes: with R the rotation of an image, a force acts on the node itself as R^T f, and a move of
+the node shows at the image as R dx, so a block enters as R_i^T H R_j. Anything else that acts between the ends of one
+bar or the corners of one facet (resistance to bending, say) adds its blocks in the same places.
 """
 
 from typing import NamedTuple
@@ -82,24 +82,23 @@ def add_turned_block(
 def add_bar_tangent(
     position: Floats, structure: Structure, pattern: Pattern, density: Floats, hardening: Floats, blocks: Floats
 ) -> None:
-    """Add the bars' part: the derivative of their pull q d is q I + (dq/dl / l) d d^T.
+    """Add the bars' part: the derivative of their pull q d is q I + k d d^T, with k = (dq/dl) / l.
 
-    Args:
-        density: force densities q, N/m, (m,).
-        hardening: (dq/dl) / l of every bar, N/m3, (m,): 0 for bars that are slack or whose q is held.
+    ``density`` holds q, N/m, and ``hardening`` k, N/m3, each (m,); k is 0 for bars that are slack or whose q is held.
     """
     h = np.empty((3, 3))
-    rotations = structure.rotations
-    for bar in range(len(structure.first)):
+    firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
+    slots = pattern.bar_slot
+    for bar in range(len(firsts)):
         q, k = density[bar], hardening[bar]
         if q == 0.0 and k == 0.0:
             continue
-        dx, dy, dz = bar_vector(position, structure.first[bar], structure.second[bar], structure.image[bar], structure.rotations)
+        image = images[bar]
+        dx, dy, dz = bar_vector(position, firsts[bar], seconds[bar], image, rotations)
         h[0, 0], h[0, 1], h[0, 2] = q + k * dx * dx, k * dx * dy, k * dx * dz
         h[1, 0], h[1, 1], h[1, 2] = h[0, 1], q + k * dy * dy, k * dy * dz
         h[2, 0], h[2, 1], h[2, 2] = h[0, 2], h[1, 2], q + k * dz * dz
-        image = structure.image[bar]
-        add_turned_block(blocks, pattern.bar_slot[bar, 0], 1.0, h, 0, 0, rotations)
-        add_turned_block(blocks, pattern.bar_slot[bar, 1], -1.0, h, 0, image, rotations)
-        add_turned_block(blocks, pattern.bar_slot[bar, 2], -1.0, h, image, 0, rotations)
-        add_turned_block(blocks, pattern.bar_slot[bar, 3], 1.0, h, image, image, rotations)
+        add_turned_block(blocks, slots[bar, 0], 1.0, h, 0, 0, rotations)
+        add_turned_block(blocks, slots[bar, 1], -1.0, h, 0, image, rotations)
+        add_turned_block(blocks, slots[bar, 2], -1.0, h, image, 0, rotations)
+        add_turned_block(blocks, slots[bar, 3], 1.0, h, image, image, rotations)

@@ -45,13 +45,15 @@ def share_gradient(
         by_share, by_lid, by_codline = depth, -1.0, 1.0
     else:
         area, in_band, by_codline = 0.0, 0.0, 0.0
-        for facet in range(len(structure.facet_band)):
-            place = structure.facet_band[facet]
+        facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
+        bands, weights = structure.facet_band, structure.facet_weight
+        for facet in range(len(bands)):
+            place = bands[facet]
             if share[place] == 0.0:
                 continue
-            corners = _corners(position, structure.facets, structure.facet_image, structure.rotations, facet)
+            corners = _corners(position, facets, images, rotations, facet)
             ax, ay, az, bx, by, bz, cx, cy, cz = corners
-            weight = structure.facet_weight[facet] * structure.order
+            weight = weights[facet] * structure.order
             projected = _area_vector(corners)[0] * weight
             depth_behind = (ax + bx + cx) / 3.0 - lid
             area += share[place] * projected
@@ -68,24 +70,25 @@ def share_gradient(
                     ey, ez = ay - by, az - bz
                 add_turned_back(
                     gradient,
-                    structure.facets[facet, corner],
+                    facets[facet, corner],
                     third,
                     weight * ez,
                     -weight * ey,
-                    structure.facet_image[facet, corner],
-                    structure.rotations,
+                    images[facet, corner],
+                    rotations,
                 )
         by_share, by_lid = in_band + depth * area, -area
-    for node in range(len(structure.node_row)):
-        row = structure.node_row[node]
+    rows, sizes = structure.node_row, structure.row_size
+    for node in range(len(rows)):
+        row = rows[node]
         if row < 0:
             continue
         if row == band:
-            gradient[node, 0] += by_lid * s / structure.row_size[row]
+            gradient[node, 0] += by_lid * s / sizes[row]
         if row == band + 1:
-            gradient[node, 0] += by_lid * (1.0 - s) / structure.row_size[row]
+            gradient[node, 0] += by_lid * (1.0 - s) / sizes[row]
         if row == len(share):
-            gradient[node, 0] += by_codline / structure.row_size[row]
+            gradient[node, 0] += by_codline / sizes[row]
     gradient *= -1.0 / by_share
 
 

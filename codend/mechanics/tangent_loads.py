@@ -29,18 +29,20 @@ def add_drag_tangent(
         return
     pressure = 0.5 * loading.density * loading.speed * loading.speed
     le_bris = loading.drag_law == LE_BRIS_1999
-    rotations = structure.rotations
+    firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
+    diameters, bands, slots = structure.drag_diameter, structure.bar_band, pattern.bar_slot
     h = np.empty((3, 3))
-    for bar in range(len(structure.first)):
-        exposed = 1.0 - share[structure.bar_band[bar]]
-        if structure.drag_diameter[bar] == 0.0 or exposed == 0.0:
+    for bar in range(len(firsts)):
+        exposed = 1.0 - share[bands[bar]]
+        if diameters[bar] == 0.0 or exposed == 0.0:
             continue
-        a, y, z = bar_vector(position, structure.first[bar], structure.second[bar], structure.image[bar], structure.rotations)
+        image = images[bar]
+        a, y, z = bar_vector(position, firsts[bar], seconds[bar], image, rotations)
         squared = a * a + y * y + z * z
         if squared == 0.0:
             continue
         r, length = np.sqrt(y * y + z * z), np.sqrt(squared)
-        scale = 0.5 * exposed * pressure * structure.drag_diameter[bar]
+        scale = 0.5 * exposed * pressure * diameters[bar]
         normal, tangential = scale * loading.normal, scale * loading.tangential
         if le_bris:
             tangential *= loading.normal
@@ -61,11 +63,10 @@ def add_drag_tangent(
         h[0, 0], h[0, 1], h[0, 2] = force_a, force_r * sideways, force_r * upward
         h[1, 0], h[1, 1], h[1, 2] = across_a * y, across + across_r * y * sideways, across_r * y * upward
         h[2, 0], h[2, 1], h[2, 2] = across_a * z, across_r * z * sideways, across + across_r * z * upward
-        image = structure.image[bar]
-        add_turned_block(blocks, pattern.bar_slot[bar, 0], 1.0, h, 0, 0, rotations)
-        add_turned_block(blocks, pattern.bar_slot[bar, 1], -1.0, h, 0, image, rotations)
-        add_turned_block(blocks, pattern.bar_slot[bar, 2], 1.0, h, image, 0, rotations)
-        add_turned_block(blocks, pattern.bar_slot[bar, 3], -1.0, h, image, image, rotations)
+        add_turned_block(blocks, slots[bar, 0], 1.0, h, 0, 0, rotations)
+        add_turned_block(blocks, slots[bar, 1], -1.0, h, 0, image, rotations)
+        add_turned_block(blocks, slots[bar, 2], 1.0, h, image, 0, rotations)
+        add_turned_block(blocks, slots[bar, 3], -1.0, h, image, image, rotations)
 
 
 @njit(cache=True)
@@ -94,24 +95,26 @@ def add_pressure_tangent(
     dA = da x (b - c) / 2 for a move of corner a. On the axis of the flow, where that unit vector has no direction, the
     law's slope counts as 0.
     """
-    uniform = len(loading.angles) == 2 and not np.any(loading.coefficients[:3] != 0.0)
+    angles, coefficients = loading.angles, loading.coefficients
+    uniform = len(angles) == 2 and not np.any(coefficients[:3] != 0.0)
+    facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
+    bands, weights, slots = structure.facet_band, structure.facet_weight, pattern.facet_slot
     h, b = np.empty((3, 3)), np.empty((3, 3))
-    rotations = structure.rotations
-    for facet in range(len(structure.facet_band)):
-        filled = share[structure.facet_band[facet]]
+    for facet in range(len(bands)):
+        filled = share[bands[facet]]
         if filled == 0.0:
             continue
-        corners = _corners(position, structure.facets, structure.facet_image, structure.rotations, facet)
+        corners = _corners(position, facets, images, rotations, facet)
         ax, ay, az, bx, by, bz, cx, cy, cz = corners
         x, y, z = _area_vector(corners)
-        third = filled * structure.facet_weight[facet] * loading.stagnation_pressure / 3.0
+        third = filled * weights[facet] * loading.stagnation_pressure / 3.0
         b[:] = 0.0
-        coefficient = loading.coefficients[3, 0]
+        coefficient = coefficients[3, 0]
         if not uniform:
             area, across = np.sqrt(x * x + y * y + z * z), np.sqrt(y * y + z * z)
             if area == 0.0:
                 continue
-            coefficient, slope = _law_and_slope(np.arctan2(across, -x), loading.angles, loading.coefficients)
+            coefficient, slope = _law_and_slope(np.arctan2(across, -x), angles, coefficients)
             if across > 0.0:
                 # (e_x - n_x n) / sin theta = (sin theta, -n_x n_y / sin theta, -n_x n_z / sin theta)
                 slope *= third / (area * area)
@@ -134,8 +137,8 @@ def add_pressure_tangent(
                 h[i, 0] = b[i, 2] * ey - b[i, 1] * ez
                 h[i, 1] = b[i, 0] * ez - b[i, 2] * ex
                 h[i, 2] = b[i, 1] * ex - b[i, 0] * ey
-            column_image = structure.facet_image[facet, moved]
+            column_image = images[facet, moved]
             for corner in range(3):
-                row_image = structure.facet_image[facet, corner]
-                slot = pattern.facet_slot[facet, corner, moved]
+                row_image = images[facet, corner]
+                slot = slots[facet, corner, moved]
                 add_turned_block(blocks, slot, -1.0, h, row_image, column_image, rotations)

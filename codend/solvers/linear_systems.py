@@ -1,9 +1,9 @@
 """Linear systems of a net's tangent: unknowns numbered once a structure, then factorised again and again.
 
 A sector, or any net that is narrow against its length, gives a narrow band: it is factorised by a compiled band LU.
-Wide nets go to SuperLU in its symmetric mode, whole. Neither pivots: stiff and inextensible bars enter as stiffness and not as
-zeros on the diagonal, so near a stable equilibrium the matrix is close to symmetric and positive definite, and
-elsewhere the solver adds a shift until it is. The signs of the pivots tell whether the equilibrium is stable.
+Wide nets go to SuperLU in its symmetric mode, whole. Neither pivots: stiff and inextensible bars enter as stiffness
+and not as zeros on the diagonal, so near a stable equilibrium the matrix is close to symmetric and positive definite,
+and elsewhere the solver adds a shift until it is. The signs of the pivots tell whether the equilibrium is stable.
 """
 
 from typing import Protocol
@@ -23,8 +23,12 @@ WIDEST_BAND = 250
 class LinearSystem(Protocol):
     """A factorised tangent; fixed coordinates are left out of it and come back as 0."""
 
-    def factorise(self, blocks: Floats) -> int:
-        """Factorise the tangent ``blocks`` (b, 3, 3); number of negative pivots, -1 if it is singular."""
+    def factorise(self, blocks: Floats) -> int | None:
+        """Factorise the tangent ``blocks`` (b, 3, 3).
+
+        Returns:
+            the number of negative pivots, -1 if the tangent is singular, None if the pivots are not looked at.
+        """
 
     def solve(self, right: Floats) -> Floats:
         """Solutions for right sides (k, n, 3), of the same shape."""
@@ -74,10 +78,12 @@ class BandedSystem:
         self.place = np.where(used, row.astype(np.int64) * width + column - row + half_band, -1).ravel()
         self.band = np.zeros((size, width))
 
-    def factorise(self, blocks: Floats) -> int:
+    def factorise(self, blocks: Floats) -> int | None:
+        """See ``LinearSystem``."""
         return int(factorise_band(blocks.reshape(-1), self.place, self.band))
 
     def solve(self, right: Floats) -> Floats:
+        """See ``LinearSystem``."""
         solution = np.zeros_like(right)
         solve_band(self.band, self.unknown, right, solution)
         return solution
@@ -152,7 +158,6 @@ class SparseSystem:
         self._row, self._column = row.ravel()[self._used], column.ravel()[self._used]
         self._free = unknown >= 0
         self._number = unknown[self._free]
-        self._ordered = False
         self._lay_out()
 
     def _lay_out(self) -> None:
@@ -162,29 +167,28 @@ class SparseSystem:
         self._indices = self._row[order].astype(np.int32)
         self._starts = np.searchsorted(self._column[order], np.arange(self.size + 1)).astype(np.int32)
 
-    def factorise(self, blocks: Floats) -> int:
+    def factorise(self, blocks: Floats) -> int | None:
+        """See ``LinearSystem``."""
         from scipy.sparse import csc_array
         from scipy.sparse.linalg import splu
 
         # the entries are gathered, never added up by scipy, which would drop zeros and with them the pattern
-        matrix = csc_array((blocks.reshape(-1)[self._gather], self._indices, self._starts), shape=(self.size, self.size))
+        matrix = csc_array(
+            (blocks.reshape(-1)[self._gather], self._indices, self._starts), shape=(self.size, self.size)
+        )
         try:
             self._factors = splu(
                 matrix,
-                permc_spec="NATURAL" if self._ordered else "MMD_AT_PLUS_A",
+                permc_spec="MMD_AT_PLUS_A",
                 diag_pivot_thresh=0.0,
                 options={"SymmetricMode": True},
             )
         except RuntimeError:
             return -1
-        if not self._ordered:
-            self._renumber(self._factors.perm_c)
-        return 0
-
-    def _renumber(self, place: Ints) -> None:
-        pass
+        return None
 
     def solve(self, right: Floats) -> Floats:
+        """See ``LinearSystem``."""
         sides = np.empty((self.size, len(right)))
         sides[self._number] = right[:, self._free].T
         solved = self._factors.solve(sides)

@@ -1,8 +1,9 @@
 """Newton's method with the exact tangent, on shape and tensions together.
 
-A step is shortened until the merit (out-of-balance forces and length errors) falls. Far from equilibrium the tangent is shifted
-towards that of a damped motion, and always until its pivots are positive, so that the iteration ends at stable
-equilibria. Twine that would be compressed goes slack on the way; what is returned has no bar in compression.
+A step is shortened until the move that the old tangent still asks for at its end is shorter than the step (natural
+monotonicity: Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3). Where pivots are negative, the
+tangent is shifted until they are positive, so that the iteration ends at stable equilibria. Twine that would be
+compressed goes slack on the way; an answer with bars in compression is refused.
 """
 
 from dataclasses import dataclass
@@ -10,14 +11,15 @@ from time import perf_counter
 
 import numpy as np
 
-from codend.loads import Problem
 from codend.mechanics import newton_step as kernels
+from codend.mechanics import relaxation
 from codend.mechanics.arrays import Structure
+from codend.mechanics.bars import augmented_law
 from codend.mechanics.newton_step import State, Step
-from codend.mechanics.relaxation import add_loads, fill
 from codend.mechanics.tangent import Pattern, pattern_of
 from codend.net import Floats
-from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE
+from codend.problem import Problem
+from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, _reference_tension
 from codend.solvers.linear_systems import LinearSystem, linear_system
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
@@ -28,13 +30,23 @@ METHOD = "newton"
 class NewtonSettings:
     """What may be tuned; the defaults hold for all plans the project knows."""
 
-    iterations_allowed: int = 80
+    switches: tuple[float, ...] = (0.1, 0.01, 1.0)
+    """Weights of the test for taut bars (``newton_step.measure``), tried in order: where one makes bars go taut and
+    slack in turns for ever, another does not."""
+    iterations_allowed: int = 40
+    """Iterations with each of them."""
     largest_turn: float = 1.0
     """Largest change of a taut bar's vector in one step, over its length."""
     shortest_step: float = 0.01
+    """Fraction of a step below which the tangent is shifted instead."""
     first_shift: float = 1e-4
-    """Shift of the tangent far from equilibrium, in units of the stiffness that tension gives the nodes."""
+    """In units of the stiffness that the reference tension gives the nodes; each next one is ten times as large."""
     largest_shift: float = 1e3
+    rough_residuals: tuple[float, ...] = (1e-2, 1e-3, 1e-4)
+    """Residuals to which a net is relaxed to start from, in order, where no start is given or it leads nowhere."""
+    rough_penalty: float = 30.0
+    """Axial stiffness of inextensible bars in that relaxation, in units of the reference tension."""
+    rough_steps: int = 20_000
 
 
 @dataclass(frozen=True)
@@ -49,26 +61,26 @@ class NewtonReport(SolverReport):
 
 @dataclass(frozen=True)
 class Prepared:
-    """What depends on the structure alone and is kept from one equilibrium to the next."""
+    """What depends on the structure alone, and room to work in: kept from one equilibrium to the next."""
 
     pattern: Pattern
     system: LinearSystem
     state: State
     trial: State
-    move: Floats
     step: Step
+    move: Floats
 
 
 def prepare(structure: Structure) -> Prepared:
     """Number the unknowns of a structure, once for all its equilibria."""
     pattern = pattern_of(structure)
     return Prepared(
-        pattern,
-        linear_system(structure, pattern),
-        kernels.empty_state(structure),
-        kernels.empty_state(structure),
-        np.zeros((len(structure.free), 3)),
-        kernels.empty_step(structure, pattern),
+        pattern=pattern,
+        system=linear_system(structure, pattern),
+        state=kernels.empty_state(structure),
+        trial=kernels.empty_state(structure),
+        step=kernels.empty_step(structure, pattern),
+        move=np.zeros_like(structure.free),
     )
 
 
@@ -80,72 +92,136 @@ def solve(
     progress: Progress | None = None,
     prepared: Prepared | None = None,
 ) -> Solution:
-    """Equilibrium of a net by Newton's method.
+    """Equilibrium of a net by Newton's method; a solve that fails returns nan positions and tensions, and why.
 
     Args:
         problem: the net under its loads.
         tolerance: largest residual and axial imbalance over the resultant of the loads.
-        start: positions and tensions to start from; the net's own positions with equal tensions by default.
+        start: positions and tensions to start from; without one the net's own shape is relaxed a little first.
         settings: see ``NewtonSettings``.
         progress: told the residual of every iteration.
         prepared: what ``prepare`` returned for this structure, to save that work.
-
-    A solve that fails returns nan positions and tensions, and why.
     """
+    if not kernels.take.signatures:
+        # have the kernels compiled or read from the cache, so that the time of a solve is that of the solve alone
+        rough_shape(problem, np.inf, settings)
+        _Run(problem, prepare(problem.structure), settings, None).to_equilibrium(np.inf, None, 1.0)
     started = perf_counter()
     prepared = prepare(problem.structure) if prepared is None else prepared
     run = _Run(problem, prepared, settings, progress)
-    outcome = run.to_equilibrium(tolerance, start)
-    state = run.state
-    _, residual, imbalance, length_error, _ = state.marks
+    attempts: list[str] = []
+    rough = settings.rough_residuals
+    if start is None:
+        start, note = rough_shape(problem, rough[0], settings)
+        attempts.append(note)
+        rough = rough[1:]
+    while True:
+        outcome = run.from_start(start, tolerance, attempts)
+        if outcome in (Outcome.CONVERGED, Outcome.OVERFULL) or not rough:
+            break
+        start, note = rough_shape(problem, rough[0], settings)
+        attempts.append(note)
+        rough = rough[1:]
+    _, residual, imbalance, length_error, _ = (float(mark) for mark in run.state.marks)
     report = NewtonReport(
         method=METHOD,
         outcome=outcome,
         iterations=run.iterations,
-        residual=float(residual),
-        imbalance=float(imbalance),
-        length_error=float(length_error),
+        residual=residual,
+        imbalance=imbalance,
+        length_error=length_error,
         solve_ms=1e3 * (perf_counter() - started),
-        attempts=(f"{METHOD}: {run.iterations} iterations, residual {residual:.1e}. {outcome.value}",),
+        attempts=tuple(attempts),
         history=tuple(run.history),
         negative_pivots=run.negative_pivots,
     )
+    state = run.state
     if not outcome.converged:
-        return Solution(np.full_like(state.position, np.nan), np.full_like(state.density, np.nan), state.share, report)
+        nothing = np.full_like(state.position, np.nan), np.full_like(state.density, np.nan)
+        return Solution(*nothing, state.share.copy(), report)
     return Solution(state.position.copy(), state.density * state.length, state.share.copy(), report)
 
 
+def rough_shape(
+    problem: Problem, rough_residual: float, settings: NewtonSettings = NewtonSettings()
+) -> tuple[Solution, str]:
+    """Shape and tensions of a net relaxed just enough for Newton's method to start from, and what was done.
+
+    Inextensible bars are given a stiffness of ``settings.rough_penalty`` times the reference tension, four times as
+    much if the net balloons. The solution's report tells the residual; it is no equilibrium.
+    """
+    started = perf_counter()
+    structure, penalty = problem.structure, settings.rough_penalty
+    steps = 0
+    while True:
+        work = relaxation.workspace(structure, problem.net.positions)
+        augmented_law(structure, penalty * _reference_tension(problem), work.relief, work.gain)
+        code, spent, _, residual, imbalance = relaxation.relax(
+            work, structure, problem.loading, rough_residual, 1.5, False, settings.rough_steps
+        )
+        steps += spent
+        if code not in (relaxation.OVERSTRETCHED, relaxation.NOT_FINITE) or penalty > 1e4:
+            break
+        penalty *= 4.0
+    note = f"rough relaxation, penalty {penalty:g}: {steps} steps, residual {residual:.1e}."
+    report = SolverReport(
+        "rough relaxation",
+        Outcome.STEPS_SPENT,
+        steps,
+        residual,
+        imbalance,
+        np.inf,
+        1e3 * (perf_counter() - started),
+        (note,),
+    )
+    positions = work.state[:, :3].copy()
+    return Solution(positions, work.density * work.length, work.share.copy(), report), note
+
+
 class _Run:
-    """One solve, from the start to wherever it gets."""
+    """Iterations from a start to wherever they get."""
 
     def __init__(
         self, problem: Problem, prepared: Prepared, settings: NewtonSettings, progress: Progress | None
     ) -> None:
-        self.structure, self.loading, self.net = problem.structure, problem.loading, problem.net
+        self.problem, self.structure, self.loading = problem, problem.structure, problem.loading
         self.prepared, self.settings, self.progress = prepared, settings, progress
         self.state, self.trial, self.step = prepared.state, prepared.trial, prepared.step
         self.iterations = 0
-        self.trace = []
         self.negative_pivots: int | None = None
         self.history: list[float] = []
 
-    def to_equilibrium(self, tolerance: float, start: Solution | None) -> Outcome:
-        self._start(start)
-        settings = self.settings
-        shift = 0.0
+    def from_start(self, start: Solution, tolerance: float, attempts: list[str]) -> Outcome:
+        """Try the weights of the test for taut bars in order, and note each attempt."""
+        for switch in self.settings.switches:
+            before = self.iterations
+            outcome = self.to_equilibrium(tolerance, start, switch)
+            attempts.append(
+                f"{METHOD}, switch {switch:g}: {self.iterations - before} iterations, "
+                f"residual {self.state.marks[1]:.1e}. {outcome.value}"
+            )
+            if outcome in (Outcome.CONVERGED, Outcome.OVERFULL, Outcome.NOT_FINITE):
+                break
+        return outcome
+
+    def to_equilibrium(self, tolerance: float, start: Solution | None, switch: float) -> Outcome:
+        """Iterate until residual, axial imbalance and length error are within their tolerances."""
+        self._set_start(start, switch)
+        settings, shift = self.settings, 0.0
+        last = self.iterations + settings.iterations_allowed
         while True:
-            marks = self.state.marks
-            error = max(marks[1], marks[2])
-            self.history.append(float(error))
-            if self.progress is not None:
-                self.progress(METHOD, float(error))
-            if not np.isfinite(marks[0]):
+            merit, residual, imbalance, length_error, fits = self.state.marks
+            error = float(max(residual, imbalance))
+            if not np.isfinite(merit) or not np.isfinite(error):
                 return Outcome.NOT_FINITE
-            if error <= tolerance and marks[3] <= LENGTH_TOLERANCE:
-                if marks[4] == 0.0:
+            self.history.append(error)
+            if self.progress is not None:
+                self.progress(METHOD, error)
+            if error <= tolerance and length_error <= LENGTH_TOLERANCE:
+                if fits == 0.0:
                     return Outcome.OVERFULL
                 return Outcome.COMPRESSED if self.state.density.min(initial=0.0) < 0.0 else Outcome.CONVERGED
-            if self.iterations >= settings.iterations_allowed:
+            if self.iterations >= last:
                 return Outcome.STEPS_SPENT
             self.iterations += 1
             while not self._advance(shift):
@@ -154,59 +230,44 @@ class _Run:
                     return Outcome.SINGULAR if self.negative_pivots == -1 else Outcome.NOT_IMPROVING
             shift = 0.1 * shift if shift > settings.first_shift else 0.0
 
-    def _start(self, start: Solution | None) -> None:
+    def _set_start(self, start: Solution | None, switch: float) -> None:
         state, structure = self.state, self.structure
+        self.switch = switch
+        self.tension = _reference_tension(self.problem)
         if start is None:
-            state.position[:] = self.net.positions
-            state.density[:] = 0.0
+            state.position[:] = self.problem.net.positions
+            state.density[:] = self.tension / structure.length
         else:
             state.position[:] = start.positions
-            state.density[:] = start.bar_tension
-            kernels.measure(structure, self.loading, 1.0, state)
+            kernels.measure(structure, self.loading, self.tension, switch, state)
             state.density[:] = start.bar_tension / state.length
-        tension = float(start.bar_tension.mean()) if start is not None else 0.0
-        if tension == 0.0:
-            tension = _reference_tension(structure, self.loading, state)
-            state.density[:] = tension / structure.length
-        self.tension = tension
-        kernels.measure(structure, self.loading, tension, state)
+            mean = float(start.bar_tension.mean())
+            self.tension = mean if mean > 0.0 else self.tension
+        kernels.measure(structure, self.loading, self.tension, switch, state)
 
     def _advance(self, shift: float) -> bool:
         """Take one step with the tangent shifted; False if no good one was found."""
         structure, loading, step, settings = self.structure, self.loading, self.step, self.settings
         system, state, trial, tension = self.prepared.system, self.state, self.trial, self.tension
         sides = kernels.linearise(structure, loading, self.prepared.pattern, tension, shift, state, step)
-        negative = system.factorise(step.blocks)
-        self.negative_pivots = negative
-        if negative != 0:
+        self.negative_pivots = system.factorise(step.blocks)
+        if self.negative_pivots:
             return False
         solved = system.solve(step.right[:sides])
         length, turn, determinant = kernels.finish_step(structure, state, solved, step)
         if not determinant > 0.0 or not np.isfinite(turn):
             self.negative_pivots = 1
             return False
-        size = min(1.0, settings.largest_turn / max(turn, 1e-300))
-        # Deuflhard's natural monotonicity: the move still asked for, by the old tangent, must get shorter
+        size = min(1.0, settings.largest_turn / turn) if turn > 0.0 else 1.0
         while True:
-            kernels.take(structure, loading, tension, size, state, step, trial)
-            kernels.right_side(structure, state, trial, step)
-            solved[0] = system.solve(step.right[:1])[0]
+            kernels.take(structure, loading, tension, self.switch, size, state, step, trial)
+            solved[:1] = system.solve(step.right[:1])
             left, bend = kernels.simplified_move(solved, size, step, self.prepared.move)
-            self.trace.append((shift, size, length, left, turn))
-            if left <= (1.0 - 0.25 * size) * length or (shift > 0.0 and left <= 2.0*length):
+            # a shifted step leaves what the shift took, so there only growth is refused
+            if left <= ((1.0 - 0.25 * size) if shift == 0.0 else 2.0) * length:
                 break
-            size = min(0.5 * size, 0.5 * size * size * length / max(bend, 1e-300))
+            size = min(0.5 * size, 0.5 * size * size * length / bend)
             if size < settings.shortest_step:
                 return False
-        self.ratio = left / length
         self.state, self.trial = trial, state
         return True
-
-
-def _reference_tension(structure: Structure, loading, state: State) -> float:
-    """Mean tension that the loads on the start shape ask for, N: their resultant over the bars of a band."""
-    fill(state.position, structure, loading, state.share)
-    load: Floats = np.zeros_like(state.position)
-    add_loads(state.position, structure, loading, state.share, load)
-    bars_abreast = max(len(structure.first) / len(structure.band_meshes), 1.0)
-    return float(np.linalg.norm(load.sum(axis=0) * [1.0, structure.order == 1.0, structure.order == 1.0])) / bars_abreast
