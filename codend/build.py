@@ -6,7 +6,7 @@ ones and the two aft ones when the knot lies along the netting (T0), the two lef
 lies across (T90). Bars, facets and meshes are written once, in ports.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,6 +43,7 @@ def build_net(
         InputError: the globalisation does not divide the mesh counts, or the sections differ in meshes round.
     """
     lattice = _Lattice.of(plan, globalisation, columns)
+    _check_bending(plan)
     x, radius = rows if rows is not None else crude_rows(plan, globalisation)
     shape = _Shape(x, np.concatenate([[plan.entry.radius_m], radius[1:-1], [0.0]]), azimuth_rad)
     square = any(s.mesh == "square" for s in plan.netting)
@@ -50,6 +51,19 @@ def build_net(
     if plan.model.bars_per_side == 2:
         return split_bars(net, net.bar_drag_diameter > 0.0)
     return net
+
+
+def _check_bending(plan: Plan) -> None:
+    """Refuse bending stiffness where the model has no place for it, rather than leave it out."""
+    stiff = [s for s in plan.netting if s.bending_stiffness_n_m2 > 0.0]
+    if stiff and any(s.mesh == "square" for s in stiff):
+        allowed = "0 for square mesh, whose opening bending does not resist"
+    elif stiff and plan.model.bars_per_side > 1:
+        allowed = "0 with bars_per_side = 2: a hinge in mid-bar and stiff twine contradict each other"
+    else:
+        return
+    value = stiff[0].bending_stiffness_n_m2
+    raise InputError(file=plan.source, key="netting.bending_stiffness_n_m2", value=value, allowed=allowed)
 
 
 def rows_of(plan: Plan, globalisation: int = 1) -> list[Netting]:
@@ -151,6 +165,7 @@ class _Parts:
         self.bars: list[NDArray] = []
         self.facets: list[NDArray] = []
         self.meshes: list[NDArray] = []
+        self.corners: list[NDArray] = []
 
     def add_bars(self, first: _Corner, second: _Corner, band: NDArray, is_knot: bool) -> None:
         image = np.where((first.node == self.codline) | (second.node == self.codline), 0, second.image - first.image)
@@ -167,6 +182,12 @@ class _Parts:
         nodes = [corner.node for side in sides for corner in side]
         images = [corner.image for side in sides for corner in side]
         self.meshes.append(_columns(*nodes, *images, np.broadcast_to(row, nodes[0].shape)))
+
+    def add_corners(self, middle: _Corner, first: _Corner, second: _Corner, band: NDArray, across: bool) -> None:
+        nodes = (middle.node, first.node, second.node)
+        images = [np.where(c.node == self.codline, 0, c.image) for c in (middle, first, second)]
+        place = np.broadcast_to(band, middle.node.shape)
+        self.corners.append(_columns(*nodes, *images, place, np.full(middle.node.shape, across)))
 
     def facet_table(self) -> tuple[NDArray, Floats]:
         """Facets without the empty ones, equal ones merged, and their weights."""
@@ -250,6 +271,7 @@ def _knotted_net(lattice: _Lattice, shape: _Shape) -> Net:
         knot = np.broadcast_to(column, (len(crosswise), columns))
         parts.add_bars(port(FORE_LEFT, crosswise, knot), port(FORE_RIGHT, crosswise, knot), crosswise - 1, True)
 
+    _add_corners(parts, port, across_row, columns)
     row = np.arange(1, bands)[:, None]
     between = np.broadcast_to(column, (bands - 1, columns))
     middle = between + row % 2
@@ -281,6 +303,33 @@ def _knotted_net(lattice: _Lattice, shape: _Shape) -> Net:
     for side in (AFT_LEFT, AFT_RIGHT):
         node_row[ports[side]] = rows
     return _assembled(parts, lattice, positions, node_row, ports[[AFT_LEFT, AFT_RIGHT], 0])
+
+
+def _add_corners(
+    parts: _Parts, port: Callable[[int, NDArray, NDArray], _Corner], across_row: NDArray, columns: int
+) -> None:
+    """Corners between two twines: fore and aft of a knot that lies lengthwise, left and right of one that lies across."""
+    bands = len(across_row) - 1
+    rows = np.arange(bands + 1)
+
+    def knots(chosen: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        row = rows[chosen][:, None]
+        here = np.broadcast_to(np.arange(columns), (len(row), columns))
+        return row, here, here + row % 2, here + row % 2 - 1
+
+    lengthwise = ~across_row
+    row, here, right, left = knots(lengthwise & (rows < bands))
+    aft = port(FORE_LEFT, row + 1, right), port(FORE_RIGHT, row + 1, left)
+    parts.add_corners(port(AFT_LEFT, row, here), *aft, row, False)
+    row, here, right, left = knots(lengthwise & (rows > 0) & (rows < bands))
+    fore = port(AFT_LEFT, row - 1, right), port(AFT_RIGHT, row - 1, left)
+    parts.add_corners(port(FORE_LEFT, row, here), *fore, row - 1, False)
+    row, here, right, left = knots(~lengthwise & (rows > 0) & (rows < bands))
+    if row.size:
+        to_right = port(AFT_LEFT, row - 1, right), port(FORE_LEFT, row + 1, right)
+        parts.add_corners(port(AFT_RIGHT, row, here), *to_right, row, True)
+        to_left = port(AFT_RIGHT, row - 1, left), port(FORE_RIGHT, row + 1, left)
+        parts.add_corners(port(AFT_LEFT, row, here), *to_left, row, True)
 
 
 def _square_net(lattice: _Lattice, shape: _Shape, plan: Plan) -> Net:
@@ -341,6 +390,12 @@ def _assembled(parts: _Parts, lattice: _Lattice, positions: Floats, node_row: In
     fixed = np.zeros((count, 3), dtype=bool)
     fixed[entry] = True
     fixed[parts.codline, 1:] = True
+    corners = np.concatenate(parts.corners) if parts.corners else np.zeros((0, 8), dtype=np.int64)
+    clamped = np.array([12.0 * s.bending_stiffness_n_m2 / s.bar_m for s in lattice.sections])[corners[:, 6]]
+    # two twines gathered at the codline have no angle between them
+    resists = (clamped > 0.0) & ((corners[:, 1] != corners[:, 2]) | (corners[:, 4] != corners[:, 5]))
+    corners, clamped = corners[resists], clamped[resists]
+    at_rest = np.array([2.0 * s.rest_half_angle_rad for s in lattice.sections])[corners[:, 6]]
     half = [1.0 if s.mesh == "square" else HALF_MESH for s in lattice.sections]
     return Net(
         positions=positions,
@@ -366,6 +421,10 @@ def _assembled(parts: _Parts, lattice: _Lattice, positions: Floats, node_row: In
         mesh_bars=_bars_of_sides(bars[:, :3], meshes[:, :8].reshape(-1, 2), meshes[:, 8:16].reshape(-1, 2)),
         mesh_row=meshes[:, 16].astype(np.int32),
         band_meshes=g * np.array(half),
+        corners=corners[:, :3].astype(np.int32),
+        corner_image=corners[:, 3:6].astype(np.int32),
+        corner_stiffness=g**2 * clamped,
+        corner_rest=np.where(corners[:, 7] == 1, np.pi - at_rest, at_rest),
         globalisation=g,
     )
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from catch_models.pressure import PressureLaw
 from codend.problem import Problem
-from codend.mechanics import bars, drag, pressure
+from codend.mechanics import bars, bending, drag, pressure
 from codend.net import Floats, Net, mesh_corners
 from codend.solvers.outcome import Solution
 
@@ -142,6 +142,7 @@ def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
     length = np.empty(len(net.bars))
     bars.bar_lengths(position, structure, length)
     bars.add_bar_forces(position, structure, solution.bar_tension / length, pull)
+    bending.add_bending(position, structure, pull)
     held = net.fixed[:, 0]
     at_entry = (pull + twine_load + catch_load + loading.dead)[held, 0].sum() * net.order
 
@@ -170,6 +171,13 @@ def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
         opening_force_ahead_n=float(np.mean(forces)) if len(ahead) else float("nan"),
         max_bar_tension_n=float(solution.bar_tension.max() / net.globalisation),
     )
+
+
+def measure_all(problem: Problem, solution: Solution) -> tuple[Meshes, Rows, Measures]:
+    """Meshes, rows and sums of a solved net."""
+    meshes = measure_meshes(problem, solution)
+    rows = measure_rows(problem, solution, meshes)
+    return meshes, rows, measure(problem, solution, rows)
 
 
 def opening_rows_ahead(net: Net, share: Floats) -> Floats:

@@ -69,6 +69,15 @@ class Net:
     band_meshes: Floats
     """Meshes that a band is long, (bands,)."""
 
+    corners: Ints
+    """Middle, first and second node of the corners between two twines at a knot that resist opening, (c, 3)."""
+    corner_image: Ints
+    """Images of those nodes, (c, 3)."""
+    corner_stiffness: Floats
+    """Moment per radian of each of the two twines of a corner, N m, (c,)."""
+    corner_rest: Floats
+    """Angle between the two twines at rest, rad, (c,)."""
+
     globalisation: int = 1
     """Real meshes merged into one, each way."""
 

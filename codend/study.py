@@ -6,12 +6,13 @@ from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from codend import equilibrium, fidelity
+from codend import accuracy, equilibrium, fidelity
+from codend.accuracy import Errors
 from codend.build import build_net
 from codend.fidelity import Choice
 from codend.loads import problem_of
 from codend.problem import Problem
-from codend.measures import Measures, Meshes, Rows, measure, measure_meshes, measure_rows
+from codend.measures import Measures, Meshes, Rows, measure_all
 from codend.meridian import plan_case
 from codend.net import Floats, Net
 from codend.plan import Case, Plan
@@ -32,6 +33,8 @@ class CaseResult:
     problem: Problem
     solution: Solution
     measures: Measures
+    errors: Errors
+    """How far the measures may be off."""
     rows: Rows | None
     """None where the case was not solved."""
     meshes: Meshes | None
@@ -127,7 +130,11 @@ def solve(plan: Plan, progress: StudyProgress | None = None) -> Study:
             progress(case.number - 1, len(cases), f"case {case.number}")
         problem, solution = equilibrium.solve(scene, case, last, report)
         last = solution if solution.report.outcome.converged else None
-        results.append(_measured(case, problem, solution))
+        result = _measured(case, problem, solution)
+        if result.converged:
+            errors = accuracy.estimate(scene, case, problem, solution, result.measures)
+            result = replace(result, errors=errors)
+        results.append(result)
     if progress is not None:
         progress(len(cases), len(cases), "done")
     return Study(plan, choice, tuple(results))
@@ -135,10 +142,9 @@ def solve(plan: Plan, progress: StudyProgress | None = None) -> Study:
 
 def _measured(case: Case, problem: Problem, solution: Solution) -> CaseResult:
     if not solution.report.outcome.converged:
-        return CaseResult(case, problem, solution, Measures.unknown(), None, None)
-    meshes = measure_meshes(problem, solution)
-    rows = measure_rows(problem, solution, meshes)
-    return CaseResult(case, problem, solution, measure(problem, solution, rows), rows, meshes)
+        return CaseResult(case, problem, solution, Measures.unknown(), Errors.unknown(), None, None)
+    meshes, rows, measures = measure_all(problem, solution)
+    return CaseResult(case, problem, solution, measures, Errors.unknown(), rows, meshes)
 
 
 def _solve_meridian(plan: Plan, progress: StudyProgress | None) -> Iterator[CaseResult]:

@@ -31,6 +31,10 @@ RESULT_COLUMNS = [
     "residual",
     "converged",
     "solve_ms",
+    "catch_volume_error_m3",
+    "max_radius_error_m",
+    "opening_ahead_error_deg",
+    "drag_change_with_suction",
 ]
 
 
@@ -50,7 +54,7 @@ def _result_row(study: Study, result: CaseResult) -> dict[str, object]:
         "case": result.case.number,
         "speed_m_s": result.case.speed_m_s,
         **measures,
-        "drag_error_n": float("nan"),
+        **asdict(result.errors),
         "fidelity": study.choice.fidelity,
         "method": result.report.method,
         "iterations": result.report.iterations,

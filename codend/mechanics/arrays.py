@@ -26,6 +26,10 @@ class Structure(NamedTuple):
     facet_image: Ints
     facet_weight: Floats
     facet_band: Ints
+    corners: Ints
+    corner_image: Ints
+    corner_stiffness: Floats
+    corner_rest: Floats
     free: Floats
     """1 for coordinates that move, 0 for held ones, (n, 3)."""
     node_row: Ints
@@ -61,7 +65,8 @@ def structure_of(net: Net) -> Structure:
     first = np.where(swap, net.bars[:, 1], net.bars[:, 0])
     second = np.where(swap, net.bars[:, 0], net.bars[:, 1])
     image = np.where(swap, -net.bar_image, net.bar_image)
-    reach = int(max(np.abs(image).max(initial=0), np.abs(net.facet_image).max(initial=0)))
+    images = (image, net.facet_image, net.corner_image)
+    reach = max(int(np.abs(part).max(initial=0)) for part in images)
     angle = 2.0 * np.pi * np.arange(-reach, reach + 1) / net.order
     rings = net.node_row[net.node_row >= 0]
     return Structure(
@@ -77,6 +82,10 @@ def structure_of(net: Net) -> Structure:
         facet_image=net.facet_image,
         facet_weight=net.facet_weight,
         facet_band=net.facet_band,
+        corners=net.corners,
+        corner_image=net.corner_image,
+        corner_stiffness=net.corner_stiffness,
+        corner_rest=net.corner_rest,
         free=(~net.fixed).astype(np.float64),
         node_row=net.node_row,
         row_size=np.bincount(rings, minlength=net.bands + 1).astype(np.float64),

@@ -14,6 +14,7 @@ from numba import njit
 
 from codend.mechanics.arrays import Loading, Structure
 from codend.mechanics.bars import bar_vector
+from codend.mechanics.bending import add_bending, add_bending_bound
 from codend.mechanics.drag import add_drag
 from codend.mechanics.images import add_turned_back
 from codend.mechanics.pressure import add_pressure, fill
@@ -56,8 +57,8 @@ class Workspace(NamedTuple):
     """Positions as the loads need them, (n, 3)."""
     stiffness: Floats
     """Bound on the nodes' rows of the stiffness matrix, (n,)."""
-    pressure_bound: Floats
-    """The pressure's part in that, set at every rest, (n,)."""
+    load_bound: Floats
+    """The part of pressure and stiff twine in that, set at every rest, (n,)."""
 
 
 def workspace(structure: Structure, position: Floats) -> Workspace:
@@ -82,14 +83,15 @@ def workspace(structure: Structure, position: Floats) -> Workspace:
         force=np.zeros((nodes, 3)),
         position=np.zeros((nodes, 3)),
         stiffness=np.zeros(nodes),
-        pressure_bound=np.zeros(nodes),
+        load_bound=np.zeros(nodes),
     )
 
 
 @njit(cache=True)
 def add_loads(position: Floats, structure: Structure, loading: Loading, share: Floats, force: Floats) -> None:
-    """Add dead loads, twine drag and catch pressure to the nodal forces."""
+    """Add dead loads, stiff twine, twine drag and catch pressure to the nodal forces: all but the tension."""
     force += loading.dead
+    add_bending(position, structure, force)
     add_drag(position, structure, loading, share, force)
     add_pressure(position, structure, loading, share, force)
 
@@ -129,7 +131,7 @@ def refresh(work: Workspace, structure: Structure, loading: Loading, mass_factor
     state[:, FORCE : FORCE + 3] = force
 
     # masses that keep a unit time step stable: half the sum of the moduli of a node's row of the stiffness matrix
-    stiffness[:] = work.pressure_bound
+    stiffness[:] = work.load_bound
     firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
     rests, reliefs, gains, multipliers = structure.length, work.relief, work.gain, work.multiplier
     bar_order, law, lengths, densities = work.bar_order, work.law, work.length, work.density
@@ -306,12 +308,15 @@ def relax(
     state = work.state
     work.position[:] = state[:, X : X + 3]
     fill(work.position, structure, loading, work.share)
-    set_pressure_bound(work.position, structure, loading, work.share, work.pressure_bound)
+    set_pressure_bound(work.position, structure, loading, work.share, work.load_bound)
+    add_bending_bound(work.position, structure, work.load_bound)
     residual, imbalance, fits = refresh(work, structure, loading, mass_factor)
     steps, stops, since_rest = 0, 0, 0
     energy, last_energy, energy_before = 0.0, 0.0, 0.0
     keep, push, back = 1.0, 1.0, 0.0
     at_rest = True
+    # stiff twine is too stiff a load to stand still for long
+    interval = REFRESH if len(structure.corner_rest) == 0 else 1
     last_x, last_force = state[:, X : X + 3].copy(), work.force.copy()
     while True:
         if not np.isfinite(residual):
@@ -321,11 +326,12 @@ def relax(
         if steps >= steps_allowed:
             return STEPS_SPENT, steps, stops, residual, imbalance
         if at_rest:
-            set_pressure_bound(work.position, structure, loading, work.share, work.pressure_bound)
+            set_pressure_bound(work.position, structure, loading, work.share, work.load_bound)
+            add_bending_bound(work.position, structure, work.load_bound)
             energy = start_from_rest(work, back)
             last_energy, energy_before, since_rest = energy, energy, 0
         at_rest = False
-        for _ in range(REFRESH):
+        for _ in range(interval):
             work_done = step(state, work.chain, work.bar_end, work.bar_image, work.law, structure.rotations, keep, push)
             steps += 1
             if viscous:

@@ -63,7 +63,7 @@ def solve(
     that makes no headway with masses twice as large; every attempt is in the report. A solve that fails returns nan
     positions and tensions.
     """
-    _compile_kernels(problem)
+    compile_kernels(problem)
     started = perf_counter()
     attempts: list[str] = []
     penalty, mass_factor = settings.penalty, settings.mass_factor
@@ -100,7 +100,7 @@ def solve(
     return Solution(work.state[:, :3].copy(), work.density * work.length, work.share.copy(), report)
 
 
-def _compile_kernels(problem: Problem) -> None:
+def compile_kernels(problem: Problem) -> None:
     """Have the kernels compiled or read from the cache, so that the time of a solve is that of the solve alone."""
     work = relaxation.workspace(problem.structure, problem.net.positions)
     relaxation.relax(work, problem.structure, problem.loading, 1.0, 1.0, False, 0)

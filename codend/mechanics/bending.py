@@ -1,0 +1,74 @@
+"""Resistance of stiff twine to the opening of the meshes: kernels.
+
+A twine of bending stiffness EI and length b that is clamped in its knots turns by phi - phi0 from its angle at rest under
+the moment k (phi - phi0), k = 12 EI / b for small deflections (derived: both ends sway, 6 EI / b^2 times the deflection
+each). Half of that belongs to each end. At a corner of a mesh two twines meet at the angle psi = 2 phi, or pi - 2 phi beside a knot that lies
+across, so a corner holds half the energy of two twines:
+
+    U = k (psi - psi0)^2 / 8,   dU/dpsi = k (psi - psi0) / 4
+"""
+
+import numpy as np
+from numba import njit
+
+from codend.mechanics.arrays import Structure
+from codend.mechanics.images import add_turned_back, turned
+from codend.net import Floats
+
+
+@njit(cache=True)
+def corner_vectors(position: Floats, structure: Structure, corner: int, u: Floats, v: Floats) -> None:
+    """Write the two twines of a corner, from its middle outward, each (3,)."""
+    corners, images, rotations = structure.corners, structure.corner_image, structure.rotations
+    middle, first, second = corners[corner, 0], corners[corner, 1], corners[corner, 2]
+    my, mz = turned(position[middle, 1], position[middle, 2], images[corner, 0], rotations)
+    ay, az = turned(position[first, 1], position[first, 2], images[corner, 1], rotations)
+    by, bz = turned(position[second, 1], position[second, 2], images[corner, 2], rotations)
+    u[0], u[1], u[2] = position[first, 0] - position[middle, 0], ay - my, az - mz
+    v[0], v[1], v[2] = position[second, 0] - position[middle, 0], by - my, bz - mz
+
+
+@njit(cache=True)
+def corner_slopes(u: Floats, v: Floats, along_u: Floats, along_v: Floats) -> float:
+    """Angle psi between two vectors, and its gradients with respect to them; gradients 0 where they are parallel."""
+    uu, vv, uv = u @ u, v @ v, u @ v
+    cross = np.sqrt(max(uu * vv - uv * uv, 0.0))
+    along_u[:] = 0.0
+    along_v[:] = 0.0
+    if cross > 1e-12 * uu + 1e-12 * vv:
+        for i in range(3):
+            along_u[i] = (uv / uu * u[i] - v[i]) / cross
+            along_v[i] = (uv / vv * v[i] - u[i]) / cross
+    return float(np.arctan2(cross, uv))
+
+
+@njit(cache=True)
+def add_bending(position: Floats, structure: Structure, force: Floats) -> None:
+    """Add to the nodal forces what the stiff twines resist with, N."""
+    corners, images, rotations = structure.corners, structure.corner_image, structure.rotations
+    stiffness, rest = structure.corner_stiffness, structure.corner_rest
+    u, v, along_u, along_v = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    for corner in range(len(stiffness)):
+        corner_vectors(position, structure, corner, u, v)
+        psi = corner_slopes(u, v, along_u, along_v)
+        moment = -0.25 * stiffness[corner] * (psi - rest[corner])
+        a, b = moment * along_u, moment * along_v
+        add_turned_back(force, corners[corner, 1], a[0], a[1], a[2], images[corner, 1], rotations)
+        add_turned_back(force, corners[corner, 2], b[0], b[1], b[2], images[corner, 2], rotations)
+        a, b = -a - b, b
+        add_turned_back(force, corners[corner, 0], a[0], a[1], a[2], images[corner, 0], rotations)
+
+
+@njit(cache=True)
+def add_bending_bound(position: Floats, structure: Structure, bound: Floats) -> None:
+    """Add a bound on the bending's part of each node's row of the stiffness matrix, N/m, (n,)."""
+    corners, stiffness, rest = structure.corners, structure.corner_stiffness, structure.corner_rest
+    u, v = np.empty(3), np.empty(3)
+    for corner in range(len(stiffness)):
+        corner_vectors(position, structure, corner, u, v)
+        shorter = min(u @ u, v @ v)
+        # 2/l for the angle's gradient at the middle; its own derivative weighs with the moment that is there
+        angle = np.arccos(min(max(u @ v / np.sqrt((u @ u) * (v @ v)), -1.0), 1.0))
+        turning = 0.25 * stiffness[corner] * (4.0 + 4.0 * abs(angle - rest[corner]) / max(np.sin(angle), 0.05))
+        for end in range(3):
+            bound[corners[corner, end]] += turning / shorter

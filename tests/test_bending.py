@@ -1,0 +1,99 @@
+"""Stiff twine: energy, rest, and the shell's group EI / (N b^4 p)."""
+
+import numpy as np
+import pytest
+
+from codend.build import build_net
+from codend.errors import InputError
+from codend.mechanics.arrays import structure_of
+from codend.mechanics.bending import add_bending
+from codend.net import rotate
+from codend.study import solve
+from tests.plans import make_plan, uniform_plan
+
+RELAXED = {"fidelity": "sector", "method": "dynamic-relaxation"}
+KINDS = [("diamond", 0.0), ("diamond", 6.0), ("t90", 6.0)]
+
+
+def energy(net, positions):
+    """Half the energy of two twines at every corner."""
+    points = rotate(positions[net.corners], net.corner_image, net.order)
+    u, v = points[:, 1] - points[:, 0], points[:, 2] - points[:, 0]
+    cosine = np.einsum("ij,ij->i", u, v) / np.linalg.norm(u, axis=1) / np.linalg.norm(v, axis=1)
+    return (net.corner_stiffness * (np.arccos(cosine) - net.corner_rest) ** 2).sum() / 8
+
+
+@pytest.mark.parametrize(("mesh", "knot"), KINDS)
+@pytest.mark.parametrize("columns", [1, 2, None])
+def test_bending_forces_are_minus_the_gradient_of_the_energy(mesh, knot, columns):
+    plan = make_plan(12, 6, mesh=mesh, netting={"knot_mm": knot, "bending_stiffness_n_m2": 1e-3})
+    net = build_net(plan, columns=columns)
+    rng = np.random.default_rng(1)
+    positions = net.positions + 0.003 * rng.normal(size=net.positions.shape)
+    positions[-1, 1:] = 0.0
+    force = np.zeros_like(positions)
+    add_bending(positions, structure_of(net), force)
+    direction = rng.normal(size=positions.shape)
+    direction[-1, 1:] = 0.0  # the codline stays on the axis
+    step = 1e-6
+    slope = (energy(net, positions + step * direction) - energy(net, positions - step * direction)) / (2 * step)
+    assert -(force * direction).sum() == pytest.approx(slope, rel=1e-5)
+
+
+@pytest.mark.parametrize(("mesh", "knot"), KINDS)
+def test_every_twine_has_its_bending_energy_once(mesh, knot):
+    """A long net whose twines are all turned by the same angle from rest: k / 2 times that angle squared, each."""
+    stiffness, turn = 1e-3, 0.1
+    plan = make_plan(200, 40, mesh=mesh, netting={"knot_mm": knot, "bending_stiffness_n_m2": stiffness})
+    net = build_net(plan, columns=1)
+    sign = np.where(net.corner_rest > np.pi / 2, -1.0, 1.0)
+    stored = (net.corner_stiffness * (2 * turn * sign) ** 2).sum() / 8
+    twines = np.count_nonzero(net.bar_drag_diameter > 0)
+    expected = twines * 0.5 * (12 * stiffness / 0.040) * turn**2
+    assert stored == pytest.approx(expected, rel=2 / 80)
+
+
+def test_stiff_twine_holds_the_meshes_nearer_to_their_rest():
+    openings = []
+    for stiffness in (0.0, 1e-4, 3e-4, 1e-3):
+        netting = {"bending_stiffness_n_m2": stiffness, "rest_opening_deg": 20.0}
+        result = solve(make_plan(24, 20, netting=netting, model=RELAXED)).cases[0]
+        assert result.converged
+        assert result.measures.entry_reaction_n == pytest.approx(result.measures.drag_n, rel=2e-6)
+        openings.append(result.measures.opening_ahead_deg)
+    assert np.all(np.diff(openings) < 0.0)
+    assert openings[-1] > 20.0
+
+
+def test_shape_depends_on_bending_only_through_its_group():
+    """EI / (N b^4 p): four times the pressure with four times EI leaves the shape as it is."""
+    slow, fast = (
+        solve(uniform_plan(24, 20, 6.0, speed=v, netting={"bending_stiffness_n_m2": 2e-3 * v**2}, model=RELAXED)).cases[
+            0
+        ]
+        for v in (1.0, 2.0)
+    )
+    assert fast.positions == pytest.approx(slow.positions, abs=2e-5)
+
+
+def test_globalised_stiff_netting_holds_the_same_energy():
+    plan = make_plan(24, 20, netting={"bending_stiffness_n_m2": 1e-3})
+    real, model = build_net(plan), build_net(plan, globalisation=4)
+    assert model.corner_stiffness.sum() == pytest.approx(real.corner_stiffness.sum(), rel=4 / 40)
+
+
+def test_bending_is_refused_where_it_has_no_place():
+    square = make_plan(24, 20, mesh="square", netting={"bending_stiffness_n_m2": 1e-3})
+    with pytest.raises(InputError, match="square"):
+        build_net(square)
+    stiff = make_plan(24, 20, netting={"bending_stiffness_n_m2": 1e-3})
+    with pytest.raises(InputError, match="hinge"):
+        build_net(replace_model(stiff, bars_per_side=2))
+
+
+def replace_model(plan, **changes):
+    return plan.model_copy(update={"model": plan.model.model_copy(update=changes)})
+
+
+def test_no_corner_is_kept_without_stiffness():
+    assert len(build_net(make_plan(24, 20)).corners) == 0
