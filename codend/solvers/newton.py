@@ -42,10 +42,9 @@ class NewtonSettings:
     first_shift: float = 1e-4
     """In units of the stiffness that the reference tension gives the nodes; each next one is ten times as large."""
     largest_shift: float = 1e3
-    rough_residuals: tuple[float, ...] = (1e-2, 1e-3, 1e-4)
-    """Residuals to which a net is relaxed to start from, in order, where no start is given or it leads nowhere."""
-    rough_penalty: float = 30.0
-    """Axial stiffness of inextensible bars in that relaxation, in units of the reference tension."""
+    rough_starts: tuple[tuple[float, float], ...] = ((1e-2, 30.0), (1e-3, 100.0), (1e-4, 1000.0))
+    """Relaxations to start from, in order, where no start is given or it leads nowhere: the residual, and the axial
+    stiffness that stands in for inextensible bars, in units of the reference tension."""
     rough_steps: int = 20_000
 
 
@@ -104,22 +103,22 @@ def solve(
     """
     if not kernels.take.signatures:
         # have the kernels compiled or read from the cache, so that the time of a solve is that of the solve alone
-        rough_shape(problem, np.inf, settings)
+        rough_shape(problem, np.inf, 30.0, 0)
         _Run(problem, prepare(problem.structure), settings, None).to_equilibrium(np.inf, None, 1.0)
     started = perf_counter()
     prepared = prepare(problem.structure) if prepared is None else prepared
     run = _Run(problem, prepared, settings, progress)
     attempts: list[str] = []
-    rough = settings.rough_residuals
+    rough = settings.rough_starts
     if start is None:
-        start, note = rough_shape(problem, rough[0], settings)
+        start, note = rough_shape(problem, *rough[0], settings.rough_steps)
         attempts.append(note)
         rough = rough[1:]
     while True:
         outcome = run.from_start(start, tolerance, attempts)
         if outcome in (Outcome.CONVERGED, Outcome.OVERFULL) or not rough:
             break
-        start, note = rough_shape(problem, rough[0], settings)
+        start, note = rough_shape(problem, *rough[0], settings.rough_steps)
         attempts.append(note)
         rough = rough[1:]
     _, residual, imbalance, length_error, _ = (float(mark) for mark in run.state.marks)
@@ -143,21 +142,21 @@ def solve(
 
 
 def rough_shape(
-    problem: Problem, rough_residual: float, settings: NewtonSettings = NewtonSettings()
+    problem: Problem, rough_residual: float, penalty: float, steps_allowed: int = 20_000
 ) -> tuple[Solution, str]:
     """Shape and tensions of a net relaxed just enough for Newton's method to start from, and what was done.
 
-    Inextensible bars are given a stiffness of ``settings.rough_penalty`` times the reference tension, four times as
-    much if the net balloons. The solution's report tells the residual; it is no equilibrium.
+    Inextensible bars are given a stiffness of ``penalty`` times the reference tension, four times as much if the net
+    balloons. The solution's report tells the residual; it is no equilibrium.
     """
     started = perf_counter()
-    structure, penalty = problem.structure, settings.rough_penalty
+    structure = problem.structure
     steps = 0
     while True:
         work = relaxation.workspace(structure, problem.net.positions)
         augmented_law(structure, penalty * _reference_tension(problem), work.relief, work.gain)
         code, spent, _, residual, imbalance = relaxation.relax(
-            work, structure, problem.loading, rough_residual, 1.5, False, settings.rough_steps
+            work, structure, problem.loading, rough_residual, 1.5, False, steps_allowed
         )
         steps += spent
         if code not in (relaxation.OVERSTRETCHED, relaxation.NOT_FINITE) or penalty > 1e4:
