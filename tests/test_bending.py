@@ -7,6 +7,8 @@ from codend.build import build_net
 from codend.errors import InputError
 from codend.mechanics.arrays import structure_of
 from codend.mechanics.bending import add_bending
+from codend.mechanics.tangent import pattern_of
+from codend.mechanics.tangent_bending import add_bending_tangent
 from codend.net import rotate
 from codend.study import solve
 from tests.plans import make_plan, uniform_plan
@@ -97,3 +99,43 @@ def replace_model(plan, **changes):
 
 def test_no_corner_is_kept_without_stiffness():
     assert len(build_net(make_plan(24, 20)).corners) == 0
+
+
+@pytest.mark.parametrize(("mesh", "knot"), KINDS)
+@pytest.mark.parametrize("columns", [1, 2, None])
+def test_bending_tangent_is_the_derivative_of_the_forces(mesh, knot, columns):
+    plan = make_plan(12, 6, mesh=mesh, netting={"knot_mm": knot, "bending_stiffness_n_m2": 1e-3})
+    net = build_net(plan, columns=columns)
+    structure, rng = structure_of(net), np.random.default_rng(2)
+    pattern = pattern_of(structure)
+    positions = net.positions + 0.003 * rng.normal(size=net.positions.shape)
+    positions[-1, 1:] = 0.0
+    direction = rng.normal(size=positions.shape)
+    direction[-1, 1:] = 0.0
+    blocks = np.zeros((len(pattern.row), 3, 3))
+    add_bending_tangent(positions, structure, pattern, blocks)
+    moved = np.zeros_like(positions)
+    np.add.at(moved, pattern.row, np.einsum("bij,bj->bi", blocks, direction[pattern.column]))
+
+    def force(at):
+        result = np.zeros_like(at)
+        add_bending(at, structure, result)
+        return result
+
+    step = 1e-6
+    slope = (force(positions + step * direction) - force(positions - step * direction)) / (2 * step)
+    assert -moved == pytest.approx(slope, rel=1e-4, abs=1e-5 * np.abs(slope).max())
+
+
+def test_newton_and_relaxation_agree_on_stiff_twine():
+    netting = {"bending_stiffness_n_m2": 5e-4, "knot_mm": 6.0}
+    for mesh in ("diamond", "t90"):
+        by_relaxation, by_newton = (
+            solve(make_plan(24, 20, mesh=mesh, netting=netting, model={"fidelity": "sector", "method": method})).cases[
+                0
+            ]
+            for method in ("dynamic-relaxation", "newton")
+        )
+        assert by_newton.converged
+        assert by_newton.positions == pytest.approx(by_relaxation.positions, abs=2e-5)
+        assert by_newton.report.iterations < 20

@@ -19,6 +19,7 @@ from codend.mechanics.images import add_turned_back
 from codend.mechanics.pressure import fill
 from codend.mechanics.relaxation import add_loads, out_of_balance
 from codend.mechanics.tangent import Pattern, add_bar_tangent
+from codend.mechanics.tangent_bending import add_bending_tangent
 from codend.mechanics.tangent_front import front_band, load_by_share, share_gradient
 from codend.mechanics.tangent_loads import add_drag_tangent, add_pressure_tangent
 from codend.net import Floats
@@ -174,6 +175,7 @@ def linearise(
             hardening[bar] = 1.0 / (compliance * lengths[bar] ** 3)
     right_side(structure, state, state, step)
     add_bar_tangent(position, structure, pattern, density, hardening, blocks)
+    add_bending_tangent(position, structure, pattern, blocks)
     add_drag_tangent(position, structure, loading, pattern, state.share, blocks)
     add_pressure_tangent(position, structure, loading, pattern, state.share, blocks)
     if shift > 0.0:

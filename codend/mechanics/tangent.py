@@ -1,9 +1,8 @@
 """Exact tangent of the nodal forces: where its blocks lie, and the bars' part. Loads follow in ``tangent_loads``.
 
-The tangent is kept as 3 x 3 blocks -dF_i/dx_j for every pair of nodes (i, j) that share a bar or a facet. Bars and
-facets name images of nodes: with R the rotation of an image, a force acts on the node itself as R^T f, and a move of
-the node shows at the image as R dx, so a block enters as R_i^T H R_j. Anything else that acts between the ends of one
-bar or the corners of one facet (resistance to bending, say) adds its blocks in the same places.
+The tangent is kept as 3 x 3 blocks -dF_i/dx_j for every pair of nodes (i, j) that share a bar, a facet or a corner. They
+name images of nodes: with R the rotation of an image, a force acts on the node itself as R^T f, and a move of
+the node shows at the image as R dx, so a block enters as R_i^T H R_j.
 """
 
 from typing import NamedTuple
@@ -27,6 +26,8 @@ class Pattern(NamedTuple):
     """Blocks of the ends of a bar: first-first, first-second, second-first, second-second, (m, 4)."""
     facet_slot: Ints
     """Blocks of the corners of a facet, (f, 3, 3)."""
+    corner_slot: Ints
+    """Blocks of the three nodes of a corner that resists opening, (c, 3, 3)."""
     diagonal: Ints
     """Blocks of the nodes with themselves, (n,)."""
 
@@ -40,16 +41,20 @@ def pattern_of(structure: Structure) -> Pattern:
         [first * nodes + first, first * nodes + second, second * nodes + first, second * nodes + second]
     )
     facet_pairs = facets[:, :, None] * nodes + facets[:, None, :]
+    corners = structure.corners.astype(np.int64)
+    corner_pairs = corners[:, :, None] * nodes + corners[:, None, :]
     own = np.arange(nodes) * (nodes + 1)
-    keys, place = np.unique(np.concatenate([bar_pairs.T.ravel(), facet_pairs.ravel(), own]), return_inverse=True)
+    pairs = [bar_pairs.T.ravel(), facet_pairs.ravel(), corner_pairs.ravel(), own]
+    keys, place = np.unique(np.concatenate(pairs), return_inverse=True)
     place = place.astype(np.int32)
-    bars_end, facets_end = bar_pairs.size, bar_pairs.size + facet_pairs.size
+    bars_end, facets_end, corners_end = np.cumsum([part.size for part in pairs[:3]])
     return Pattern(
         row=(keys // nodes).astype(np.int32),
         column=(keys % nodes).astype(np.int32),
         bar_slot=np.ascontiguousarray(place[:bars_end].reshape(-1, 4)),
         facet_slot=np.ascontiguousarray(place[bars_end:facets_end].reshape(-1, 3, 3)),
-        diagonal=np.ascontiguousarray(place[facets_end:]),
+        corner_slot=np.ascontiguousarray(place[facets_end:corners_end].reshape(-1, 3, 3)),
+        diagonal=np.ascontiguousarray(place[corners_end:]),
     )
 
 
