@@ -1,0 +1,57 @@
+import numpy as np
+import pytest
+
+from catch_models.fish import FishSection
+from codend.errors import InputError
+from codend.selectivity.species import example_species_path, load_species
+
+EXAMPLE = example_species_path().read_text(encoding="utf-8")
+
+
+def test_every_number_of_the_example_is_marked_as_assumed():
+    species = load_species(example_species_path())
+    assert "assumed" in species.name.lower()
+    given = [line for line in EXAMPLE.splitlines() if "value =" in line]
+    assert len(species.assumed) == len(given)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("value = 0.21", "value = -0.21", "section.height_per_length.value"),
+        ("value = 0.21, low = 0.19", "value = 0.21, low = 0.22", "section.height_per_length.value"),
+        ("value = 0.21, low = 0.19, high", "value = 0.21, high", "section.height_per_length.low"),
+        (', source = "assumed" }   # share', " }   # share", "section.height_compression.source"),
+        ("contact =", "contakt =", "behaviour.contakt"),
+        ('shape = "ellipse"', 'shape = "superellipse"', "section.exponent"),
+        ('shape = "ellipse"', 'shape = "circle"', "shape"),
+        ("to_cm = 60.0", "to_cm = 5.0", "lengths.to_cm"),
+        ("[behaviour]", "[behaviour", ""),
+        ("[section] ", '[section]\nexponent = { value = 3.0, source = "x" }', "section.exponent"),
+    ],
+)
+def test_a_broken_species_file_is_refused_by_its_key(tmp_path, old, new, key):
+    assert old in EXAMPLE
+    path = tmp_path / "species.toml"
+    path.write_text(EXAMPLE.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        load_species(path)
+    assert error.value.key == key
+    assert str(path) in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_missing_species_file_is_an_input_error(tmp_path):
+    with pytest.raises(InputError, match="cannot be read"):
+        load_species(tmp_path / "none.toml")
+
+
+@pytest.mark.parametrize("exponent", [1.4, 2.0, 3.3])
+def test_support_is_the_reach_of_the_outline(exponent):
+    section = FishSection(0.1, 0.06, exponent)
+    outline = section.outline(200_001)
+    for angle in np.radians([0.0, 10.0, 45.0, 77.0, 90.0, 200.0]):
+        reach = (outline @ [np.cos(angle), np.sin(angle)]).max()
+        np.testing.assert_allclose(section.support(angle), reach, rtol=1e-7)
+    x, y = np.abs(outline).T
+    np.testing.assert_allclose((x / 0.1) ** exponent + (y / 0.06) ** exponent, 1.0, rtol=1e-9)
