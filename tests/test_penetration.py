@@ -2,7 +2,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
@@ -121,7 +121,9 @@ def test_fish_dropped_at_random_pass_up_to_the_longest_and_never_beyond(holes, s
     ratio=st.floats(0.2, 5.0),
     exponent=st.floats(1.3, 8.0),
 )
-@settings(max_examples=100, deadline=None)
+@example(kind="t90", knot=0.03125, opening=5.0, ratio=0.25, exponent=1.5)
+@example(kind="t90", knot=0.03125, opening=52.0, ratio=2.375, exponent=3.125)
+@settings(max_examples=150, deadline=None)
 def test_no_rotation_beats_the_one_found(kind, knot, opening, ratio, exponent):
     section = FishSection(0.1 * np.sqrt(ratio), 0.1 / np.sqrt(ratio), exponent)
     holes = Holes.of(kind, 0.05, opening, knot_m=0.0 if kind == "square" else knot)

@@ -79,12 +79,12 @@ def test_retention_agrees_with_fish_sent_one_by_one(push_force_n):
 
 
 @pytest.mark.parametrize("attempts", [1.0, 4.0, 10.0])
-def test_quadrature_is_within_a_thousandth_in_l50_and_a_few_hundredths_in_sr(attempts):
+def test_quadrature_is_within_two_thousandths_in_l50_and_two_hundredths_in_sr(attempts):
     asked = values(attempts=attempts)
     l50, sr = escape_terms(crowd(), 0, asked, nodes_of(15, 400, 40)).l50_sr()
     found = escape_terms(crowd(), 0, asked).l50_sr()
-    np.testing.assert_allclose(found[0], l50, rtol=1e-3)
-    np.testing.assert_allclose(found[1], sr, rtol=1.5e-2)
+    np.testing.assert_allclose(found[0], l50, rtol=2e-3)
+    np.testing.assert_allclose(found[1], sr, rtol=2e-2)
 
 
 def test_retention_rises_with_length_from_the_share_that_never_tries_to_one():

@@ -89,7 +89,7 @@ def best_rotation(hole: Hole, phi: float, fish: Fish, steps: int) -> float:
     The least of several functions is largest where one of them is, or where two of them cross. The first is known, at
     the least supports: along an axis of the section, or for n < 2 at tan t = (a / b)^(q / (q - 2)) between them. So is
     the second for ellipses; for other sections it is looked for in intervals and found by bisection. The second pair of
-    sides mirrors the first, or lies on an axis, and brings nothing of its own.
+    sides mirrors the first, or lies on an axis, and has no maximum of its own.
     """
     quarter = 0.5 * math.pi
     sides = sides_of(hole, phi)
@@ -110,9 +110,11 @@ def best_rotation(hole: Hole, phi: float, fish: Fish, steps: int) -> float:
             if length > value:
                 best, value = tried, length
     width = quarter / ROTATIONS
-    for one, two in ((0, 1), (0, 2)):
-        mirrored = fish.n == 2.0 and two == 1 and hole.kind != SQUARE  # such cross at 0 and at 90 degrees only
-        if mirrored or sides[2 * two + 1] == math.inf:
+    for one, two in ((0, 1), (0, 2), (1, 2)):
+        # ellipses: the two roots for the first and third pair mirror those for the second and third, and the mirrored
+        # sides of knotted netting cross at 0 and at 90 degrees only
+        known = fish.n == 2.0 and (one == 1 or (two == 1 and hole.kind != SQUARE))
+        if known or sides[2 * two + 1] == math.inf:
             continue
         for k in range(ROTATIONS if fish.n != 2.0 else 2):
             if fish.n == 2.0:
