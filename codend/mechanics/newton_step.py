@@ -3,8 +3,8 @@
 Unknowns are the free coordinates x and the force density q of every bar. With gap = 1/l0 - 1/l, a bar is taut where
 q + w (gap - q / EA) > 0, for any w > 0 (in newtons); then gap = q / EA must hold, else q = 0: together that is the law
 of twine that carries no compression (a semismooth complementarity problem). The densities are eliminated from the
-linear system bar by bar, which leaves the nodes' coordinates only. For that an inextensible bar is given a compliance so
-small, that of ``STIFFEST`` times the reference tension, that it changes nothing but the last digits of a step; the
+linear system bar by bar, which leaves the nodes' coordinates only. For that an inextensible bar is given a compliance
+so small, that of ``STIFFEST`` times the reference tension, that it changes nothing but the last digits of a step; the
 lengths themselves are held exactly, since each step corrects the gap that is left.
 """
 
@@ -213,14 +213,16 @@ def combine(solved: Floats, step: Step, move: Floats) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def finish_step(structure: Structure, state: State, solved: Floats, step: Step) -> tuple[float, float, float]:
-    """Write the step from the solutions of the linear system.
+def finish_step(
+    structure: Structure, here: State, there: State, solved: Floats, step: Step
+) -> tuple[float, float, float]:
+    """Write the step from ``there`` out of the solutions of the linear system that was set up ``here``.
 
     Returns:
         norm of the move, largest change of a taut bar's vector over its length, and the factor of ``combine``.
     """
     firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
-    position, lengths, gaps, hardening = state.position, state.length, state.gap, step.hardening
+    position, lengths, gaps, hardening = here.position, here.length, there.gap, step.hardening
     move, change = step.move, step.change
     determinant = combine(solved, step, move)
     largest = 0.0
@@ -270,12 +272,13 @@ def take(
     tension: float,
     switch: float,
     size: float,
-    state: State,
+    here: State,
+    there: State,
     step: Step,
     new: State,
 ) -> None:
-    """Write the state that a fraction ``size`` of the step leads to, and what is out of balance there."""
-    new.position[:] = state.position + size * step.move
-    new.density[:] = state.density + size * step.change
+    """Write the state a fraction ``size`` of the step away from ``there``, and its right side by ``here``'s tangent."""
+    new.position[:] = there.position + size * step.move
+    new.density[:] = there.density + size * step.change
     measure(structure, loading, tension, switch, new)
-    right_side(structure, state, new, step)
+    right_side(structure, here, new, step)

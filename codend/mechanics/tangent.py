@@ -83,7 +83,7 @@ def add_turned_block(
         blocks[slot, i, 2] += e * z - t * y
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_bar_tangent(
     position: Floats, structure: Structure, pattern: Pattern, density: Floats, hardening: Floats, blocks: Floats
 ) -> None:

@@ -15,7 +15,7 @@ from codend.mechanics.pressure import _area_vector, _corners, add_pressure, row_
 from codend.net import Floats
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def front_band(loading: Loading, share: Floats) -> int:
     """Band whose share moves with the net; -1 if none does."""
     if loading.catch_kind == FILLED_MESHES:
@@ -26,7 +26,7 @@ def front_band(loading: Loading, share: Floats) -> int:
     return -1
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def share_gradient(
     position: Floats, structure: Structure, loading: Loading, share: Floats, band: int, gradient: Floats
 ) -> None:
@@ -92,7 +92,7 @@ def share_gradient(
     gradient *= -1.0 / by_share
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def load_by_share(position: Floats, structure: Structure, loading: Loading, band: int, load: Floats) -> None:
     """Write the derivative of the nodal loads with respect to the share of a band, N, (n, 3)."""
     load[:] = 0.0

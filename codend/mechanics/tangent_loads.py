@@ -13,7 +13,7 @@ from codend.mechanics.tangent import Pattern, add_turned_block
 from codend.net import Floats
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_drag_tangent(
     position: Floats, structure: Structure, loading: Loading, pattern: Pattern, share: Floats, blocks: Floats
 ) -> None:
@@ -69,7 +69,7 @@ def add_drag_tangent(
         add_turned_block(blocks, slots[bar, 3], -1.0, h, image, image, rotations)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _law_and_slope(theta: float, angles: Floats, coefficients: Floats) -> tuple[float, float]:
     """Net pressure coefficient and its derivative with respect to theta."""
     low, high = 0, len(angles) - 2
@@ -84,7 +84,7 @@ def _law_and_slope(theta: float, angles: Floats, coefficients: Floats) -> tuple[
     return ((c3 * t + c2) * t + c1) * t + c0, (3.0 * c3 * t + 2.0 * c2) * t + c1
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_pressure_tangent(
     position: Floats, structure: Structure, loading: Loading, pattern: Pattern, share: Floats, blocks: Floats
 ) -> None:

@@ -19,7 +19,7 @@ def solve_along(
     catch_values: Sequence[float],
     tolerance: float,
     start: Solution | None = None,
-    settings: NewtonSettings = NewtonSettings(),
+    settings: NewtonSettings | None = None,
     progress: Progress | None = None,
 ) -> list[Solution]:
     """Equilibria for each of ``catch_values``, in order, of a net under loads that are otherwise the same.
@@ -29,12 +29,13 @@ def solve_along(
 
     Args:
         problem: the net under its loads; its own catch value does not matter.
-        catch_values: filled meshes, distances of the front in m or volumes in m3, as the problem's kind of catch has it.
+        catch_values: filled meshes, distances of the front in m or volumes in m3, by the problem's kind of catch.
         tolerance: as in ``newton.solve``.
         start: equilibrium to start from, for a catch near the first one.
-        settings: for Newton's method. Only the first and the unreachable catches fall back on its rough starts.
+        settings: for Newton's method, its defaults without. Only the first and the unreachable catches fall back on its rough starts.
         progress: told the residual of every iteration.
     """
+    settings = settings or NewtonSettings()
     prepared = newton.prepare(problem.structure)
     direct = replace(settings, rough_starts=())
     known: list[tuple[float, Solution]] = []

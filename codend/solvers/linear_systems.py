@@ -23,6 +23,9 @@ WIDEST_BAND = 250
 class LinearSystem(Protocol):
     """A factorised tangent; fixed coordinates are left out of it and come back as 0."""
 
+    worthwhile_gain: float
+    """Fall of the merit at which one more step with the same factors costs less than it saves."""
+
     def factorise(self, blocks: Floats) -> int | None:
         """Factorise the tangent ``blocks`` (b, 3, 3).
 
@@ -69,6 +72,8 @@ def _scalar_places(pattern: Pattern, unknown: Ints) -> tuple[Ints, Ints]:
 
 class BandedSystem:
     """Band LU without pivoting."""
+
+    worthwhile_gain = 0.05
 
     def __init__(self, unknown: Ints, row: Ints, column: Ints, half_band: int) -> None:
         self.unknown, self.half_band = unknown, half_band
@@ -150,7 +155,9 @@ def solve_band(band: Floats, unknown: Ints, right: Floats, solution: Floats) -> 
 
 
 class SparseSystem:
-    """SuperLU in its symmetric mode; the ordering is found once and kept."""
+    """SuperLU in its symmetric mode."""
+
+    worthwhile_gain = 0.5
 
     def __init__(self, unknown: Ints, row: Ints, column: Ints) -> None:
         self.size = int(unknown.max(initial=-1)) + 1

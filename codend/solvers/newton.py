@@ -14,7 +14,7 @@ import numpy as np
 from codend.mechanics import newton_step as kernels
 from codend.mechanics import relaxation
 from codend.mechanics.arrays import Structure
-from codend.mechanics.bars import augmented_law
+from codend.mechanics.bars import augmented_law, bar_lengths
 from codend.mechanics.newton_step import State, Step
 from codend.mechanics.tangent import Pattern, pattern_of
 from codend.net import Floats
@@ -24,6 +24,8 @@ from codend.solvers.linear_systems import LinearSystem, linear_system
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
 METHOD = "newton"
+CLEAR_GAIN = 0.1
+"""Fall of the merit at which a step is taken without the test of monotonicity."""
 
 
 @dataclass(frozen=True)
@@ -64,8 +66,7 @@ class Prepared:
 
     pattern: Pattern
     system: LinearSystem
-    state: State
-    trial: State
+    states: tuple[State, State, State]
     step: Step
     move: Floats
 
@@ -76,8 +77,7 @@ def prepare(structure: Structure) -> Prepared:
     return Prepared(
         pattern=pattern,
         system=linear_system(structure, pattern),
-        state=kernels.empty_state(structure),
-        trial=kernels.empty_state(structure),
+        states=(kernels.empty_state(structure), kernels.empty_state(structure), kernels.empty_state(structure)),
         step=kernels.empty_step(structure, pattern),
         move=np.zeros_like(structure.free),
     )
@@ -185,7 +185,8 @@ class _Run:
     ) -> None:
         self.problem, self.structure, self.loading = problem, problem.structure, problem.loading
         self.prepared, self.settings, self.progress = prepared, settings, progress
-        self.state, self.trial, self.step = prepared.state, prepared.trial, prepared.step
+        self.state, self.trial, self.spare = prepared.states
+        self.step = prepared.step
         self.iterations = 0
         self.negative_pivots: int | None = None
         self.history: list[float] = []
@@ -209,21 +210,21 @@ class _Run:
         settings, shift = self.settings, 0.0
         last = self.iterations + settings.iterations_allowed
         while True:
-            merit, residual, imbalance, length_error, fits = self.state.marks
+            merit, residual, imbalance, _, fits = self.state.marks
             error = float(max(residual, imbalance))
             if not np.isfinite(merit) or not np.isfinite(error):
                 return Outcome.NOT_FINITE
             self.history.append(error)
             if self.progress is not None:
                 self.progress(METHOD, error)
-            if error <= tolerance and length_error <= LENGTH_TOLERANCE:
+            if _within(self.state, tolerance):
                 if fits == 0.0:
                     return Outcome.OVERFULL
                 return Outcome.COMPRESSED if self.state.density.min(initial=0.0) < 0.0 else Outcome.CONVERGED
             if self.iterations >= last:
                 return Outcome.STEPS_SPENT
             self.iterations += 1
-            while not self._advance(shift):
+            while not self._advance(shift, tolerance):
                 shift = max(10.0 * shift, settings.first_shift)
                 if shift > settings.largest_shift:
                     return Outcome.SINGULAR if self.negative_pivots == -1 else Outcome.NOT_IMPROVING
@@ -232,19 +233,19 @@ class _Run:
     def _set_start(self, start: Solution | None, switch: float) -> None:
         state, structure = self.state, self.structure
         self.switch = switch
-        self.tension = _reference_tension(self.problem)
         if start is None:
             state.position[:] = self.problem.net.positions
-            state.density[:] = self.tension / structure.length
         else:
             state.position[:] = start.positions
-            kernels.measure(structure, self.loading, self.tension, switch, state)
+            bar_lengths(start.positions, structure, state.length)
             state.density[:] = start.bar_tension / state.length
-            mean = float(start.bar_tension.mean())
-            self.tension = mean if mean > 0.0 else self.tension
+        self.tension = float(start.bar_tension.mean()) if start is not None else 0.0
+        if self.tension == 0.0:
+            self.tension = _reference_tension(self.problem)
+            state.density[:] = self.tension / structure.length
         kernels.measure(structure, self.loading, self.tension, switch, state)
 
-    def _advance(self, shift: float) -> bool:
+    def _advance(self, shift: float, tolerance: float) -> bool:
         """Take one step with the tangent shifted; False if no good one was found."""
         structure, loading, step, settings = self.structure, self.loading, self.step, self.settings
         system, state, trial, tension = self.prepared.system, self.state, self.trial, self.tension
@@ -253,13 +254,15 @@ class _Run:
         if self.negative_pivots:
             return False
         solved = system.solve(step.right[:sides])
-        length, turn, determinant = kernels.finish_step(structure, state, solved, step)
+        length, turn, determinant = kernels.finish_step(structure, state, state, solved, step)
         if not determinant > 0.0 or not np.isfinite(turn):
             self.negative_pivots = 1
             return False
         size = min(1.0, settings.largest_turn / turn) if turn > 0.0 else 1.0
         while True:
-            kernels.take(structure, loading, tension, self.switch, size, state, step, trial)
+            kernels.take(structure, loading, tension, self.switch, size, state, state, step, trial)
+            if trial.marks[0] <= CLEAR_GAIN * state.marks[0]:
+                break
             solved[:1] = system.solve(step.right[:1])
             left, bend = kernels.simplified_move(solved, size, step, self.prepared.move)
             # a shifted step leaves what the shift took, so there only growth is refused
@@ -268,5 +271,30 @@ class _Run:
             size = min(0.5 * size, 0.5 * size * size * length / bend)
             if size < settings.shortest_step:
                 return False
-        self.state, self.trial = trial, state
+        gain = trial.marks[0] / state.marks[0]
+        if shift == 0.0 and size == 1.0 and gain <= system.worthwhile_gain and not _within(trial, tolerance):
+            self._reuse(solved, tolerance)
+        else:
+            self.state, self.trial = trial, state
         return True
+
+    def _reuse(self, solved: Floats, tolerance: float) -> None:
+        """Go on from the trial with the old tangent as long as that is worth its while (Shamanskii's method)."""
+        here, there, new = self.state, self.trial, self.spare
+        system, step = self.prepared.system, self.step
+        while True:
+            solved[:1] = system.solve(step.right[:1])
+            kernels.finish_step(self.structure, here, there, solved, step)
+            kernels.take(self.structure, self.loading, self.tension, self.switch, 1.0, here, there, step, new)
+            gain = new.marks[0] / there.marks[0]
+            if gain < 1.0:
+                there, new = new, there
+            if not gain <= system.worthwhile_gain or _within(there, tolerance):
+                break
+        self.state, self.trial, self.spare = there, new, here
+
+
+def _within(state: State, tolerance: float) -> bool:
+    """Whether a state is an equilibrium to the tolerances."""
+    _, residual, imbalance, length_error, _ = state.marks
+    return bool(max(residual, imbalance) <= tolerance and length_error <= LENGTH_TOLERANCE)
