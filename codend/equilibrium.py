@@ -21,6 +21,9 @@ from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 ROUGH_TOLERANCE = 1e-3
 """Residual to which relaxation brings a net before Newton's method takes over."""
 
+SMALLEST_STIFFENING = 1e-3
+"""Least step in stiffness, as a share of the twine's own, before that start is given up."""
+
 Attempt = tuple[str, Callable[[], Solution]]
 
 
@@ -79,8 +82,13 @@ def _attempts(
     method, tolerance = scene.plan.model.method, scene.plan.model.tolerance
     settings = RelaxationSettings(viscous=scene.plan.model.damping == "viscous")
 
-    def by_newton(start: Solution) -> Solution:
+    stiff = len(problem.net.corners) > 0
+
+    def solve(problem: Problem, start: Solution) -> Solution:
         return newton.solve(problem, tolerance, start, progress=progress, prepared=scene.prepared)
+
+    def by_newton(start: Solution) -> Solution:
+        return solve(problem, start)
 
     def by_relaxation(accuracy: float) -> Solution:
         return dynamic_relaxation.solve(problem, accuracy, settings=settings, progress=progress)
@@ -89,13 +97,35 @@ def _attempts(
         if last is not None:
             yield "the last equilibrium", lambda: by_newton(last)
         guess = _sector_guess(scene, case)
-        if guess is not None:
+        if guess is not None and not stiff:
             yield "the meridian method's shape", lambda: by_newton(guess)
+        elif guess is not None:
+            yield (
+                "the meridian method's shape, its twine stiffened step by step",
+                lambda: _stiffened(problem, guess, solve),
+            )
         rough = by_relaxation(ROUGH_TOLERANCE)
         if rough.report.outcome.converged:
             yield "a rough relaxation", lambda: _added(rough, by_newton(rough))
     if method in ("auto", "dynamic-relaxation"):
         yield "a crude bag", lambda: by_relaxation(tolerance)
+
+
+def _stiffened(problem: Problem, start: Solution, solve: Callable[[Problem, Solution], Solution]) -> Solution:
+    """Equilibrium with stiff twine, from that with limp twine by steps in stiffness as long as they succeed."""
+    stiffness = problem.structure.corner_stiffness
+    solution, reached, step = start, -1.0, 1.0
+    while reached < 1.0:
+        target = 0.0 if reached < 0.0 else min(reached + step, 1.0)
+        structure = problem.structure._replace(corner_stiffness=target * stiffness)
+        trial = solve(replace(problem, structure=structure), solution)
+        if trial.report.outcome.converged:
+            solution, reached, step = trial, target, 3.0 * step
+        elif reached < 0.0 or step < SMALLEST_STIFFENING:
+            return trial
+        else:
+            step *= 0.25
+    return solution
 
 
 def _added(first: Solution, second: Solution) -> Solution:

@@ -22,8 +22,6 @@ def why_not(plan: Plan) -> str:
     section = plan.netting[0]
     if section.mesh == "square":
         return "it takes diamond and T90 netting"
-    if section.bending_stiffness_n_m2 > 0.0:
-        return "it knows no bending stiffness"
     return ""
 
 
@@ -33,7 +31,10 @@ def solve_case(plan: Plan, case: Case) -> MeridianShape:
     Raises:
         InputError: the plan is not one the method takes, or the catch does not fit.
     """
-    if reason := why_not(plan):
+    reason = why_not(plan)
+    if not reason and plan.netting[0].bending_stiffness_n_m2 > 0.0:
+        reason = "it knows no bending stiffness"
+    if reason:
         raise InputError(
             file=plan.source, key="model.fidelity", value="meridian", allowed=f"another fidelity; {reason}"
         )
@@ -61,7 +62,7 @@ def solve_case(plan: Plan, case: Case) -> MeridianShape:
 
 
 def first_guess(plan: Plan, case: Case) -> MeridianShape | None:
-    """Shape under uniform pressure without twine drag, close to the answer and cheap; None where there is none."""
+    """Shape of limp twine under uniform pressure without twine drag, close to the answer and cheap; None where there is none."""
     if why_not(plan) or case.catch_kind != "filled_meshes":
         return None
     coefficient = plan.catch.coefficient if plan.catch.pressure == "uniform" else MEAN_COEFFICIENT
