@@ -32,7 +32,7 @@ def solve_along(
         catch_values: filled meshes, distances of the front in m or volumes in m3, by the problem's kind of catch.
         tolerance: as in ``newton.solve``.
         start: equilibrium to start from, for a catch near the first one.
-        settings: for Newton's method, its defaults without. Only the first and the unreachable catches fall back on its rough starts.
+        settings: for Newton's method; only the first and the unreachable catches use its rough starts.
         progress: told the residual of every iteration.
     """
     settings = settings or NewtonSettings()

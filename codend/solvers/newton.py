@@ -35,8 +35,8 @@ class NewtonSettings:
     switches: tuple[float, ...] = (0.1, 0.01, 1.0)
     """Weights of the test for taut bars (``newton_step.measure``), tried in order: where one makes bars go taut and
     slack in turns for ever, another does not."""
-    iterations_allowed: int = 40
-    """Iterations with each of them."""
+    iterations_allowed: int = 30
+    """Iterations with each of them; from a start that was given only the first is tried before the net is relaxed."""
     largest_turn: float = 1.0
     """Largest change of a taut bar's vector in one step, over its length."""
     shortest_step: float = 0.01
@@ -109,18 +109,16 @@ def solve(
     prepared = prepare(problem.structure) if prepared is None else prepared
     run = _Run(problem, prepared, settings, progress)
     attempts: list[str] = []
-    rough = settings.rough_starts
-    if start is None:
-        start, note = rough_shape(problem, *rough[0], settings.rough_steps)
-        attempts.append(note)
-        rough = rough[1:]
+    switches = settings.switches[:1] if start is not None and settings.rough_starts else settings.switches
+    waiting = list(settings.rough_starts)
     while True:
-        outcome = run.from_start(start, tolerance, attempts)
-        if outcome in (Outcome.CONVERGED, Outcome.OVERFULL) or not rough:
+        if start is None:
+            start, note = rough_shape(problem, *waiting.pop(0), settings.rough_steps)
+            attempts.append(note)
+        outcome = run.from_start(start, tolerance, switches, attempts)
+        if outcome in (Outcome.CONVERGED, Outcome.OVERFULL) or not waiting:
             break
-        start, note = rough_shape(problem, *rough[0], settings.rough_steps)
-        attempts.append(note)
-        rough = rough[1:]
+        start, switches = None, settings.switches
     _, residual, imbalance, length_error, _ = (float(mark) for mark in run.state.marks)
     report = NewtonReport(
         method=METHOD,
@@ -191,9 +189,11 @@ class _Run:
         self.negative_pivots: int | None = None
         self.history: list[float] = []
 
-    def from_start(self, start: Solution, tolerance: float, attempts: list[str]) -> Outcome:
+    def from_start(
+        self, start: Solution, tolerance: float, switches: tuple[float, ...], attempts: list[str]
+    ) -> Outcome:
         """Try the weights of the test for taut bars in order, and note each attempt."""
-        for switch in self.settings.switches:
+        for switch in switches:
             before = self.iterations
             outcome = self.to_equilibrium(tolerance, start, switch)
             attempts.append(
