@@ -23,7 +23,7 @@ def fill_by_meshes(band_meshes: Floats, filled: float, share: Floats) -> bool:
 
 @njit(cache=True)
 def fill_to_plane(row_x: Floats, distance: float, share: Floats) -> bool:
-    """Write the share of every band aft of the plane ``distance`` metres ahead of the codline; False if out of the bag."""
+    """Write the share of every band aft of a plane ``distance`` m ahead of the codline; False if out of the bag."""
     bands = len(share)
     plane = row_x[bands] - distance
     for band in range(bands):

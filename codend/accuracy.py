@@ -1,9 +1,9 @@
 """How far the numbers of a result may be off: the solver's tolerance, merged meshes, and the pressure curve.
 
-The number of meshes of the real net is real, not an error: a sector of the unglobalised net has no discretisation error.
+The number of meshes of the real net is real, not an error: a sector of the unglobalised net is exact in that respect.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -38,7 +38,7 @@ class Errors:
     @classmethod
     def unknown(cls) -> "Errors":
         """No estimate of anything."""
-        return cls(*(float("nan"),) * 5)
+        return cls(*(float("nan") for _ in fields(cls)))
 
 
 _QUANTITIES = ("drag_n", "catch_volume_m3", "max_radius_m", "opening_ahead_deg")
@@ -48,8 +48,8 @@ def estimate(scene: Scene, case: Case, problem: Problem, solution: Solution, mea
     """Error estimates of one solved case.
 
     The solver's part is the distance to an answer that Newton's method finds from the result at a far smaller residual.
-    The part of a globalised net is the distance between a sector of it and one of the real net, under the loads that are
-    the same all round.
+    The part of a globalised net is the distance between a sector of it and one of the real net, under the loads that
+    are the same all round.
     """
     prepared = scene.prepared or newton.prepare(problem.structure)
     finest = max(POLISHED * max(solution.report.residual, solution.report.imbalance), FINEST)
@@ -59,11 +59,12 @@ def estimate(scene: Scene, case: Case, problem: Problem, solution: Solution, mea
     solver = _distance(measures, measure_all(problem, polished)[2])
     merged = discretisation(scene.plan, case, scene.globalisation)
     errors = SAFETY * (solver + merged) + NOISE * np.abs([getattr(measures, name) for name in _QUANTITIES])
-    return Errors(*map(float, errors), _change_with_suction(problem, polished, prepared, measures.drag_n))
+    drag, volume, radius, opening = map(float, errors)
+    return Errors(drag, volume, radius, opening, _change_with_suction(problem, polished, prepared, measures.drag_n))
 
 
 def discretisation(plan: Plan, case: Case, globalisation: int) -> np.ndarray:
-    """What merging meshes changes in drag, volume, largest radius and opening ahead of the catch; 0 for the real net."""
+    """What merging meshes changes in drag, volume, largest radius and opening ahead of the catch; 0 without merging."""
     if globalisation == 1:
         return np.zeros(len(_QUANTITIES))
     found = []

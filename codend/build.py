@@ -173,7 +173,7 @@ class _Parts:
         self.bars.append(_columns(first.node, second.node, image, np.broadcast_to(band, knot.shape), knot))
 
     def add_quadrangles(self, a: _Corner, b: _Corner, c: _Corner, d: _Corner, band: NDArray) -> None:
-        """Cover a, b, c, d by both divisions into two triangles, each at half weight, so that no diagonal is special."""
+        """Cover a, b, c, d by both divisions into triangles, each at half weight, so that no diagonal is special."""
         for p, q, r in ((a, b, c), (a, c, d), (a, b, d), (b, c, d)):
             place = np.broadcast_to(band, p.node.shape)
             self.facets.append(_columns(p.node, q.node, r.node, p.image, q.image, r.image, place))
@@ -196,7 +196,8 @@ class _Parts:
         table = np.concatenate([nodes, images, table[:, 6:]], axis=1)
         same = [(nodes[:, i] == nodes[:, j]) & (images[:, i] == images[:, j]) for i, j in ((0, 1), (1, 2), (2, 0))]
         unique, count = np.unique(table[~np.any(same, axis=0)], axis=0, return_counts=True)
-        return unique[np.argsort(unique[:, -1], kind="stable")], 0.5 * count[np.argsort(unique[:, -1], kind="stable")]
+        by_band = np.argsort(unique[:, -1], kind="stable")
+        return unique[by_band], np.asarray(0.5 * count[by_band], dtype=np.float64)
 
 
 def _columns(*arrays: NDArray) -> NDArray:
@@ -308,7 +309,7 @@ def _knotted_net(lattice: _Lattice, shape: _Shape) -> Net:
 def _add_corners(
     parts: _Parts, port: Callable[[int, NDArray, NDArray], _Corner], across_row: NDArray, columns: int
 ) -> None:
-    """Corners between two twines: fore and aft of a knot that lies lengthwise, left and right of one that lies across."""
+    """Corners between two twines: fore and aft of a knot that lies lengthwise, left and right of one across."""
     bands = len(across_row) - 1
     rows = np.arange(bands + 1)
 

@@ -9,10 +9,10 @@ import numpy as np
 from codend.build import build_net
 from codend.errors import InputError
 from codend.loads import problem_of
-from codend.problem import Problem
 from codend.meridian.plan_case import first_guess, tensions_on
 from codend.net import Net, rotate
 from codend.plan import Case, Plan
+from codend.problem import Problem
 from codend.solvers import dynamic_relaxation, newton
 from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.newton import NewtonSettings
@@ -62,7 +62,8 @@ def solve(scene: Scene, case: Case, last: Solution | None, progress: Progress | 
 
     ``auto`` tries, in this order: Newton from the last equilibrium, Newton from the meridian method's shape (of one
     sector, set all round for a full net), relaxation from a crude bag with Newton to finish, and relaxation alone. The
-    other methods try what they can of that. The report of what is returned tells every attempt; its time is that of all of them, the guess included.
+    other methods try what they can of that. The report of what is returned tells every attempt; its time is that of all
+    of them, the guess included.
     """
     problem = problem_of(scene.net, scene.plan, case)
     attempts: list[str] = []

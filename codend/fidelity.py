@@ -47,7 +47,7 @@ def choose(plan: Plan) -> Choice:
         return Choice("full", 1, None, "Asked for: every mesh of the real net.")
     if heavy:
         merged = min(plan.globalisations, key=lambda d: abs(d - 5))
-        why = f"Wet weight breaks the symmetry ({weighed}): the full net, {merged} x {merged} real meshes merged into one."
+        why = f"Wet weight breaks the symmetry ({weighed}): the full net, {merged} x {merged} meshes merged into one."
         return Choice("globalised", merged, None, why)
     light = "no twine density is given, so wet weight is left out" if weight == 0.0 else f"{weighed} is negligible"
     why = f"The plan is the same all round and {light}: one of {_sectors(plan)} equal sectors of the real net is exact."

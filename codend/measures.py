@@ -8,9 +8,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from catch_models.pressure import PressureLaw
-from codend.problem import Problem
 from codend.mechanics import bars, bending, drag, pressure
 from codend.net import Floats, Net, mesh_corners
+from codend.problem import Problem
 from codend.solvers.outcome import Solution
 
 WANTED_OPENING_DEG = 30.0
@@ -181,11 +181,11 @@ def measure_all(problem: Problem, solution: Solution) -> tuple[Meshes, Rows, Mea
 
 
 def opening_rows_ahead(net: Net, share: Floats) -> Floats:
-    """Places of the five real mesh rows just ahead of the front, in meshes from the entry, as far as there are so many."""
+    """Places of the five real mesh rows just ahead of the front, or as many as there are, in meshes from the entry."""
     to_front = float((1.0 - share) @ net.band_meshes)
     half = 0.5 if net.band_meshes[0] == 0.5 * net.globalisation else 1.0
     places = to_front - half * np.arange(1, ROWS_AHEAD + 1)
-    return places[places >= half - 1e-9]
+    return np.asarray(places[places >= half - 1e-9], dtype=np.float64)
 
 
 def _meshes_from_entry(net: Net) -> Floats:

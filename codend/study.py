@@ -11,11 +11,11 @@ from codend.accuracy import Errors
 from codend.build import build_net
 from codend.fidelity import Choice
 from codend.loads import problem_of
-from codend.problem import Problem
 from codend.measures import Measures, Meshes, Rows, measure_all
 from codend.meridian import plan_case
 from codend.net import Floats, Net
 from codend.plan import Case, Plan
+from codend.problem import Problem
 from codend.solvers.outcome import Outcome, Solution, SolverReport
 
 if TYPE_CHECKING:
@@ -148,7 +148,7 @@ def _measured(case: Case, problem: Problem, solution: Solution) -> CaseResult:
 
 
 def _solve_meridian(plan: Plan, progress: StudyProgress | None) -> Iterator[CaseResult]:
-    """Cases by the meridian method: its own drag, volume and sizes; openings on a sector net laid out along its shape."""
+    """Cases by the meridian method: its own drag and sizes; openings on a sector net laid out along its shape."""
     cases = plan.cases()
     for case in cases:
         if progress is not None:

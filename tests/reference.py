@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from codend.problem import Problem
 from codend.net import Net
+from codend.problem import Problem
 
 
 def turned(point: np.ndarray, image: int, order: int) -> np.ndarray:

@@ -18,7 +18,7 @@ def uniform():
 
 
 def half_angles(result):
-    """Half opening angle of the twines of each band, from the rows: sin phi = half the spacing of knots over the bar."""
+    """Half opening angle of the twines of each band: sin phi = half the spacing of the knots over the bar."""
     rows, net = result.rows, result.net
     middle = 0.5 * (rows.radius_m[1:] + rows.radius_m[:-1])
     return np.arcsin(np.clip(middle * np.pi / (net.order * net.bar_length[0]), 0, 1))

@@ -69,7 +69,7 @@ def test_loads_turn_and_travel_with_the_net(case, angle, shift):
     problem = problem_of(net, plan, plan.cases()[0])
     share = filled_share(problem, net.positions)
     turned = rotate(net.positions, 1, 2 * np.pi / angle) if angle else net.positions
-    moved = turned + [shift, 0.0, 0.0]
+    moved = turned + np.array([shift, 0.0, 0.0])
     expected = loads_on(problem, net.positions, share)
     expected = rotate(expected, 1, 2 * np.pi / angle) if angle else expected
     assert loads_on(problem, moved, share) == pytest.approx(expected, abs=1e-10)

@@ -3,10 +3,10 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from tests.bad_plans import VALID_PLAN, assert_is_one_clear_line
 
 from codend.errors import InputError
 from codend.plan import load_plan, plan_from_dict
+from tests.bad_plans import VALID_PLAN, assert_is_one_clear_line
 
 
 @pytest.fixture

@@ -10,7 +10,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.bad_plans import BAD_PLANS, VALID_PLAN, BadPlan, assert_is_one_clear_line
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
@@ -18,6 +17,7 @@ from pydantic import ValidationError
 from codend.errors import InputError
 from codend.plan import Case, Plan, load_plan, plan_from_dict
 from codend.plan_tables import Drag, Netting
+from tests.bad_plans import BAD_PLANS, VALID_PLAN, BadPlan, assert_is_one_clear_line
 
 CASES = Path(__file__).parents[1] / "validation" / "cases"
 

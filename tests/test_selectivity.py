@@ -246,8 +246,8 @@ def test_stiff_twine_holds_t90_open_so_that_it_lets_longer_fish_go_than_t0_over_
         both = l50["t90"][-1] - l50["diamond"][0]
         halved = l50["diamond"][-1] - l50["diamond"][0]
         print(
-            f"\nT90 less T0 with EI = {bending:g} N m2 (assumed), 100, 75, 50 meshes round: {np.round(gain, 1)} cm; halving "
-            f"the meshes round {halved:+.1f} cm, with T90 {both:+.1f} cm; published: about +12 cm for both"
+            f"\nT90 less T0 with EI = {bending:g} N m2 (assumed), 100, 75, 50 meshes round: {np.round(gain, 1)} cm; "
+            f"halving the meshes round {halved:+.1f} cm, with T90 {both:+.1f} cm; published: about +12 cm for both"
         )
     assert (l50["t90"] > l50["diamond"]).all()
 
@@ -265,7 +265,7 @@ def test_l50_falls_with_stiffer_and_doubled_twine(capsys):
         ratios.append(thick / thin)
     with capsys.disabled():
         print(
-            f"\nL50 with double 6 mm over single 3.5 mm twine, 100, 75, 50 meshes round: {np.round(ratios, 3)}; published "
-            f"for 3.5 to 6 mm double twine: {2.38 / 2.64:.3f}"
+            f"\nL50 with double 6 mm over single 3.5 mm twine, 100, 75, 50 meshes round: {np.round(ratios, 3)}; "
+            f"published for 3.5 to 6 mm double twine: {2.38 / 2.64:.3f}"
         )
     assert (np.array(ratios) < 1.0).all()

@@ -1,8 +1,9 @@
 """Speed of the relaxation on the flume net: ``python -m validation.benchmarks``.
 
-Prints, for the sector, globalised and full models of one plan, nanoseconds a bar and step for the inner loop and for the
-whole relaxation (loads, masses and convergence included), and steps and milliseconds to a residual of 1e-6 from a crude
-bag. Compilation comes first and is told apart. Each figure is the least of several runs: the machine's noise only adds.
+Prints, for the sector, globalised and full models of one plan, nanoseconds a bar and step for the inner loop and for
+the whole relaxation (loads, masses and convergence included), and steps and milliseconds to a residual of 1e-6 from a
+crude bag. Compilation comes first and is told apart. Each figure is the least of several runs: the machine's noise only
+adds.
 """
 
 from pathlib import Path

@@ -1,9 +1,9 @@
 """Resistance of stiff twine to the opening of the meshes: kernels.
 
-A twine of bending stiffness EI and length b that is clamped in its knots turns by phi - phi0 from its angle at rest under
-the moment k (phi - phi0), k = 12 EI / b for small deflections (derived: both ends sway, 6 EI / b^2 times the deflection
-each). Half of that belongs to each end. At a corner of a mesh two twines meet at the angle psi = 2 phi, or pi - 2 phi beside a knot that lies
-across, so a corner holds half the energy of two twines:
+A twine of bending stiffness EI and length b that is clamped in its knots turns by phi - phi0 from its angle at rest
+under the moment k (phi - phi0), k = 12 EI / b for small deflections (derived: each end sways under 6 EI / b^2 times the
+deflection). Half of that belongs to each end. At a corner of a mesh two twines meet at the angle psi = 2 phi, or
+pi - 2 phi beside a knot that lies across, so a corner holds half the energy of two twines:
 
     U = k (psi - psi0)^2 / 8,   dU/dpsi = k (psi - psi0) / 4
 """
@@ -32,7 +32,7 @@ def corner_vectors(position: Floats, structure: Structure, corner: int, u: Float
 def corner_slopes(u: Floats, v: Floats, along_u: Floats, along_v: Floats) -> float:
     """Angle psi between two vectors, and its gradients with respect to them; gradients 0 where they are parallel."""
     uu, vv, uv = u @ u, v @ v, u @ v
-    cross = np.sqrt(max(uu * vv - uv * uv, 0.0))
+    cross = float(np.sqrt(np.maximum(uu * vv - uv * uv, 0.0)))
     along_u[:] = 0.0
     along_v[:] = 0.0
     if cross > 1e-12 * uu + 1e-12 * vv:
@@ -55,8 +55,8 @@ def add_bending(position: Floats, structure: Structure, force: Floats) -> None:
         a, b = moment * along_u, moment * along_v
         add_turned_back(force, corners[corner, 1], a[0], a[1], a[2], images[corner, 1], rotations)
         add_turned_back(force, corners[corner, 2], b[0], b[1], b[2], images[corner, 2], rotations)
-        a, b = -a - b, b
-        add_turned_back(force, corners[corner, 0], a[0], a[1], a[2], images[corner, 0], rotations)
+        m = -a - b
+        add_turned_back(force, corners[corner, 0], m[0], m[1], m[2], images[corner, 0], rotations)
 
 
 @njit(cache=True)
@@ -66,9 +66,10 @@ def add_bending_bound(position: Floats, structure: Structure, bound: Floats) -> 
     u, v = np.empty(3), np.empty(3)
     for corner in range(len(stiffness)):
         corner_vectors(position, structure, corner, u, v)
-        shorter = min(u @ u, v @ v)
+        uu, vv = float(u @ u), float(v @ v)
+        shorter = min(uu, vv)
         # 2/l for the angle's gradient at the middle; its own derivative weighs with the moment that is there
-        angle = np.arccos(min(max(u @ v / np.sqrt((u @ u) * (v @ v)), -1.0), 1.0))
+        angle = np.arccos(min(max(float(u @ v) / np.sqrt(uu * vv), -1.0), 1.0))
         turning = 0.25 * stiffness[corner] * (4.0 + 4.0 * abs(angle - rest[corner]) / max(np.sin(angle), 0.05))
         for end in range(3):
             bound[corners[corner, end]] += turning / shorter

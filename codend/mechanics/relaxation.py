@@ -121,7 +121,7 @@ def out_of_balance(structure: Structure, force: Floats, load: Floats) -> tuple[f
 
 @njit(cache=True)
 def refresh(work: Workspace, structure: Structure, loading: Loading, mass_factor: float) -> tuple[float, float, bool]:
-    """Set loads, tensions, masses and the linearised law afresh; residual, axial imbalance and whether the catch fits."""
+    """Set loads, tensions, masses and law afresh; return residual, axial imbalance and whether the catch fits."""
     state, force, position, stiffness = work.state, work.force, work.position, work.stiffness
     position[:] = state[:, X : X + 3]
     fits = fill(position, structure, loading, work.share)
@@ -169,7 +169,7 @@ def refresh(work: Workspace, structure: Structure, loading: Loading, mass_factor
 def set_pressure_bound(
     position: Floats, structure: Structure, loading: Loading, share: Floats, stiffness: Floats
 ) -> None:
-    """Write a bound on the pressure's part of each node's row of the stiffness matrix: p times perimeter / 6 a facet."""
+    """Write a bound on the pressure's part of each node's row of the stiffness: p times perimeter / 6 a facet."""
     stiffness[:] = 0.0
     pressure = loading.stagnation_pressure * np.max(np.abs(loading.coefficients[3]))
     facets, bands, weights, order = structure.facets, structure.facet_band, structure.facet_weight, structure.order
@@ -299,8 +299,8 @@ def relax(
 ) -> tuple[int, int, int, float, float]:
     """Relax from rest until residual and axial imbalance fall to ``tolerance``.
 
-    Kinetic damping stops the motion at every peak of the kinetic energy, interpolated between the steps; viscous damping
-    is critical for the lowest frequency seen (Rayleigh quotient of the last moves).
+    Kinetic damping stops the motion at every peak of the kinetic energy, interpolated between the steps; viscous
+    damping is critical for the lowest frequency seen (Rayleigh quotient of the last moves).
 
     Returns:
         outcome, steps, stops, residual and axial imbalance (both over the resultant of the loads).

@@ -1,7 +1,7 @@
 """Exact tangent of the nodal forces: where its blocks lie, and the bars' part. Loads follow in ``tangent_loads``.
 
-The tangent is kept as 3 x 3 blocks -dF_i/dx_j for every pair of nodes (i, j) that share a bar, a facet or a corner. They
-name images of nodes: with R the rotation of an image, a force acts on the node itself as R^T f, and a move of
+The tangent is kept as 3 x 3 blocks -dF_i/dx_j for every pair of nodes (i, j) that share a bar, a facet or a corner.
+These name images of nodes: with R the rotation of an image, a force acts on the node itself as R^T f, and a move of
 the node shows at the image as R dx, so a block enters as R_i^T H R_j.
 """
 

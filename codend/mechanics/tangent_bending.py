@@ -34,8 +34,8 @@ def angle_curvatures(u: Floats, v: Floats, along_u: Floats, along_v: Floats, cur
 
 @njit(cache=True)
 def add_bending_tangent(position: Floats, structure: Structure, pattern: Pattern, blocks: Floats) -> None:
-    """Add the second derivative of U = k (psi - psi0)^2 / 8: k / 4 (grad psi grad psi^T + (psi - psi0) grad grad psi)."""
-    corners, images, rotations = structure.corners, structure.corner_image, structure.rotations
+    """Add the second derivative of k (psi - psi0)^2 / 8: k / 4 (grad psi grad psi^T + (psi - psi0) grad grad psi)."""
+    images, rotations = structure.corner_image, structure.rotations
     stiffness, rest, slots = structure.corner_stiffness, structure.corner_rest, pattern.corner_slot
     u, v, along_u, along_v = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     curvature, whole, h = np.empty((6, 6)), np.zeros((9, 9)), np.empty((3, 3))

@@ -62,7 +62,7 @@ def solve_case(plan: Plan, case: Case) -> MeridianShape:
 
 
 def first_guess(plan: Plan, case: Case) -> MeridianShape | None:
-    """Shape of limp twine under uniform pressure without twine drag, close to the answer and cheap; None where there is none."""
+    """Shape of limp twine under uniform pressure without drag: near the answer and cheap; None where there is none."""
     if why_not(plan) or case.catch_kind != "filled_meshes":
         return None
     coefficient = plan.catch.coefficient if plan.catch.pressure == "uniform" else MEAN_COEFFICIENT

@@ -9,11 +9,11 @@ from time import perf_counter
 
 import numpy as np
 
-from codend.problem import Problem
 from codend.mechanics import relaxation
 from codend.mechanics.bars import augmented_law, bar_lengths, length_error
 from codend.mechanics.relaxation import Workspace
 from codend.net import Floats
+from codend.problem import Problem
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
 METHOD = "dynamic-relaxation"
