@@ -69,7 +69,7 @@ def discretisation(plan: Plan, case: Case, globalisation: int) -> np.ndarray:
         return np.zeros(len(_QUANTITIES))
     found = []
     for g in (1, globalisation):
-        problem, solution = equilibrium.solve(equilibrium.scene_of(plan, g, 1), case, None, None)
+        problem, solution = equilibrium.solve(equilibrium.scene_of(plan, g, 1), case, (), None)
         if not solution.report.outcome.converged:
             return np.full(len(_QUANTITIES), np.nan)
         found.append(measure_all(problem, solution)[2])

@@ -1,6 +1,6 @@
 """Net under loads to equilibrium: the methods, in the order in which they are tried."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 
@@ -14,15 +14,22 @@ from codend.net import Net, rotate
 from codend.plan import Case, Plan
 from codend.problem import Problem
 from codend.solvers import dynamic_relaxation, newton
+from codend.solvers.continuation import predict
 from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.newton import NewtonSettings
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
-ROUGH_TOLERANCE = 1e-3
-"""Residual to which relaxation brings a net before Newton's method takes over."""
+DIRECT = NewtonSettings(rough_starts=())
+"""Newton's method from the start it is given and no other."""
 
 SMALLEST_STIFFENING = 1e-3
 """Least step in stiffness, as a share of the twine's own, before that start is given up."""
+
+FARTHEST_PREDICTION = 1.5
+"""How far beyond the last catch the next one is predicted, over the distance between the last two."""
+
+START = SolverReport("start", Outcome.NOT_IMPROVING, 0, np.inf, np.inf, np.inf, 0.0)
+"""Report of a shape that nobody has solved yet."""
 
 Attempt = tuple[str, Callable[[], Solution]]
 
@@ -53,22 +60,26 @@ def scene_of(plan: Plan, globalisation: int, columns: int | None) -> Scene:
     prepared = newton.prepare(problem.structure) if uses_newton else None
     # compiled, or read from the cache, before any time is taken
     dynamic_relaxation.compile_kernels(problem)
-    newton.solve(problem, 1.0, settings=NewtonSettings(iterations_allowed=1), prepared=prepared)
+    if prepared is not None:
+        at_rest = Solution(net.positions, np.ones(len(net.bars)), np.zeros(net.bands), START)
+        newton.solve(problem, 1.0, at_rest, replace(DIRECT, iterations_allowed=1), prepared=prepared)
     return Scene(plan, net, columns, globalisation, prepared)
 
 
-def solve(scene: Scene, case: Case, last: Solution | None, progress: Progress | None) -> tuple[Problem, Solution]:
-    """Equilibrium of one case.
+def solve(
+    scene: Scene, case: Case, known: Sequence[tuple[Case, Solution]], progress: Progress | None
+) -> tuple[Problem, Solution]:
+    """Equilibrium of one case, helped by the equilibria known of others of the same scene.
 
-    ``auto`` tries, in this order: Newton from the last equilibrium, Newton from the meridian method's shape (of one
-    sector, set all round for a full net), relaxation from a crude bag with Newton to finish, and relaxation alone. The
-    other methods try what they can of that. The report of what is returned tells every attempt; its time is that of all
-    of them, the guess included.
+    ``auto`` tries, in this order: Newton from where the last equilibria lead, Newton from the meridian method's shape
+    (of one sector, set all round for a full net), Newton from rough relaxations of a crude bag, and relaxation alone.
+    The other methods try what they can of that. The report of what is returned tells every attempt; its time is that of
+    all of them, the guess included.
     """
     problem = problem_of(scene.net, scene.plan, case)
     attempts: list[str] = []
     began = perf_counter()
-    for start, attempt in _attempts(scene, problem, case, last, progress):
+    for start, attempt in _attempts(scene, problem, case, known, progress):
         solution = attempt()
         attempts += [f"from {start}: {line}" for line in solution.report.attempts]
         if solution.report.outcome.converged or solution.report.outcome is Outcome.OVERFULL:
@@ -78,38 +89,39 @@ def solve(scene: Scene, case: Case, last: Solution | None, progress: Progress | 
 
 
 def _attempts(
-    scene: Scene, problem: Problem, case: Case, last: Solution | None, progress: Progress | None
+    scene: Scene, problem: Problem, case: Case, known: Sequence[tuple[Case, Solution]], progress: Progress | None
 ) -> Iterator[Attempt]:
     method, tolerance = scene.plan.model.method, scene.plan.model.tolerance
-    settings = RelaxationSettings(viscous=scene.plan.model.damping == "viscous")
 
-    stiff = len(problem.net.corners) > 0
-
-    def solve(problem: Problem, start: Solution) -> Solution:
-        return newton.solve(problem, tolerance, start, progress=progress, prepared=scene.prepared)
-
-    def by_newton(start: Solution) -> Solution:
-        return solve(problem, start)
-
-    def by_relaxation(accuracy: float) -> Solution:
-        return dynamic_relaxation.solve(problem, accuracy, settings=settings, progress=progress)
+    def from_start(problem: Problem, start: Solution) -> Solution:
+        return newton.solve(problem, tolerance, start, DIRECT, progress, scene.prepared)
 
     if method in ("auto", "newton"):
-        if last is not None:
-            yield "the last equilibrium", lambda: by_newton(last)
+        if known:
+            yield "where the last equilibria lead", lambda: from_start(problem, _led(case, known))
         guess = _sector_guess(scene, case)
-        if guess is not None and not stiff:
-            yield "the meridian method's shape", lambda: by_newton(guess)
+        if guess is not None and len(problem.net.corners) == 0:
+            yield "the meridian method's shape", lambda: from_start(problem, guess)
         elif guess is not None:
-            yield (
-                "the meridian method's shape, its twine stiffened step by step",
-                lambda: _stiffened(problem, guess, solve),
-            )
-        rough = by_relaxation(ROUGH_TOLERANCE)
-        if rough.report.outcome.converged:
-            yield "a rough relaxation", lambda: _added(rough, by_newton(rough))
+            yield "the meridian method's shape, its twine stiffened", lambda: _stiffened(problem, guess, from_start)
+        yield "a crude bag", lambda: newton.solve(problem, tolerance, None, NewtonSettings(), progress, scene.prepared)
     if method in ("auto", "dynamic-relaxation"):
-        yield "a crude bag", lambda: by_relaxation(tolerance)
+        settings = RelaxationSettings(viscous=scene.plan.model.damping == "viscous")
+        yield "a crude bag", lambda: dynamic_relaxation.solve(problem, tolerance, settings=settings, progress=progress)
+
+
+def _led(case: Case, known: Sequence[tuple[Case, Solution]]) -> Solution:
+    """Start for a case: the same catch at another speed, or where the last catches at its own speed lead.
+
+    Limp inextensible twine takes the same shape at any speed, under tensions that grow with its square.
+    """
+    nearest, solution = min(known, key=lambda pair: (abs(pair[0].catch_value - case.catch_value), pair[0].speed_m_s))
+    row = [(other.catch_value, found) for other, found in known if other.speed_m_s == case.speed_m_s]
+    # a polynomial is not to be trusted far beyond the catches it is led through
+    near = len(row) > 1 and abs(case.catch_value - row[-1][0]) <= FARTHEST_PREDICTION * abs(row[-1][0] - row[-2][0])
+    if nearest.catch_value != case.catch_value and near:
+        return predict(row, case.catch_value)
+    return replace(solution, bar_tension=(case.speed_m_s / nearest.speed_m_s) ** 2 * solution.bar_tension)
 
 
 def _stiffened(problem: Problem, start: Solution, solve: Callable[[Problem, Solution], Solution]) -> Solution:
@@ -127,12 +139,6 @@ def _stiffened(problem: Problem, start: Solution, solve: Callable[[Problem, Solu
         else:
             step *= 0.25
     return solution
-
-
-def _added(first: Solution, second: Solution) -> Solution:
-    """The second of two solves that belong together, with the time and the attempts of both."""
-    a, b = first.report, second.report
-    return replace(second, report=replace(b, solve_ms=a.solve_ms + b.solve_ms, attempts=a.attempts + b.attempts))
 
 
 def _sector_guess(scene: Scene, case: Case) -> Solution | None:
@@ -155,7 +161,6 @@ def all_round_start(sector: Net, positions: np.ndarray, tension: np.ndarray, col
     Nodes and bars of the wider net are numbered row by row, its columns one after the other within a row.
     """
     turned = rotate(positions[:-1, None], np.arange(columns)[None], sector.order).reshape(-1, 3)
-    report = SolverReport("start", Outcome.CONVERGED, 0, np.nan, np.nan, np.nan, 0.0)
     return Solution(
-        np.concatenate([turned, positions[-1:]]), np.repeat(tension, columns), np.zeros(sector.bands), report
+        np.concatenate([turned, positions[-1:]]), np.repeat(tension, columns), np.zeros(sector.bands), START
     )

@@ -117,27 +117,28 @@ def solve(plan: Plan, progress: StudyProgress | None = None) -> Study:
     if choice.fidelity == "meridian":
         return Study(plan, choice, tuple(_solve_meridian(plan, progress)))
     scene = equilibrium.scene_of(plan, choice.globalisation, choice.columns)
-    results: list[CaseResult] = []
     cases = plan.cases()
-    last: Solution | None = None
-    for case in cases:
+    known: list[tuple[Case, Solution]] = []
+    results: dict[int, CaseResult] = {}
+    # by growing catch, whatever the plan's order: each equilibrium leads to the next
+    for done, case in enumerate(sorted(cases, key=lambda case: (case.speed_m_s, case.catch_value))):
 
-        def report(doing: str, residual: float, case: Case = case) -> None:
+        def report(doing: str, residual: float, case: Case = case, done: int = done) -> None:
             if progress is not None:
-                progress(case.number - 1, len(cases), f"case {case.number}: {doing}, residual {residual:.1e}")
+                progress(done, len(cases), f"case {case.number}: {doing}, residual {residual:.1e}")
 
         if progress is not None:
-            progress(case.number - 1, len(cases), f"case {case.number}")
-        problem, solution = equilibrium.solve(scene, case, last, report)
-        last = solution if solution.report.outcome.converged else None
+            progress(done, len(cases), f"case {case.number}")
+        problem, solution = equilibrium.solve(scene, case, known, report)
         result = _measured(case, problem, solution)
         if result.converged:
+            known.append((case, solution))
             errors = accuracy.estimate(scene, case, problem, solution, result.measures)
             result = replace(result, errors=errors)
-        results.append(result)
+        results[case.number] = result
     if progress is not None:
         progress(len(cases), len(cases), "done")
-    return Study(plan, choice, tuple(results))
+    return Study(plan, choice, tuple(results[case.number] for case in cases))
 
 
 def _measured(case: Case, problem: Problem, solution: Solution) -> CaseResult:
