@@ -172,6 +172,21 @@ def test_a_push_never_hinders_and_slack_netting_takes_the_best_shape():
     np.testing.assert_allclose(longest_fish(slack, section, push_force_n=1e-9), 0.1 / 0.34, rtol=1e-6)
 
 
+@pytest.mark.parametrize("kind", ["diamond", "t90"])
+@pytest.mark.parametrize("knot_m", [0.0, 0.012])
+@pytest.mark.parametrize("exponent", [1.6, 2.0, 3.0])
+def test_a_push_finds_the_best_of_all_openings_within_its_reach(kind, knot_m, exponent):
+    section, bar, load = FishSection(0.11, 0.06, exponent), 0.05, 4.0
+    for opening, push in ((15.0, 0.5), (60.0, 3.0), (110.0, 8.0), (30.0, 100.0)):
+        across = load * np.tan(np.radians(opening) / 2.0)
+        reach = np.arctan2([across, across + push], [load + push, load])
+        tried = np.degrees(2.0 * np.linspace(*reach, 400))
+        brute = longest_fish(Holes.of(kind, bar, tried, knot_m=knot_m), section).max()
+        holes = Holes.of(kind, bar, opening, knot_m=knot_m, load_n=load)
+        found = longest_fish(holes, section, push_force_n=push).item()
+        assert brute * (1.0 - 1e-9) <= found < brute * 1.005
+
+
 def test_square_mesh_does_not_yield():
     holes, section = Holes.of("square", 0.05, 90.0, load_n=1.0), FishSection(0.1, 0.07)
     assert longest_fish(holes, section, push_force_n=100.0) == longest_fish(holes, section)

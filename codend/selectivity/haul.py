@@ -27,6 +27,7 @@ from codend.selectivity.retention import (
     add_terms,
     crowd_of,
     escape_terms,
+    ideals_of,
     ln_length_at,
     nodes_of,
     retained_at,
@@ -143,9 +144,10 @@ def _many_hauls(
     place, mass = np.empty(_BINS + 1), np.empty(_BINS + 1)
     for m in range(len(values)):
         share = time_shares((volume / volume[-1]) ** (1.0 / values[m, _GROWTH]))
+        ideals = ideals_of(crowd, values[m], nodes)
         gathered = np.zeros(_BINS + 1)
         for catch in range(len(volume)):
-            for k in range(add_terms(crowd, catch, values[m], nodes, ln_g, escape)):
+            for k in range(add_terms(crowd, catch, values[m], nodes, ideals, ln_g, escape)):
                 bins = min(max((ln_g[k] - _LEAST_LN_M) / BIN, 0.0), _BINS - 1e-6)
                 left = int(bins)
                 weight = share[catch] * escape[k]

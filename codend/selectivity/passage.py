@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 Sides = tuple[float, float, float, float, float, float]
 """Angle of the normal and distance from the centre, of three pairs of sides in turn."""
@@ -15,8 +17,10 @@ DIAMOND, T90, SQUARE = range(3)
 GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)
 FINE: Final = 40
 """Steps of bisection and of golden-section search by which a single answer is refined."""
-ROTATIONS, OPENINGS = 15, 6
-"""Intervals in which the best rotation and the best opening are looked for before they are refined."""
+ROTATIONS, OPENINGS = 15, 30
+"""Intervals in which the best rotation and the ideal openings are looked for before they are refined."""
+IDEALS: Final = 4
+"""Most ideal openings of a netting that are kept; ellipses in a rhombus have two."""
 
 
 class Fish(NamedTuple):
@@ -38,7 +42,7 @@ class Hole(NamedTuple):
 
 
 class Effort(NamedTuple):
-    """Force of a fish's push, N, and steps of refinement in the search for the best opening."""
+    """Force of a fish's push, N, and steps of refinement in the search for the best rotation."""
 
     push: float
     steps: int
@@ -173,33 +177,31 @@ def longest_at(hole: Hole, phi: float, fish: Fish, rotation: float, steps: int) 
 
 
 @njit(cache=True, nogil=True)
-def best_opening(hole: Hole, phi: float, fish: Fish, rotation: float, effort: Effort) -> float:
-    """Half opening angle within reach of a fish's push that lets the longest one through, at a rotation or the best."""
-    push, steps = effort.push, effort.steps
-    if push <= 0.0 or hole.kind == SQUARE:
-        return phi
-    load_across = hole.load * math.tan(phi)
-    lowest, highest = math.atan2(load_across, hole.load + push), math.atan2(load_across + push, hole.load)
-    best, value = phi, longest_at(hole, phi, fish, rotation, steps)
-    if math.isnan(rotation) and fish.n == 2.0 and hole.knot == 0.0:  # an ellipse in a rhombus: tan^2(phi) = b/a or a/b
-        for ideal in (math.atan(math.sqrt(fish.b / fish.a)), math.atan(math.sqrt(fish.a / fish.b))):
-            reached = min(max(ideal, lowest), highest)
-            tried = longest_at(hole, reached, fish, rotation, steps)
-            if tried > value:
-                best, value = reached, tried
-        return best
-    width = (highest - lowest) / OPENINGS
-    for k in range(OPENINGS + 1):
-        tried = longest_at(hole, lowest + k * width, fish, rotation, steps)
-        if tried > value:
-            best, value = lowest + k * width, tried
-    left, right = max(best - width, lowest), min(best + width, highest)
+def ideal_openings(hole: Hole, fish: Fish, rotation: float, steps: int, ideals: NDArray[np.float64]) -> None:
+    """Write the half opening angles at which a longer fish passes than at any near them into ``ideals``, then nan.
+
+    At a rotation, or the best one for nan. They depend on the netting and the fish's shape and not on the load, so that
+    one search serves all meshes of a netting, however far each can be pushed.
+    """
+    ideals[:] = np.nan
+    count, width = 0, 0.5 * math.pi / OPENINGS
+    before, at = 0.0, longest_at(hole, 0.0, fish, rotation, steps)
+    for k in range(OPENINGS):
+        after = longest_at(hole, (k + 1) * width, fish, rotation, steps)
+        if before <= at > after and k > 0 and count < len(ideals):
+            ideals[count] = _highest(hole, fish, rotation, steps, (k - 1) * width)
+            count += 1
+        before, at = at, after
+
+
+@njit(cache=True, nogil=True)
+def _highest(hole: Hole, fish: Fish, rotation: float, steps: int, left: float) -> float:
+    """Half opening angle of the longest fish in two intervals from ``left`` on, by golden-section search."""
+    right = left + math.pi / OPENINGS
     one, two = right - GOLDEN * (right - left), left + GOLDEN * (right - left)
     at_one = longest_at(hole, one, fish, rotation, steps)
     at_two = longest_at(hole, two, fish, rotation, steps)
     for _ in range(steps):
-        if max(at_one, at_two) > value:
-            best, value = (one, at_one) if at_one > at_two else (two, at_two)
         if at_one > at_two:
             right, two, at_two = two, one, at_one
             one = right - GOLDEN * (right - left)
@@ -208,4 +210,27 @@ def best_opening(hole: Hole, phi: float, fish: Fish, rotation: float, effort: Ef
             left, one, at_one = one, two, at_two
             two = left + GOLDEN * (right - left)
             at_two = longest_at(hole, two, fish, rotation, steps)
+    return one if at_one > at_two else two
+
+
+@njit(cache=True, nogil=True)
+def best_opening(
+    hole: Hole, phi: float, fish: Fish, rotation: float, effort: Effort, ideals: NDArray[np.float64]
+) -> float:
+    """Half opening angle within reach of a fish's push that lets the longest one through, at a rotation or the best.
+
+    It is one of the netting's ``ideal_openings`` that lies within reach, or an end of the reach.
+    """
+    if effort.push <= 0.0 or hole.kind == SQUARE:
+        return phi
+    load_across = hole.load * math.tan(phi)
+    lowest = math.atan2(load_across, hole.load + effort.push)
+    highest = math.atan2(load_across + effort.push, hole.load)
+    best, value = phi, longest_at(hole, phi, fish, rotation, effort.steps)
+    for k in range(-2, len(ideals)):
+        tried = lowest if k == -2 else highest if k == -1 else ideals[k]
+        if lowest <= tried <= highest:  # false for nan
+            length = longest_at(hole, tried, fish, rotation, effort.steps)
+            if length > value:
+                best, value = tried, length
     return best

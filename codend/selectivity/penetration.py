@@ -33,7 +33,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from catch_models.fish import FishSection
-from codend.selectivity.passage import FINE, KINDS, SQUARE, T90, Effort, Fish, Hole, best_opening, longest_at, sides_of
+from codend.selectivity.passage import (
+    FINE,
+    IDEALS,
+    KINDS,
+    SQUARE,
+    T90,
+    Effort,
+    Fish,
+    Hole,
+    best_opening,
+    ideal_openings,
+    longest_at,
+    sides_of,
+)
 
 Floats = NDArray[np.float64]
 
@@ -96,10 +109,12 @@ def longest_fish(
     """
     fish = Fish(float(section.half_height), float(section.half_width), float(section.exponent))
     rotation = math.nan if rotation_deg is None else math.radians(rotation_deg)
-    longest = np.empty(len(holes.kind))
+    longest, ideals = np.empty(len(holes.kind)), np.full(IDEALS, np.nan)
     for i in range(len(longest)):
         hole, phi = _hole(holes, i), float(holes.half_angle_rad[i])
-        phi = best_opening(hole, phi, fish, rotation, Effort(push_force_n, FINE))
+        if push_force_n > 0.0:
+            ideal_openings(hole, fish, rotation, FINE, ideals)
+        phi = best_opening(hole, phi, fish, rotation, Effort(push_force_n, FINE), ideals)
         longest[i] = longest_at(hole, phi, fish, rotation, FINE)
     return longest
 

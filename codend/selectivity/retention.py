@@ -26,7 +26,17 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtri
 
 from catch_models.fish import PARAMETERS
-from codend.selectivity.passage import Effort, Fish, Hole, best_opening, best_rotation, longest_turned
+from codend.selectivity.passage import (
+    IDEALS,
+    SQUARE,
+    Effort,
+    Fish,
+    Hole,
+    best_opening,
+    best_rotation,
+    ideal_openings,
+    longest_turned,
+)
 from codend.selectivity.penetration import Holes
 
 Floats = NDArray[np.float64]
@@ -66,6 +76,8 @@ class Crowd(NamedTuple):
     """Distance of each mesh from the front, in rows of meshes, (k,)."""
     share: Floats
     """Share of each mesh in its row, (k,)."""
+    netting: NDArray[np.int64]
+    """Number of the netting a mesh is of, the same for all with its kind, bar and knot, (k,)."""
 
 
 class Nodes(NamedTuple):
@@ -113,10 +125,12 @@ def crowd_of(catches: list[tuple[Holes, Floats, Floats]]) -> Crowd:
     def strung(name: str) -> NDArray:
         return np.concatenate([getattr(one, name) for one in holes])
 
+    _, netting = np.unique([strung(name) for name in ("kind", "bar_m", "knot_m")], axis=1, return_inverse=True)
     return Crowd(
         np.concatenate([[0], np.cumsum([len(one.kind) for one in holes])]),
         *(strung(name) for name in ("kind", "bar_m", "knot_m", "half_angle_rad", "across_m", "load_n")),
         *(np.concatenate([catch[i] for catch in catches]) for i in (1, 2)),
+        np.asarray(netting, dtype=np.int64),
     )
 
 
@@ -147,17 +161,46 @@ def escape_terms(crowd: Crowd, catch: int, values: Floats, nodes: Nodes | None =
     nodes = nodes or nodes_of()
     most = (crowd.start[catch + 1] - crowd.start[catch]) * len(nodes.shape) * len(nodes.rotation)
     ln_length, escape = np.empty(most), np.empty(most)
-    count = add_terms(crowd, catch, values, nodes, ln_length, escape)
+    count = add_terms(crowd, catch, values, nodes, ideals_of(crowd, values, nodes), ln_length, escape)
     return EscapeTerms(ln_length[:count], escape[:count], float(values[_SIZE]))
 
 
 @njit(cache=True, nogil=True)
-def add_terms(crowd: Crowd, catch: int, values: Floats, nodes: Nodes, ln_length: Floats, escape: Floats) -> int:
-    """Write the terms of one catch into ``ln_length`` and ``escape``; how many there are."""
+def ideals_of(crowd: Crowd, values: Floats, nodes: Nodes) -> Floats:
+    """Ideal openings of every netting for every shape, (nettings, shapes, IDEALS); nan where no push needs them."""
+    ideals = np.full((np.max(crowd.netting) + 1 if len(crowd.netting) else 0, len(nodes.shape), IDEALS), np.nan)
+    if values[_PUSH] > 0.0:
+        sought = np.ones(len(ideals), dtype=np.bool_)
+        for mesh in range(len(crowd.netting)):
+            netting = crowd.netting[mesh]
+            if sought[netting] and crowd.kind[mesh] != SQUARE:
+                for node in range(len(nodes.shape)):
+                    fish = _fish(values, nodes.shape[node])
+                    ideal_openings(_hole(crowd, mesh), fish, math.nan, nodes.steps, ideals[netting, node])
+            sought[netting] = False
+    return ideals
+
+
+@njit(cache=True, nogil=True)
+def _hole(crowd: Crowd, mesh: int) -> Hole:
+    return Hole(crowd.kind[mesh], crowd.bar[mesh], crowd.knot[mesh], crowd.across[mesh], crowd.load[mesh])
+
+
+@njit(cache=True, nogil=True)
+def _fish(values: Floats, shape: float) -> Fish:
+    """Section of a fish of length 1, mean size and a standard normal shape."""
+    factor = math.exp(0.5 * values[_SHAPE] * shape)
+    half_height, half_width = 0.5 * values[0] * (1.0 - values[3]), 0.5 * values[1] * (1.0 - values[4])
+    return Fish(half_height * factor, half_width / factor, values[2])
+
+
+@njit(cache=True, nogil=True)
+def add_terms(
+    crowd: Crowd, catch: int, values: Floats, nodes: Nodes, ideals: Floats, ln_length: Floats, escape: Floats
+) -> int:
+    """Write the terms of one catch into ``ln_length`` and ``escape``; how many there are. ``ideals`` of all nettings."""
     contact, attempts, rows = values[_CONTACT], values[_ATTEMPTS], values[_ROWS_AHEAD]
     rotations = len(nodes.rotation)
-    half_height = 0.5 * values[0] * (1.0 - values[3])
-    half_width = 0.5 * values[1] * (1.0 - values[4])
     first, end = crowd.start[catch], crowd.start[catch + 1]
     weight = np.zeros((end - first) * rotations)
     ln_g = np.empty(len(weight))
@@ -168,15 +211,14 @@ def add_terms(crowd: Crowd, catch: int, values: Floats, nodes: Nodes, ln_length:
         return 0
     written = 0
     for node in range(len(nodes.shape)):
-        factor = math.exp(0.5 * values[_SHAPE] * nodes.shape[node])
-        fish = Fish(half_height * factor, half_width / factor, values[2])
+        fish = _fish(values, nodes.shape[node])
         count = 0
         for mesh in range(first, end):
             tried = _tried(crowd, mesh, rows)
             if tried == 0.0:
                 continue
-            hole = Hole(crowd.kind[mesh], crowd.bar[mesh], crowd.knot[mesh], crowd.across[mesh], crowd.load[mesh])
-            phi = best_opening(hole, crowd.half_angle[mesh], fish, math.nan, Effort(values[_PUSH], nodes.steps))
+            hole, effort = _hole(crowd, mesh), Effort(values[_PUSH], nodes.steps)
+            phi = best_opening(hole, crowd.half_angle[mesh], fish, math.nan, effort, ideals[crowd.netting[mesh], node])
             best = best_rotation(hole, phi, fish, nodes.steps)
             for k in range(rotations):
                 turned = best + math.radians(values[_ROTATION]) * nodes.rotation[k]
