@@ -57,23 +57,32 @@ def estimate(scene: Scene, case: Case, problem: Problem, solution: Solution, mea
     if not polished.report.outcome.converged:
         return Errors.unknown()
     solver = _distance(measures, measure_all(problem, polished)[2])
-    merged = discretisation(scene.plan, case, scene.globalisation)
+    merged = discretisation(scene.plan, case, scene.globalisation).distance
     errors = SAFETY * (solver + merged) + NOISE * np.abs([getattr(measures, name) for name in _QUANTITIES])
     drag, volume, radius, opening = map(float, errors)
     return Errors(drag, volume, radius, opening, _change_with_suction(problem, polished, prepared, measures.drag_n))
 
 
-def discretisation(plan: Plan, case: Case, globalisation: int) -> np.ndarray:
-    """What merging meshes changes in drag, volume, largest radius and opening ahead of the catch; 0 without merging."""
+@dataclass(frozen=True)
+class Discretisation:
+    """What merging meshes changes, between sectors under the loads that are the same all round."""
+
+    distance: np.ndarray
+    """In drag, volume, largest radius and opening ahead of the catch; nan where a sector was not solved."""
+    relative_drag: float
+
+
+def discretisation(plan: Plan, case: Case, globalisation: int) -> Discretisation:
+    """Distance between a sector of the globalised net and one of the real net."""
     if globalisation == 1:
-        return np.zeros(len(_QUANTITIES))
+        return Discretisation(np.zeros(len(_QUANTITIES)), 0.0)
     found = []
     for g in (1, globalisation):
         problem, solution = equilibrium.solve(equilibrium.scene_of(plan, g, 1), case, (), None)
         if not solution.report.outcome.converged:
-            return np.full(len(_QUANTITIES), np.nan)
+            return Discretisation(np.full(len(_QUANTITIES), np.nan), float("nan"))
         found.append(measure_all(problem, solution)[2])
-    return _distance(*found)
+    return Discretisation(_distance(*found), abs(found[1].drag_n / found[0].drag_n - 1.0))
 
 
 def _distance(first: Measures, second: Measures) -> np.ndarray:

@@ -93,10 +93,13 @@ def test_automatic_choice_is_a_sector_unless_weight_breaks_the_symmetry():
     assert fidelity.choose(make_plan(24, 20)).fidelity == "sector"
     light = make_plan(24, 20, netting={"twine_density_kg_m3": 1001.0})
     assert "negligible" in fidelity.choose(light).why
-    heavy = make_plan(24, 20, netting={"twine_density_kg_m3": 1400.0}, speed=0.5)
+    heavy = make_plan(96, 48, netting={"twine_density_kg_m3": 1400.0}, speed=0.3, filled=[16.0, 32.0])
     choice = fidelity.choose(heavy)
     assert choice.fidelity == "globalised"
     assert "symmetry" in choice.why
+    assert 0.0 < choice.drag_error <= 0.01
+    strict = heavy.model_copy(update={"model": heavy.model.model_copy(update={"accuracy": 1e-6})})
+    assert fidelity.choose(strict).fidelity == "full"
 
 
 def test_a_heavy_bag_sags():
