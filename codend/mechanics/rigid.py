@@ -1,0 +1,228 @@
+"""Rigid bars hinged at their ends, in motion: kernels.
+
+With X and V the nodes' positions and velocities, M their masses, g_k the half of bar k's squared length and J its
+gradients dg_k/dX, a bar of force density q pulls its ends with -J^T q. Bessonneau and Marichal (1997, equations 10 to
+16) step in time by
+
+    V(n+1) = V(n) + dt M^-1 (E - J^T q),   X(n+1) = X(n) + dt V(n+1),   g + dt J V(n+1) = l^2 / 2
+
+the last of which is their condition on the lengths without its term in dt^2. It gives the tensions of the step:
+
+    J M^-1 J^T q = J (V(n) / dt + M^-1 E) + (g - l^2 / 2) / dt^2
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from codend.mechanics.arrays import Loading, Structure
+from codend.mechanics.bars import bar_vector
+from codend.mechanics.images import add_turned_back
+from codend.net import Floats, Ints
+
+SLIGHT_GIVE = 1e-10
+"""Added to the diagonal, relative: bars that lie upon each other then share their tension."""
+
+
+class RigidPattern(NamedTuple):
+    """Which bars meet at which node, and the entries of J M^-1 J^T they add to. Bar k has the ends 2 k and 2 k + 1."""
+
+    node_start: Ints
+    """Where the ends at each node begin in ``node_ends``, (n + 1,)."""
+    node_ends: Ints
+    """Bar ends, node by node, (2 m,)."""
+    slots: Ints
+    """Entry of every pair of ends at a node, node by node, first end slowest."""
+    row: Ints
+    """Bar of each entry, (entries,), rising; within it ``column`` rises."""
+    column: Ints
+    diagonal: Ints
+    """Entry of each bar with itself, (m,)."""
+
+
+def rigid_pattern(structure: Structure) -> RigidPattern:
+    """Entries of the system for the tensions of a net."""
+    bars, nodes = len(structure.first), len(structure.free)
+    at_node = np.stack([structure.first, structure.second], axis=1).ravel()
+    ends = np.argsort(at_node, kind="stable")
+    start = np.searchsorted(at_node[ends], np.arange(nodes + 1))
+    meeting = [ends[start[node] : start[node + 1]] // 2 for node in range(nodes)]
+    keys = np.concatenate([(here[:, None] * bars + here[None, :]).ravel() for here in meeting])
+    entries, slots = np.unique(keys, return_inverse=True)
+    return RigidPattern(
+        node_start=start.astype(np.int32),
+        node_ends=ends.astype(np.int32),
+        slots=slots.astype(np.int32),
+        row=(entries // bars).astype(np.int32),
+        column=(entries % bars).astype(np.int32),
+        diagonal=np.searchsorted(entries, np.arange(bars) * (bars + 1)).astype(np.int32),
+    )
+
+
+@njit(cache=True)
+def length_gradients(position: Floats, structure: Structure, gradient: Floats, square: Floats) -> None:
+    """Write J, the gradient of half a bar's squared length at each of its ends, (2 m, 3), and that square, (m,)."""
+    firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
+    gradient[:] = 0.0
+    for bar in range(len(firsts)):
+        dx, dy, dz = bar_vector(position, firsts[bar], seconds[bar], images[bar], rotations)
+        gradient[2 * bar, 0], gradient[2 * bar, 1], gradient[2 * bar, 2] = -dx, -dy, -dz
+        add_turned_back(gradient, 2 * bar + 1, dx, dy, dz, images[bar], rotations)
+        square[bar] = dx * dx + dy * dy + dz * dz
+
+
+@njit(cache=True, error_model="numpy")
+def inverse_masses(
+    pattern: RigidPattern, free: Floats, gradient: Floats, square: Floats, mass: Floats, added: Floats, inverse: Floats
+) -> None:
+    """Write the inverse of every node's mass, (n, 3, 3), with rows and columns of held coordinates 0.
+
+    Each end of a bar along the unit vector t has half of its mass m and of its added mass a, which only counts across
+    the bar: 1/2 (m I + a (I - t t^T)). Both are in kg, (m,).
+    """
+    starts, ends = pattern.node_start, pattern.node_ends
+    here = np.empty((3, 3))
+    for node in range(len(free)):
+        here[:] = 0.0
+        for place in range(starts[node], starts[node + 1]):
+            end = ends[place]
+            bar = end // 2
+            across = 0.5 * added[bar] / square[bar] if square[bar] > 0.0 else 0.0
+            for i in range(3):
+                here[i, i] += 0.5 * (mass[bar] + added[bar])
+                for j in range(3):
+                    here[i, j] -= across * gradient[end, i] * gradient[end, j]
+        for i in range(3):
+            if free[node, i] == 0.0:
+                here[i, :] = 0.0
+                here[:, i] = 0.0
+                here[i, i] = 1.0
+        a, b, c = here[0, 0], here[0, 1], here[0, 2]
+        d, e, f = here[1, 1], here[1, 2], here[2, 2]
+        p, q, r = d * f - e * e, c * e - b * f, b * e - c * d
+        determinant = a * p + b * q + c * r
+        inverse[node, 0, 0], inverse[node, 0, 1], inverse[node, 0, 2] = p, q, r
+        inverse[node, 1, 0], inverse[node, 1, 1], inverse[node, 1, 2] = q, a * f - c * c, b * c - a * e
+        inverse[node, 2, 0], inverse[node, 2, 1], inverse[node, 2, 2] = r, b * c - a * e, a * d - b * b
+        for i in range(3):
+            for j in range(3):
+                inverse[node, i, j] *= free[node, i] * free[node, j] / determinant
+
+
+@njit(cache=True, error_model="numpy")
+def kinetic_energy(
+    structure: Structure, gradient: Floats, square: Floats, mass: Floats, added: Floats, velocity: Floats
+) -> float:
+    """Kinetic energy under the masses of ``inverse_masses``, J."""
+    firsts, seconds = structure.first, structure.second
+    energy = 0.0
+    for end in range(2 * len(firsts)):
+        bar = end // 2
+        node = firsts[bar] if end % 2 == 0 else seconds[bar]
+        speed, along = 0.0, 0.0
+        for i in range(3):
+            speed += velocity[node, i] ** 2
+            along += gradient[end, i] * velocity[node, i]
+        energy += 0.25 * ((mass[bar] + added[bar]) * speed - added[bar] * along**2 / square[bar])
+    return energy
+
+
+@njit(cache=True)
+def tension_system(pattern: RigidPattern, gradient: Floats, inverse: Floats, taut: Ints, entries: Floats) -> None:
+    """Write the entries of J M^-1 J^T; bars that are not ``taut``, (m,), stand apart from all others."""
+    starts, ends, slots, diagonal = pattern.node_start, pattern.node_ends, pattern.slots, pattern.diagonal
+    entries[:] = 0.0
+    pair = 0
+    for node in range(len(starts) - 1):
+        for one in range(starts[node], starts[node + 1]):
+            p = ends[one]
+            x, y, z = gradient[p, 0], gradient[p, 1], gradient[p, 2]
+            u = inverse[node, 0, 0] * x + inverse[node, 0, 1] * y + inverse[node, 0, 2] * z
+            v = inverse[node, 1, 0] * x + inverse[node, 1, 1] * y + inverse[node, 1, 2] * z
+            w = inverse[node, 2, 0] * x + inverse[node, 2, 1] * y + inverse[node, 2, 2] * z
+            for other in range(starts[node], starts[node + 1]):
+                r = ends[other]
+                if p // 2 == r // 2 or (taut[p // 2] and taut[r // 2]):
+                    entries[slots[pair]] += u * gradient[r, 0] + v * gradient[r, 1] + w * gradient[r, 2]
+                pair += 1
+    for bar in range(len(diagonal)):
+        entries[diagonal[bar]] *= 1.0 + SLIGHT_GIVE
+
+
+@njit(cache=True)
+def accelerations(inverse: Floats, force: Floats, acceleration: Floats) -> None:
+    """Write M^-1 f, (n, 3)."""
+    for node in range(len(force)):
+        x, y, z = force[node, 0], force[node, 1], force[node, 2]
+        for i in range(3):
+            acceleration[node, i] = inverse[node, i, 0] * x + inverse[node, i, 1] * y + inverse[node, i, 2] * z
+
+
+@njit(cache=True)
+def lengthening(structure: Structure, gradient: Floats, velocity: Floats, rate: Floats) -> None:
+    """Write J V, (m,)."""
+    firsts, seconds = structure.first, structure.second
+    for bar in range(len(firsts)):
+        a, b = firsts[bar], seconds[bar]
+        total = 0.0
+        for i in range(3):
+            total += gradient[2 * bar, i] * velocity[a, i] + gradient[2 * bar + 1, i] * velocity[b, i]
+        rate[bar] = total
+
+
+@njit(cache=True)
+def add_pulls(structure: Structure, gradient: Floats, density: Floats, force: Floats) -> None:
+    """Add -J^T q to nodal forces, (n, 3)."""
+    firsts, seconds = structure.first, structure.second
+    for bar in range(len(firsts)):
+        q = density[bar]
+        for i in range(3):
+            force[firsts[bar], i] -= q * gradient[2 * bar, i]
+            force[seconds[bar], i] -= q * gradient[2 * bar + 1, i]
+
+
+@njit(cache=True)
+def stable_time_step(
+    structure: Structure,
+    loading: Loading,
+    velocity: Floats,
+    density: Floats,
+    load_bound: Floats,
+    mass: Floats,
+    added: Floats,
+    room: Floats,
+) -> float:
+    """Largest time step, s, at which neither the motion of a node nor the drag that slows it can grow.
+
+    A node of mass m under the stiffness K (the sum of the moduli of its row: tensions and ``load_bound``, (n,)) swings
+    with w <= (K / m)^1/2; drag of c per velocity slows it at the rate c / m. The scheme is stable if
+    dt (w + c / m) <= 2, as far as loads and tensions stand still. ``room`` is space to work in, (n, 2).
+    """
+    firsts, seconds = structure.first, structure.second
+    lengths, widths = structure.length, structure.drag_diameter
+    coefficient = loading.normal
+    tangential = loading.tangential * (loading.normal if loading.drag_law == 0 else 1.0)
+    fastest = 0.0
+    for node in range(len(velocity)):
+        room[node, 0] = load_bound[node]
+        room[node, 1] = 0.0
+        fastest = max(fastest, velocity[node, 0] ** 2 + velocity[node, 1] ** 2 + velocity[node, 2] ** 2)
+    passing = loading.speed + np.sqrt(fastest)
+    slowing = 0.0
+    for bar in range(len(firsts)):
+        stiffness = 2.0 * abs(density[bar])
+        room[firsts[bar], 0] += stiffness
+        room[seconds[bar], 0] += stiffness
+        room[firsts[bar], 1] += 0.5 * mass[bar]
+        room[seconds[bar], 1] += 0.5 * mass[bar]
+        drag = loading.density * widths[bar] * lengths[bar] * passing
+        if drag > 0.0:
+            slowing = max(slowing, drag * coefficient / (mass[bar] + added[bar]), drag * tangential / mass[bar])
+    swinging = 0.0
+    free = structure.free
+    for node in range(len(velocity)):
+        if free[node, 0] + free[node, 1] + free[node, 2] > 0.0:
+            swinging = max(swinging, room[node, 0] / room[node, 1])
+    rate = np.sqrt(swinging) + slowing
+    return 2.0 / rate if rate > 0.0 else np.inf
