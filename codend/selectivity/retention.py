@@ -130,7 +130,7 @@ def crowd_of(catches: list[tuple[Holes, Floats, Floats]]) -> Crowd:
         np.concatenate([[0], np.cumsum([len(one.kind) for one in holes])]),
         *(strung(name) for name in ("kind", "bar_m", "knot_m", "half_angle_rad", "across_m", "load_n")),
         *(np.concatenate([catch[i] for catch in catches]) for i in (1, 2)),
-        np.asarray(netting, dtype=np.int64),
+        netting=np.asarray(netting, dtype=np.int64),
     )
 
 
@@ -198,7 +198,7 @@ def _fish(values: Floats, shape: float) -> Fish:
 def add_terms(
     crowd: Crowd, catch: int, values: Floats, nodes: Nodes, ideals: Floats, ln_length: Floats, escape: Floats
 ) -> int:
-    """Write the terms of one catch into ``ln_length`` and ``escape``; how many there are. ``ideals`` of all nettings."""
+    """Write the terms of one catch into ``ln_length`` and ``escape``; how many there are. ``ideals`` as of ``ideals_of``."""
     contact, attempts, rows = values[_CONTACT], values[_ATTEMPTS], values[_ROWS_AHEAD]
     rotations = len(nodes.rotation)
     first, end = crowd.start[catch], crowd.start[catch + 1]
