@@ -22,7 +22,8 @@ PLOTS: dict[str, tuple[Callable[[Sequence[Prediction]], Figure], str]] = {
     "retention": (
         retention_plot,
         "Retention by length for each catch and over the haul. Grey: 95 % of hauls when all numbers with a range vary "
-        "over it. Orange: 95 % of logit curves fitted to hauls with a finite number of fish.",
+        "over it. Orange: 95 % of logit curves fitted to hauls with a finite number of fish; a logit curve goes to zero for "
+        "small fish, the computed one to the share that never tries a mesh, so that the logit's SR is wider.",
     ),
     "l50_sr": (
         catch_plot,
@@ -37,17 +38,17 @@ PLOTS: dict[str, tuple[Callable[[Sequence[Prediction]], Figure], str]] = {
     "sensitivity": (
         sensitivity_plot,
         "What each number does to the haul's L50 over its range: alone, and as a share of the variance of L50 and SR "
-        "when all vary together.",
+        "when all vary together. A number whose own value is an end of its range has a bar for the other end only.",
     ),
 }
 COLUMNS = {
-    "catch_volume_m3": "Catch volume m³",
-    "opening_ahead_deg": "Opening ahead degrees",
-    "l50_cm": "L50 cm",
-    "sr_cm": "SR cm",
-    "l50_logit_cm": "L50 of logit cm",
-    "l50_lower_95_cm": "lower 95 %",
-    "l50_upper_95_cm": "upper 95 %",
+    "catch_volume_m3": ("Catch volume", "m³"),
+    "opening_ahead_deg": ("Opening ahead", "degrees"),
+    "l50_cm": ("L50", "cm"),
+    "sr_cm": ("SR", "cm"),
+    "l50_logit_cm": ("L50 of logit", "cm"),
+    "l50_lower_95_cm": ("lower 95 %", "cm"),
+    "l50_upper_95_cm": ("upper 95 %", "cm"),
 }
 START, END = "<!-- selectivity -->", "<!-- end of selectivity -->"
 
@@ -57,7 +58,7 @@ _SECTION = """{{ start }}
 fitted to any trial.</p>
 <div class="notes"><ul>{% for note in notes %}<li>{{ note }}</li>{% endfor %}</ul></div>
 <div class="wide"><table><thead><tr><th class="words">Species</th><th>Case</th>
-{% for head in heads %}<th>{{ head }}</th>{% endfor %}</tr></thead><tbody>
+{% for name, unit in heads %}<th>{{ name }}<span class="unit">{{ unit }}</span></th>{% endfor %}</tr></thead><tbody>
 {% for row in rows %}<tr><td class="words">{{ row[0] }}</td>
 {% for cell in row[1:] %}<td>{{ cell }}</td>{% endfor %}</tr>
 {% endfor %}</tbody></table></div>
@@ -145,9 +146,9 @@ def notes(predictions: Sequence[Prediction]) -> list[str]:
 
 
 def with_section(page: str, section: str) -> str:
-    """A page with the section in the place of an earlier one, or before the inputs, or at the end."""
+    """A page with the section in the place of an earlier one, or before how it was solved, or at the end."""
     page = re.sub(f"{re.escape(START)}.*?{re.escape(END)}\n?", "", page, flags=re.DOTALL)
-    for mark in ("<h2>Inputs</h2>", "</body>"):
+    for mark in ("<h2>How each case was solved</h2>", "<h2>Inputs</h2>", "</body>"):
         if mark in page:
             before, after = page.split(mark, 1)
             return f"{before}{section}{mark}{after}"

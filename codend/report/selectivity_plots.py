@@ -33,16 +33,16 @@ def retention_plot(predictions: Sequence[Prediction]) -> Figure:
     for axes, found in panels:
         l50, sr = found.l50_sr[-1]
         if found.sensitivity is not None:
-            axes.fill_between(found.length_cm, *found.sensitivity.band, color=PALE, alpha=0.6, label="all ranges, 95 %")
+            axes.fill_between(found.length_cm, *found.sensitivity.band, color=PALE, alpha=0.6, label="whole haul, all ranges, 95 %")
         if found.fish_band is not None:
             fish = number_text(found.species.haul.fish.value)
-            label = f"logit curves, {fish} fish drawn, 95 %"
+            label = f"logit of the haul, {fish} fish, 95 %"
             axes.fill_between(found.length_cm, *found.fish_band, color=ORANGE, alpha=0.25, label=label)
         colours = ordered_colours(len(found.haul.catches))
         named = spread(len(colours), MOST_NAMED)
         fine_cm = np.linspace(found.length_cm[0], found.length_cm[-1], POINTS)
         for i, (catch, colour) in enumerate(zip(found.haul.catches, colours, strict=True)):
-            name = f"{number_text(catch.volume_m3)} m³" if i in named else "_unnamed"
+            name = f"fish that meet {number_text(catch.volume_m3)} m³" if i in named else "_unnamed"
             axes.plot(fine_cm, found.terms[i].retention(fine_cm), color=colour, linewidth=1.1, label=name)
         axes.plot(fine_cm, found.terms[-1].retention(fine_cm), color=INK, linewidth=2.6, label="whole haul")
         if np.isfinite(l50):
@@ -64,7 +64,7 @@ def catch_plot(predictions: Sequence[Prediction]) -> Figure:
             fitted = found.logit[:-1, q]
             reach = np.abs(np.stack([fitted - found.lower_95[:-1, q], found.upper_95[:-1, q] - fitted]))
             fish = number_text(found.species.haul.fish.value)
-            label = f"logit curve, {fish} fish, 95 %"
+            label = f"logit, {fish} fish, 95 %"
             axes.errorbar(volume, fitted, reach, color=ORANGE, marker="s", ms=3, lw=0.8, ls="", label=label)
             axes.plot(volume, found.l50_sr[:-1, q], color=BLUE, marker="o", markersize=4, label="computed curve")
             axes.axhline(found.l50_sr[-1, q], color=INK, linewidth=1.2, linestyle="--", label="whole haul")
@@ -203,8 +203,8 @@ def _limit_lengths(axes: Axes, found: Prediction) -> None:
 def _with_range(found: Prediction, parameter: str, limits: np.ndarray) -> str:
     number = found.species.number(parameter)
     assumed = " (assumed)" if number is not None and number.assumed else ""
-    return f"{parameter.split('.')[1]}, {limits[0]:g} to {limits[1]:g}{assumed}"
+    return f"{parameter}, {limits[0]:g} to {limits[1]:g}{assumed}"
 
 
 def _legend_aside(axes: Axes) -> None:
-    axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize="small")
+    axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize="small", alignment="left")

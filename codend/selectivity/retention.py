@@ -126,12 +126,13 @@ def crowd_of(catches: list[tuple[Holes, Floats, Floats]]) -> Crowd:
         return np.concatenate([getattr(one, name) for one in holes])
 
     _, netting = np.unique([strung(name) for name in ("kind", "bar_m", "knot_m")], axis=1, return_inverse=True)
-    return Crowd(
+    arrays = [
         np.concatenate([[0], np.cumsum([len(one.kind) for one in holes])]),
         *(strung(name) for name in ("kind", "bar_m", "knot_m", "half_angle_rad", "across_m", "load_n")),
         *(np.concatenate([catch[i] for catch in catches]) for i in (1, 2)),
-        netting=np.asarray(netting, dtype=np.int64),
-    )
+        np.asarray(netting, dtype=np.int64),
+    ]
+    return Crowd(*arrays)
 
 
 def nodes_of(shapes: int = SHAPES, rotations: int = ROTATIONS, steps: int = STEPS) -> Nodes:
@@ -198,7 +199,10 @@ def _fish(values: Floats, shape: float) -> Fish:
 def add_terms(
     crowd: Crowd, catch: int, values: Floats, nodes: Nodes, ideals: Floats, ln_length: Floats, escape: Floats
 ) -> int:
-    """Write the terms of one catch into ``ln_length`` and ``escape``; how many there are. ``ideals`` as of ``ideals_of``."""
+    """Write the terms of one catch into ``ln_length`` and ``escape``; how many there are.
+
+    ``ideals`` are those of ``ideals_of``.
+    """
     contact, attempts, rows = values[_CONTACT], values[_ATTEMPTS], values[_ROWS_AHEAD]
     rotations = len(nodes.rotation)
     first, end = crowd.start[catch], crowd.start[catch + 1]
