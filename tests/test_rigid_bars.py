@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from scipy.special import ellipk, jn_zeros
 
+from codend import study
 from codend.build import build_net
+from codend.errors import InputError
 from codend.loads import problem_of
 from codend.measures import measure_all
 from codend.mechanics.drag import add_drag, add_moving_drag
@@ -283,3 +285,15 @@ def test_what_rigid_bars_cannot_model_is_an_error():
     massless = replace(problem, net=replace(problem.net, bar_density=np.array([np.nan])))
     with pytest.raises(ValueError, match="mass"):
         motion(massless, 1e-3, 0.1)
+
+
+def test_a_plan_may_ask_for_rigid_bars_and_is_told_what_was_tried():
+    model = {"fidelity": "sector", "method": "rigid-bars", "tolerance": 1e-4}
+    plain = study.solve(make_plan(24, 20, model=model)).cases[0].report
+    assert plain.method == "rigid-bars"
+    assert len(plain.attempts) == 1
+    rings = study.solve(make_plan(24, 20, mesh="square", entry=0.8, model=model)).cases[0].report
+    assert rings.outcome is Outcome.CONVERGED
+    assert "going slack" in rings.attempts[1]
+    with pytest.raises(InputError, match="axial_stiffness_n"):
+        study.solve(make_plan(24, 20, netting={"axial_stiffness_n": 1e3}, model=model))

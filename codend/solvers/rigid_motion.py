@@ -216,7 +216,7 @@ class RigidMotion:
         return changed
 
     def _keep_lengths(self, dt: float) -> bool:
-        """Add to the tensions what the dropped term in dt^2 needs (Newton with the step's matrix); False if it fails."""
+        """Add to the tensions what the dropped term in dt^2 needs (Newton, same matrix); False if it fails."""
         structure = self.structure
         length, drift = np.empty_like(self.density), np.inf
         for _ in range(PROJECTIONS):
