@@ -13,11 +13,12 @@ from codend.meridian.plan_case import first_guess, tensions_on
 from codend.net import Net, rotate
 from codend.plan import Case, Plan
 from codend.problem import Problem
-from codend.solvers import dynamic_relaxation, newton
+from codend.solvers import dynamic_relaxation, newton, rigid_bars
 from codend.solvers.continuation import predict
 from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.newton import NewtonSettings
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.rigid_bars import RigidBarsSettings
 
 DIRECT = NewtonSettings(rough_starts=())
 """Newton's method from the start it is given and no other."""
@@ -49,17 +50,20 @@ def scene_of(plan: Plan, globalisation: int, columns: int | None) -> Scene:
     """Build the net of a plan, and number its unknowns if Newton's method may be used.
 
     Raises:
-        InputError: the plan asks for a method that there is not.
+        InputError: the plan asks for rigid bars and gives elastic twine.
     """
-    if plan.model.method == "rigid-bars":
-        allowed = "auto, dynamic-relaxation or newton; the time scheme of rigid bars is not there yet"
-        raise InputError(file=plan.source, key="model.method", value=plan.model.method, allowed=allowed)
+    stretching = [s.axial_stiffness_n for s in plan.netting if s.axial_stiffness_n is not None]
+    if plan.model.method == "rigid-bars" and stretching:
+        allowed = 'left out with model.method = "rigid-bars": rigid bars do not stretch'
+        raise InputError(file=plan.source, key="netting.axial_stiffness_n", value=stretching[0], allowed=allowed)
     net = build_net(plan, globalisation=globalisation, columns=columns)
     uses_newton = plan.model.method in ("auto", "newton")
     problem = problem_of(net, plan, plan.cases()[0])
     prepared = newton.prepare(problem.structure) if uses_newton else None
     # compiled, or read from the cache, before any time is taken
     dynamic_relaxation.compile_kernels(problem)
+    if plan.model.method == "rigid-bars":
+        rigid_bars.compile_kernels(problem)
     if prepared is not None:
         at_rest = Solution(net.positions, np.ones(len(net.bars)), np.zeros(net.bands), START)
         newton.solve(problem, 1.0, at_rest, replace(DIRECT, iterations_allowed=1), prepared=prepared)
@@ -73,8 +77,8 @@ def solve(
 
     ``auto`` tries, in this order: Newton from where the last equilibria lead, Newton from the meridian method's shape
     (of one sector, set all round for a full net), Newton from rough relaxations of a crude bag, and relaxation alone.
-    The other methods try what they can of that. The report of what is returned tells every attempt; its time is that of
-    all of them, the guess included.
+    The other methods try what they can of that; rigid bars that lead nowhere try again with bars that go slack. The
+    report of what is returned tells every attempt; its time is that of all of them, the guess included.
     """
     problem = problem_of(scene.net, scene.plan, case)
     attempts: list[str] = []
@@ -108,6 +112,10 @@ def _attempts(
     if method in ("auto", "dynamic-relaxation"):
         settings = RelaxationSettings(viscous=scene.plan.model.damping == "viscous")
         yield "a crude bag", lambda: dynamic_relaxation.solve(problem, tolerance, settings=settings, progress=progress)
+    if method == "rigid-bars":
+        yield "a crude bag", lambda: rigid_bars.solve(problem, tolerance, progress=progress)
+        slack = RigidBarsSettings(slack=True)
+        yield "a crude bag, its bars going slack", lambda: rigid_bars.solve(problem, tolerance, slack, progress)
 
 
 def _led(case: Case, known: Sequence[tuple[Case, Solution]]) -> Solution:
