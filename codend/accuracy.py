@@ -77,8 +77,9 @@ def discretisation(plan: Plan, case: Case, globalisation: int) -> Discretisation
     if globalisation == 1:
         return Discretisation(np.zeros(len(_QUANTITIES)), 0.0)
     found = []
+    quickly = plan.model_copy(update={"model": plan.model.model_copy(update={"method": "auto"})})
     for g in (1, globalisation):
-        problem, solution = equilibrium.solve(equilibrium.scene_of(plan, g, 1), case, (), None)
+        problem, solution = equilibrium.solve(equilibrium.scene_of(quickly, g, 1), case, (), None)
         if not solution.report.outcome.converged:
             return Discretisation(np.full(len(_QUANTITIES), np.nan), float("nan"))
         found.append(measure_all(problem, solution)[2])

@@ -33,6 +33,7 @@ START = SolverReport("start", Outcome.NOT_IMPROVING, 0, np.inf, np.inf, np.inf, 
 """Report of a shape that nobody has solved yet."""
 
 Attempt = tuple[str, Callable[[], Solution]]
+"""Where it starts, and the solve."""
 
 
 @dataclass(frozen=True)
@@ -60,13 +61,6 @@ def scene_of(plan: Plan, globalisation: int, columns: int | None) -> Scene:
     uses_newton = plan.model.method in ("auto", "newton")
     problem = problem_of(net, plan, plan.cases()[0])
     prepared = newton.prepare(problem.structure) if uses_newton else None
-    # compiled, or read from the cache, before any time is taken
-    dynamic_relaxation.compile_kernels(problem)
-    if plan.model.method == "rigid-bars":
-        rigid_bars.compile_kernels(problem)
-    if prepared is not None:
-        at_rest = Solution(net.positions, np.ones(len(net.bars)), np.zeros(net.bands), START)
-        newton.solve(problem, 1.0, at_rest, replace(DIRECT, iterations_allowed=1), prepared=prepared)
     return Scene(plan, net, columns, globalisation, prepared)
 
 
@@ -82,13 +76,13 @@ def solve(
     """
     problem = problem_of(scene.net, scene.plan, case)
     attempts: list[str] = []
-    began = perf_counter()
+    spent = 0.0
     for start, attempt in _attempts(scene, problem, case, known, progress):
         solution = attempt()
         attempts += [f"from {start}: {line}" for line in solution.report.attempts]
+        spent += solution.report.solve_ms
         if solution.report.outcome.converged or solution.report.outcome is Outcome.OVERFULL:
             break
-    spent = 1e3 * (perf_counter() - began)
     return problem, replace(solution, report=replace(solution.report, attempts=tuple(attempts), solve_ms=spent))
 
 
@@ -100,15 +94,19 @@ def _attempts(
     def from_start(problem: Problem, start: Solution) -> Solution:
         return newton.solve(problem, tolerance, start, DIRECT, progress, scene.prepared)
 
+    def from_crude() -> Solution:
+        dynamic_relaxation.compile_kernels(problem)  # for the rough starts, ahead of Newton's clock
+        return newton.solve(problem, tolerance, None, NewtonSettings(), progress, scene.prepared)
+
     if method in ("auto", "newton"):
         if known:
             yield "where the last equilibria lead", lambda: from_start(problem, _led(case, known))
+        began = perf_counter()
         guess = _sector_guess(scene, case)
-        if guess is not None and len(problem.net.corners) == 0:
-            yield "the meridian method's shape", lambda: from_start(problem, guess)
-        elif guess is not None:
-            yield "the meridian method's shape, its twine stiffened", lambda: _stiffened(problem, guess, from_start)
-        yield "a crude bag", lambda: newton.solve(problem, tolerance, None, NewtonSettings(), progress, scene.prepared)
+        guess_ms = 1e3 * (perf_counter() - began)
+        if guess is not None:
+            yield "the meridian method's shape", lambda: _later(_from_limp(problem, guess, from_start), guess_ms)
+        yield "a crude bag", from_crude
     if method in ("auto", "dynamic-relaxation"):
         settings = RelaxationSettings(viscous=scene.plan.model.damping == "viscous")
         yield "a crude bag", lambda: dynamic_relaxation.solve(problem, tolerance, settings=settings, progress=progress)
@@ -116,6 +114,11 @@ def _attempts(
         yield "a crude bag", lambda: rigid_bars.solve(problem, tolerance, progress=progress)
         slack = RigidBarsSettings(slack=True)
         yield "a crude bag, its bars going slack", lambda: rigid_bars.solve(problem, tolerance, slack, progress)
+
+
+def _later(solution: Solution, ms: float) -> Solution:
+    """The same solution after ``ms`` more of solving."""
+    return replace(solution, report=replace(solution.report, solve_ms=solution.report.solve_ms + ms))
 
 
 def _led(case: Case, known: Sequence[tuple[Case, Solution]]) -> Solution:
@@ -132,10 +135,12 @@ def _led(case: Case, known: Sequence[tuple[Case, Solution]]) -> Solution:
     return replace(solution, bar_tension=(case.speed_m_s / nearest.speed_m_s) ** 2 * solution.bar_tension)
 
 
-def _stiffened(problem: Problem, start: Solution, solve: Callable[[Problem, Solution], Solution]) -> Solution:
-    """Equilibrium with stiff twine, from that with limp twine by steps in stiffness as long as they succeed."""
+def _from_limp(problem: Problem, start: Solution, solve: Callable[[Problem, Solution], Solution]) -> Solution:
+    """Equilibrium from a start for limp twine; stiff twine is brought up in steps for as long as they succeed."""
+    if len(problem.net.corners) == 0:
+        return solve(problem, start)
     stiffness = problem.structure.corner_stiffness
-    solution, reached, step = start, -1.0, 1.0
+    solution, reached, step, spent = start, -1.0, 1.0, 0.0
     while reached < 1.0:
         target = 0.0 if reached < 0.0 else min(reached + step, 1.0)
         structure = problem.structure._replace(corner_stiffness=target * stiffness)
@@ -143,10 +148,11 @@ def _stiffened(problem: Problem, start: Solution, solve: Callable[[Problem, Solu
         if trial.report.outcome.converged:
             solution, reached, step = trial, target, 3.0 * step
         elif reached < 0.0 or step < SMALLEST_STIFFENING:
-            return trial
+            return _later(trial, spent)
         else:
             step *= 0.25
-    return solution
+        spent += trial.report.solve_ms
+    return _later(solution, spent - solution.report.solve_ms)
 
 
 def _sector_guess(scene: Scene, case: Case) -> Solution | None:

@@ -103,7 +103,8 @@ def solve(
     """
     if not kernels.take.signatures:
         # have the kernels compiled or read from the cache, so that the time of a solve is that of the solve alone
-        rough_shape(problem, np.inf, 30.0, 0)
+        if settings.rough_starts:
+            rough_shape(problem, np.inf, 30.0, 0)
         _Run(problem, prepare(problem.structure), settings, None).to_equilibrium(np.inf, None, 1.0)
     started = perf_counter()
     prepared = prepare(problem.structure) if prepared is None else prepared
