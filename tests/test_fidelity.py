@@ -1,6 +1,7 @@
 """Sector, globalised and full models of one plan."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from codend import fidelity
 from codend.build import build_net
 from codend.loads import problem_of
 from codend.net import all_round, rotate
+from codend.plan import load_plan
 from codend.solvers import dynamic_relaxation, newton
 from codend.study import solve
 from tests.plans import make_plan
@@ -109,3 +111,14 @@ def test_a_heavy_bag_sags():
     middle = [result.positions[result.net.node_row == row].mean(axis=0) for row in (4, 8, 12)]
     assert all(m[2] < -1e-4 for m in middle)
     assert np.abs([m[1] for m in middle]).max() < 1e-4
+
+
+@pytest.mark.parametrize("filled", [40.0, 60.0, 100.0])
+def test_flume_net_globalised_by_ten_has_its_drag_within_one_and_a_half_percent(filled):
+    flume = Path(__file__).parents[1] / "validation" / "cases" / "flume_150x140.toml"
+    overrides = [f"catch.filled_meshes={filled}"]
+    real = solve(load_plan(flume, overrides)).cases[0].measures
+    merged = [*overrides, "model.fidelity=globalised", "model.globalisation=10"]
+    model = solve(load_plan(flume, merged)).cases[0].measures
+    assert model.drag_n == pytest.approx(real.drag_n, rel=0.015)
+    assert model.length_m == pytest.approx(real.length_m, rel=0.0015)
