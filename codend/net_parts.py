@@ -1,0 +1,195 @@
+"""Parts of a net while it is written: its lattice, bars, facets, meshes and corners, put together in the end."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codend.net import Floats, Ints, Net
+from codend.plan import Netting
+
+HALF_MESH = 0.5
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """Counts that all index arithmetic rests on."""
+
+    sections: list[Netting]
+    columns: int
+    order: int
+    globalisation: int
+
+    @property
+    def bands(self) -> int:
+        """Bands between the rows."""
+        return len(self.sections)
+
+    def wrapped(self, column: NDArray[np.integer]) -> tuple[NDArray[np.integer], NDArray[np.integer]]:
+        """Column inside the modelled part, and image, of a column counted on all round."""
+        image = np.zeros_like(column) if self.order == 1 else column // self.columns
+        return column % self.columns, image
+
+
+@dataclass(frozen=True)
+class RowShape:
+    """Where the rows are when the solver starts."""
+
+    x: Floats
+    radius: Floats
+    azimuth_rad: float
+
+    def placed(self, row: NDArray, azimuth: Floats, ahead: Floats | float = 0.0) -> Floats:
+        """Points at the azimuth (rad), a fraction ``ahead`` of the band back from the row towards the one before."""
+        before = np.maximum(row - 1, 0)
+        x = (1.0 - ahead) * self.x[row] + ahead * self.x[before]
+        radius = (1.0 - ahead) * self.radius[row] + ahead * self.radius[before]
+        angle = azimuth + self.azimuth_rad
+        return np.stack([x, radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
+
+
+@dataclass(frozen=True)
+class Corner:
+    """One node with its image for every (row, column) of a pattern: two arrays of the same shape."""
+
+    node: NDArray[np.integer]
+    image: NDArray[np.integer]
+
+
+class Parts:
+    """Bars, facets and meshes gathered while a net is written."""
+
+    def __init__(self, codline: int) -> None:
+        self.codline = codline
+        self.bars: list[NDArray] = []
+        self.facets: list[NDArray] = []
+        self.meshes: list[NDArray] = []
+        self.corners: list[NDArray] = []
+
+    def add_bars(self, first: Corner, second: Corner, band: NDArray, is_knot: bool) -> None:
+        """Add a bar for every (row, column) of the pattern; knots carry no drag and do not stretch."""
+        image = np.where((first.node == self.codline) | (second.node == self.codline), 0, second.image - first.image)
+        knot = np.full(first.node.shape, is_knot)
+        self.bars.append(_columns(first.node, second.node, image, np.broadcast_to(band, knot.shape), knot))
+
+    def add_quadrangles(self, a: Corner, b: Corner, c: Corner, d: Corner, band: NDArray) -> None:
+        """Cover a, b, c, d by both divisions into triangles, each at half weight, so that no diagonal is special."""
+        for p, q, r in ((a, b, c), (a, c, d), (a, b, d), (b, c, d)):
+            place = np.broadcast_to(band, p.node.shape)
+            self.facets.append(_columns(p.node, q.node, r.node, p.image, q.image, r.image, place))
+
+    def add_meshes(self, sides: Sequence[tuple[Corner, Corner]], row: NDArray) -> None:
+        """Add a mesh for every (row, column), by its four sides: fore to right, right to aft, aft to left, left to fore."""
+        nodes = [corner.node for side in sides for corner in side]
+        images = [corner.image for side in sides for corner in side]
+        self.meshes.append(_columns(*nodes, *images, np.broadcast_to(row, nodes[0].shape)))
+
+    def add_corners(self, middle: Corner, first: Corner, second: Corner, band: NDArray, across: bool) -> None:
+        """Add a corner between two twines at a knot for every (row, column)."""
+        nodes = (middle.node, first.node, second.node)
+        images = [np.where(c.node == self.codline, 0, c.image) for c in (middle, first, second)]
+        place = np.broadcast_to(band, middle.node.shape)
+        self.corners.append(_columns(*nodes, *images, place, np.full(middle.node.shape, across)))
+
+    def facet_table(self) -> tuple[NDArray, Floats]:
+        """Facets without the empty ones, equal ones merged, and their weights."""
+        table = np.concatenate(self.facets)
+        nodes, images = table[:, :3], np.where(table[:, :3] == self.codline, 0, table[:, 3:6])
+        table = np.concatenate([nodes, images, table[:, 6:]], axis=1)
+        same = [(nodes[:, i] == nodes[:, j]) & (images[:, i] == images[:, j]) for i, j in ((0, 1), (1, 2), (2, 0))]
+        unique, count = np.unique(table[~np.any(same, axis=0)], axis=0, return_counts=True)
+        by_band = np.argsort(unique[:, -1], kind="stable")
+        return unique[by_band], np.asarray(0.5 * count[by_band], dtype=np.float64)
+
+
+def _columns(*arrays: NDArray) -> NDArray:
+    return np.stack([np.broadcast_to(a, arrays[0].shape).ravel() for a in arrays], axis=1)
+
+
+def assembled(parts: Parts, lattice: Lattice, positions: Floats, node_row: Ints, entry: NDArray) -> Net:
+    """Net with the properties of its bars, held at the entry and kept on the axis at the codline."""
+    g = lattice.globalisation
+    bars = np.concatenate(parts.bars)
+    is_knot = bars[:, 4].astype(bool)
+    band = bars[:, 3]
+
+    def of_section(value: str) -> Floats:
+        return np.array([getattr(s, value) for s in lattice.sections], dtype=np.float64)[band]
+
+    stiffness = np.array(
+        [np.inf if s.axial_stiffness_n is None else g * s.axial_stiffness_n for s in lattice.sections]
+    )[band]
+    facets, weight = parts.facet_table()
+    around = lattice.columns * lattice.order
+    weight *= _polygon_area(g * around) / _polygon_area(around)
+    meshes = np.concatenate(parts.meshes)
+    count = len(node_row)
+    fixed = np.zeros((count, 3), dtype=bool)
+    fixed[entry] = True
+    fixed[parts.codline, 1:] = True
+    corners = np.concatenate(parts.corners) if parts.corners else np.zeros((0, 8), dtype=np.int64)
+    clamped = np.array([12.0 * s.bending_stiffness_n_m2 / s.bar_m for s in lattice.sections])[corners[:, 6]]
+    # two twines gathered at the codline have no angle between them
+    resists = (clamped > 0.0) & ((corners[:, 1] != corners[:, 2]) | (corners[:, 4] != corners[:, 5]))
+    corners, clamped = corners[resists], clamped[resists]
+    at_rest = np.array([2.0 * s.rest_half_angle_rad for s in lattice.sections])[corners[:, 6]]
+    half = [1.0 if s.mesh == "square" else HALF_MESH for s in lattice.sections]
+    return Net(
+        positions=positions,
+        order=lattice.order,
+        fixed=fixed,
+        node_row=node_row,
+        bars=bars[:, :2].astype(np.int32),
+        bar_image=bars[:, 2].astype(np.int32),
+        bar_length=g * np.where(is_knot, of_section("knot_m"), of_section("bar_m")),
+        bar_flexibility=np.where(is_knot, 0.0, 1.0 / stiffness),  # a knot is a lump that does not stretch
+        bar_drag_diameter=np.where(is_knot, 0.0, g * of_section("drag_width_m")),
+        bar_solid_diameter=np.sqrt(g) * of_section("solid_diameter_m"),
+        bar_density=np.array(
+            [np.nan if s.twine_density_kg_m3 is None else s.twine_density_kg_m3 for s in lattice.sections]
+        )[band],
+        bar_band=band.astype(np.int32),
+        facets=facets[:, :3].astype(np.int32),
+        facet_image=facets[:, 3:6].astype(np.int32),
+        facet_weight=weight,
+        facet_band=facets[:, 6].astype(np.int32),
+        mesh_sides=meshes[:, :8].reshape(-1, 4, 2).astype(np.int32),
+        mesh_side_image=meshes[:, 8:16].reshape(-1, 4, 2).astype(np.int32),
+        mesh_bars=_bars_of_sides(bars[:, :3], meshes[:, :8].reshape(-1, 2), meshes[:, 8:16].reshape(-1, 2)),
+        mesh_row=meshes[:, 16].astype(np.int32),
+        band_meshes=g * np.array(half),
+        corners=corners[:, :3].astype(np.int32),
+        corner_image=corners[:, 3:6].astype(np.int32),
+        corner_stiffness=g**2 * clamped,
+        corner_rest=np.where(corners[:, 7] == 1, np.pi - at_rest, at_rest),
+        globalisation=g,
+    )
+
+
+def _polygon_area(corners: int) -> float:
+    """Area of a regular polygon over that of the circle through its corners.
+
+    A globalised net is an inscribed polygon of too few corners; at the same radius, pressure on it falls short in this
+    ratio along the axis and across it, and so does its volume. Its facets are weighted to make up for that.
+    """
+    return float(np.sinc(2.0 / corners))
+
+
+def _bars_of_sides(bars: NDArray, sides: NDArray, images: NDArray) -> Ints:
+    """Number of the bar on each side of each mesh, -1 where there is none, (meshes, 4)."""
+
+    def key(first: NDArray, second: NDArray, image: NDArray) -> NDArray:
+        swap = first > second
+        low, high = np.where(swap, second, first), np.where(swap, first, second)
+        return (low * (bars[:, :2].max() + 1) + high) * 8 + np.where(swap, -image, image) + 4
+
+    bar_keys = key(bars[:, 0], bars[:, 1], bars[:, 2])
+    order = np.argsort(bar_keys, kind="stable")
+    relative = np.where(
+        (sides[:, 0] == bars[:, :2].max()) | (sides[:, 1] == bars[:, :2].max()), 0, images[:, 1] - images[:, 0]
+    )
+    wanted = key(sides[:, 0], sides[:, 1], relative)
+    place = np.minimum(np.searchsorted(bar_keys[order], wanted), len(bars) - 1)
+    found = order[place]
+    return np.where(bar_keys[found] == wanted, found, -1).reshape(-1, 4).astype(np.int32)
