@@ -1,23 +1,18 @@
 """The command line: parse, call, print. Heavy libraries are imported where a command uses them: help is quick."""
 
-import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
+from codend.cli_common import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, check_writable, written_into
+from codend.cli_selectivity import fit, selectivity, species
 from codend.console import shown_progress, text_table
 from codend.errors import InputError
 
 if TYPE_CHECKING:
     from codend.comparison import Comparison
-    from codend.selectivity.analysis import FieldFit
     from codend.study import Study
-
-BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 2, 3, 130
-"""Exit statuses; 0 is success."""
 
 TABLE_COLUMNS = {
     "case": "case",
@@ -114,13 +109,13 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     from codend.plan import load_plan
 
     checked = load_plan(plan, changes)
-    _check_writable(folder)
+    check_writable(folder)
     from codend.report.page import write_report
     from codend.study import solve
 
     with shown_progress() as progress:
         study = solve(checked, progress)
-        with _written_into(folder):
+        with written_into(folder):
             written = write_report(study, folder, progress)
     click.echo(study.choice.why)
     click.echo(text_table(list(TABLE_COLUMNS.values()), study.table[list(TABLE_COLUMNS)].itertuples(index=False)))
@@ -157,7 +152,7 @@ def compare(folder: Path, table: Path) -> None:
 
     results = folder / "results.csv"
     comparison = compare_with(read_results(results), read_flume_table(table), results)
-    with _written_into(folder):
+    with written_into(folder):
         write_table(comparison.points, folder / "comparison.csv")
         write_table(comparison.summary, folder / "comparison_summary.csv")
         with whole_file(folder / "comparison.png") as temporary:
@@ -185,97 +180,6 @@ def _print_comparison(comparison: "Comparison") -> None:
 
 
 @main.command()
-@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
-@click.option("--species", "files", multiple=True, required=True, metavar="FILE.toml", help="May be repeated.")
-@click.option("--bootstrap", "replicates", default=1000, show_default=True, help="Hauls drawn; 0 for none.")
-@click.option("--samples", default=128, show_default=True, help="Of the ranking by variance: a power of 2; 0 for none.")
-@click.option("--seed", default=0, show_default=True, help="Of both.")
-def selectivity(folder: Path, files: tuple[str, ...], replicates: int, samples: int, seed: int) -> None:
-    """Predict which fish the codend of a run in DIR retains, from the computed openings and the fish's sections.
-
-    Writes selectivity.csv, retention.csv, sensitivity.csv and plots into DIR, and a section into its report.html.
-    `codend species` shows an example of a species file.
-    """
-    for key, value, good, allowed in (
-        ("--bootstrap", replicates, replicates >= 0, "0 or more"),
-        ("--samples", samples, samples >= 0 and samples & (samples - 1) == 0, "a power of 2, or 0"),
-    ):
-        if not good:
-            raise InputError("command line", key, value, allowed)
-    from codend.selectivity.catches import read_run
-    from codend.selectivity.predict import predict
-    from codend.selectivity.species import load_species
-
-    species, read = [load_species(file) for file in files], read_run(folder)
-    _check_writable(folder)
-    from codend.report.selectivity_page import notes, write_selectivity
-    from codend.selectivity.tables import HAUL, selectivity_table
-
-    with shown_progress() as progress:
-        found = predict(read, species, n_bootstrap=replicates, samples=samples, seed=seed, progress=progress)
-    with _written_into(folder):
-        written = write_selectivity(found, folder)
-    table = selectivity_table(found)
-    columns = ["species", "speed_m_s", "catch_volume_m3", "opening_ahead_deg", "l50_cm", "sr_cm"]
-    columns += ["l50_logit_cm", "l50_lower_95_cm", "l50_upper_95_cm"]
-    headers = ["species", "speed m/s", "m3", "opening deg", "L50 cm", "SR cm", "logit L50", "lower 95 %", "upper"]
-    click.echo("whole haul")
-    click.echo(text_table(headers, table.loc[table["case"] == HAUL, columns].itertuples(index=False)))
-    for note in notes(found):
-        click.echo(note)
-    click.echo(f"{len(written)} files written into {folder}")
-
-
-@main.command()
-def species() -> None:
-    """Print an example of a species file, every number in it assumed; save it, and put in those of your species."""
-    from codend.selectivity.species import example_species_path
-
-    click.echo(example_species_path().read_text(encoding="utf-8"), nl=False)
-
-
-@main.command()
-@click.argument("data", metavar="DATA.csv")
-@click.option("--design", required=True, help="covered (codend and cover) or paired (test and control gear).")
-@click.option("--curve", default="logit", show_default=True, help="logit, probit, gompertz, cloglog or richards.")
-@click.option("--split", default="equal", show_default=True, help="Of paired gear: equal or estimated.")
-@click.option("--covariate", "covariates", multiple=True, metavar="NAME", help="A column; may be repeated.")
-@click.option("--bootstrap", "replicates", default=0, show_default=True, help="Replicates of the double bootstrap.")
-@click.option("--seed", default=0, show_default=True, help="Of the bootstrap.")
-@click.option("--out", "folder", required=True, metavar="DIR", type=click.Path(path_type=Path), help="Where to write.")
-def fit(data: str, design: str, folder: Path, replicates: int, **choices: Any) -> int:
-    """Fit retention curves to a covered-codend or paired-gear trial; writes fit.csv and diagnostics.csv into DIR."""
-    _check_writable(folder)
-    from codend.report.files import write_table
-    from codend.selectivity.analysis import diagnostics_table, fit_field_data, fit_table
-
-    fitted = fit_field_data(data, design, n_bootstrap=replicates, **choices)
-    with _written_into(folder):
-        write_table(fit_table(fitted), folder / "fit.csv")
-        write_table(diagnostics_table(fitted), folder / "diagnostics.csv")
-    _print_fit(fitted)
-    return 0 if fitted.converged else NOT_CONVERGED
-
-
-def _print_fit(fitted: "FieldFit") -> None:
-    """The answer for the gear first: mean of the hauls, then bootstrap, then the pooled fit."""
-    from codend.selectivity.analysis import fit_table
-
-    table = fit_table(fitted).set_index("group")
-    groups = [group for group in ("between-hauls", "bootstrap", "pooled") if group in table.index]
-    shown = table.loc[groups].reset_index()
-    headers = ["group", "parameter", "estimate", "standard error", "lower 95 %", "upper 95 %"]
-    click.echo(text_table(headers, shown.drop(columns="curve").itertuples(index=False)))
-    if fitted.between_hauls is not None:
-        click.echo(f"{len(fitted.hauls)} hauls: {fitted.between_hauls.message}")
-    if fitted.bootstrap is not None and fitted.bootstrap.n_failed:
-        click.echo(f"{fitted.bootstrap.n_failed} of {fitted.bootstrap.n_replicates} bootstrap refits did not converge")
-    for one in (fitted.pooled, *fitted.hauls):
-        if not one.converged:
-            click.echo(f"{one.group} was not fitted: {one.outcome.value}", err=True)
-
-
-@main.command()
 @click.option("--warm-up", is_flag=True, help="Compile all kernels now, by solving a tiny net.")
 def doctor(warm_up: bool) -> int:
     """Show versions, cores and the state of the compiled kernels; status 1 when a needed package is missing."""
@@ -288,27 +192,8 @@ def doctor(warm_up: bool) -> int:
     return 1 if any(finding.missing for finding in findings) else 0
 
 
-def _check_writable(folder: Path) -> None:
-    """Find out before the work is done whether a folder can be made or written to."""
-    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
-    if not there.is_dir():
-        _refuse(folder, f"{there} is no folder")
-    if not os.access(there, os.W_OK | os.X_OK):
-        _refuse(folder, "permission denied")
-
-
-@contextmanager
-def _written_into(folder: Path) -> Iterator[None]:
-    """Make a folder for the block to write to; one that cannot be written is an input error."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        yield
-    except OSError as error:
-        _refuse(folder, error.strerror or str(error))
-
-
-def _refuse(folder: Path, reason: str) -> NoReturn:
-    raise InputError(folder, "", None, "a folder that can be written", f"cannot be written: {reason}") from None
+for _command in (selectivity, species, fit):
+    main.add_command(_command)
 
 
 if __name__ == "__main__":

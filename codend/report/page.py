@@ -139,7 +139,8 @@ def _write_bytes(content: bytes, path: Path) -> None:
 def _remove_leftovers(folder: Path, written: set[Path]) -> None:
     nets = [path for path in folder.glob("net_*.vtu") if re.fullmatch(r"net_\d+\.vtu", path.name)]
     plots = [folder / "plots" / f"{plot.name}.png" for plot in PLOTS]
-    selectivity = [folder / name for name in ("selectivity.csv", "retention.csv", "sensitivity.csv")]
+    selectivity = [folder / f"{name}.csv" for name in ("selectivity", "retention", "sensitivity", "calibration")]
+    selectivity += [folder / name for name in ("together.csv", "together_l50.csv", "calibrated_species.toml")]
     plots += (folder / "plots").glob("selectivity_*.png")
     for path in {*nets, *plots, *selectivity, folder / "meshes.csv"} - written:
         path.unlink(missing_ok=True)

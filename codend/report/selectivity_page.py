@@ -12,8 +12,11 @@ from codend.report.html import PageFigure
 from codend.report.page import png
 from codend.report.selectivity_plots import catch_plot, history_plot, mesh_plot, retention_plot, sensitivity_plot
 from codend.report.style import column_text
+from codend.report.together_plot import together_plot
 from codend.selectivity.predict import Prediction
+from codend.selectivity.species import species_toml
 from codend.selectivity.tables import HAUL, retention_table, selectivity_table, sensitivity_table
+from codend.selectivity.together import Together, calibration_table, together_l50_table, together_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,8 +25,8 @@ PLOTS: dict[str, tuple[Callable[[Sequence[Prediction]], Figure], str]] = {
     "retention": (
         retention_plot,
         "Retention by length for each catch and over the haul. Grey: 95 % of hauls when all numbers with a range vary "
-        "over it. Orange: 95 % of logit curves fitted to hauls with a finite number of fish; a logit curve goes to zero for "
-        "small fish, the computed one to the share that never tries a mesh, so that the logit's SR is wider.",
+        "over it. Orange: 95 % of logit curves fitted to hauls with a finite number of fish; a logit curve goes to "
+        "zero for small fish, the computed one to the share that never tries a mesh, so that the logit's SR is wider.",
     ),
     "l50_sr": (
         catch_plot,
@@ -50,28 +53,37 @@ COLUMNS = {
     "l50_lower_95_cm": ("lower 95 %", "cm"),
     "l50_upper_95_cm": ("upper 95 %", "cm"),
 }
+TOGETHER = (
+    "Predicted and fitted together. Left: retention of the computed haul, the curve fitted to the trial and the shares "
+    "observed (paired gear: test over control, scaled by the split). Right: L50 against the catch at the end of a "
+    "haul; a trial sees whole hauls, to be compared with the computed hauls and not with the fish that meet one catch."
+)
+FIELD_TABLES = ("together.csv", "together_l50.csv", "calibration.csv", "calibrated_species.toml")
 START, END = "<!-- selectivity -->", "<!-- end of selectivity -->"
 
 _SECTION = """{{ start }}
 <h2>Selectivity</h2>
-<p class="quiet">Predicted from the computed openings of the meshes ahead of the catch and the sections of fish; not
-fitted to any trial.</p>
+<p class="quiet">Predicted from the computed openings of the meshes ahead of the catch and the sections of fish; no
+trial enters but where it is said.</p>
 <div class="notes"><ul>{% for note in notes %}<li>{{ note }}</li>{% endfor %}</ul></div>
 <div class="wide"><table><thead><tr><th class="words">Species</th><th>Case</th>
 {% for name, unit in heads %}<th>{{ name }}<span class="unit">{{ unit }}</span></th>{% endfor %}</tr></thead><tbody>
 {% for row in rows %}<tr><td class="words">{{ row[0] }}</td>
 {% for cell in row[1:] %}<td>{{ cell }}</td>{% endfor %}</tr>
 {% endfor %}</tbody></table></div>
-{% for figure in figures %}<figure><img src="{{ figure.source }}" alt="{{ figure.caption }}">
+{% for note in field_notes %}<p>{{ note }}</p>
+{% endfor %}{% for figure in figures %}<figure><img src="{{ figure.source }}" alt="{{ figure.caption }}">
 <figcaption>{{ figure.caption }}</figcaption></figure>
 {% endfor %}{{ end }}
 """
 
 
-def write_selectivity(predictions: Sequence[Prediction], folder: Path) -> list[Path]:
+def write_selectivity(predictions: Sequence[Prediction], folder: Path, together: Sequence[Together] = ()) -> list[Path]:
     """Write selectivity.csv, retention.csv, sensitivity.csv and plots/selectivity_*.png and a section into report.html.
 
-    A section from an earlier run is replaced; where there is no report.html none is made.
+    With a trial, together.csv and together_l50.csv and their plot, which comes first; with a calibration,
+    calibration.csv and, where it converged, calibrated_species.toml. What an earlier call left of those is removed. A
+    section from an earlier run is replaced; where there is no report.html none is made.
 
     Raises:
         OSError: a file cannot be written.
@@ -82,30 +94,45 @@ def write_selectivity(predictions: Sequence[Prediction], folder: Path) -> list[P
         "retention.csv": retention_table(predictions),
         "sensitivity.csv": sensitivity_table(predictions),
     }
+    for name in FIELD_TABLES:
+        (folder / name).unlink(missing_ok=True)
+    if together:
+        tables |= {"together.csv": together_table(together), "together_l50.csv": together_l50_table(together)}
+    calibration = together[0].calibration if together else None
+    if calibration is not None:
+        tables["calibration.csv"] = calibration_table(calibration)
+        if calibration.converged:
+            written.append(folder / "calibrated_species.toml")
+            with whole_file(written[-1]) as temporary:
+                temporary.write_text(species_toml(calibration.species), encoding="utf-8")
     for name, table in tables.items():
         write_table(table, folder / name)
         written.append(folder / name)
     (folder / "plots").mkdir(exist_ok=True)
-    figures = []
-    for name, (draw, caption) in PLOTS.items():
+    figures: list[PageFigure] = []
+    drawn = {name: (lambda draw=draw: draw(predictions), caption) for name, (draw, caption) in PLOTS.items()}
+    plots = {"together": (lambda: together_plot(together), TOGETHER), **drawn}
+    for name, (draw, caption) in plots.items():
         path = folder / "plots" / f"selectivity_{name}.png"
-        if name == "sensitivity" and tables["sensitivity.csv"].empty:
+        if (name == "sensitivity" and tables["sensitivity.csv"].empty) or (name == "together" and not together):
             path.unlink(missing_ok=True)
             continue
-        figures.append(PageFigure(png(draw(predictions)), caption))
+        figures.append(PageFigure(png(draw()), caption))
         with whole_file(path) as temporary:
             temporary.write_bytes(figures[-1].png)
         written.append(path)
     report = folder / "report.html"
     if report.exists():
-        page = with_section(report.read_text(encoding="utf-8"), section_html(predictions, figures))
+        page = with_section(report.read_text(encoding="utf-8"), section_html(predictions, figures, together))
         with whole_file(report) as temporary:
             temporary.write_text(page, encoding="utf-8")
         written.append(report)
     return written
 
 
-def section_html(predictions: Sequence[Prediction], figures: Sequence[PageFigure]) -> str:
+def section_html(
+    predictions: Sequence[Prediction], figures: Sequence[PageFigure], together: Sequence[Together] = ()
+) -> str:
     """The section of the report, everything from species files escaped."""
     from jinja2 import Environment, StrictUndefined
     from markupsafe import Markup
@@ -120,6 +147,7 @@ def section_html(predictions: Sequence[Prediction], figures: Sequence[PageFigure
             start=Markup(START),
             end=Markup(END),
             notes=notes(predictions),
+            field_notes=field_notes(together),
             heads=list(COLUMNS.values()),
             rows=list(zip(table["species"], cases, *columns, strict=True)),
             figures=figures,
@@ -141,6 +169,38 @@ def notes(predictions: Sequence[Prediction]) -> list[str]:
             found.append(
                 f"{one.species.name} at {one.haul.speed_m_s:g} m/s: {early:.0%} of the haul comes before the smallest "
                 "catch computed, and is given its openings."
+            )
+    return found
+
+
+def field_notes(together: Sequence[Together]) -> list[str]:
+    """What the trial is, and what was calibrated on it."""
+    found = []
+    for one in together[:1]:
+        data, kind = one.trial.data, "simulated" if one.trial.simulated else "counted in the field"
+        fish = int(one.fish.sum())
+        found.append(
+            f"Trial: {Path(data.source).name}, {data.design}, {len(data.haul_names)} hauls, {fish} fish {kind}."
+        )
+        if not one.trial.fit.converged:
+            found.append(f"No curve was fitted to it: {one.trial.fit.pooled.outcome.value}.")
+        if one.calibration is not None:
+            numbers = zip(
+                one.calibration.names,
+                one.calibration.values,
+                one.calibration.lower_95,
+                one.calibration.upper_95,
+                one.calibration.identified,
+                strict=True,
+            )
+            said = [
+                f"{name} {value:.3g} (95 % {lower:.3g} to {upper:.3g})" + " not identified" * (not known)
+                for name, value, lower, upper, known in numbers
+            ]
+            values = f"{'; '.join(said)}; " if one.calibration.converged else ""
+            fit = f"deviance {one.calibration.deviance:.4g} on {one.calibration.degrees_of_freedom} degrees of freedom"
+            found.append(
+                f"Calibrated on it: {values}{one.calibration.message}; {fit}, p = {one.calibration.p_value:.2g}."
             )
     return found
 

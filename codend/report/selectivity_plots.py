@@ -33,7 +33,9 @@ def retention_plot(predictions: Sequence[Prediction]) -> Figure:
     for axes, found in panels:
         l50, sr = found.l50_sr[-1]
         if found.sensitivity is not None:
-            axes.fill_between(found.length_cm, *found.sensitivity.band, color=PALE, alpha=0.6, label="whole haul, all ranges, 95 %")
+            axes.fill_between(
+                found.length_cm, *found.sensitivity.band, color=PALE, alpha=0.6, label="whole haul, all ranges, 95 %"
+            )
         if found.fish_band is not None:
             fish = number_text(found.species.haul.fish.value)
             label = f"logit of the haul, {fish} fish, 95 %"

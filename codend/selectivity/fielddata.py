@@ -123,7 +123,7 @@ def read_field_data(data: str | Path | pd.DataFrame, design: str, covariates: Se
         row = int(np.flatnonzero(repeated)[0])
         where = f"{length_cm[row]:g} (haul {names[haul[row]]})"
         raise InputError(source, "length_cm", where, "each length once in a haul", "is given twice")
-    per_haul = [table.haul_values(name, haul, len(names)) for name in covariates]
+    per_haul = [table.covariate(name, haul, len(names)) for name in covariates]
     return FieldData(
         source=source,
         design=design,
@@ -137,6 +137,34 @@ def read_field_data(data: str | Path | pd.DataFrame, design: str, covariates: Se
         covariate_names=tuple(covariates),
         covariates=np.stack(per_haul, axis=-1) if per_haul else np.empty((len(names), 0)),
     )
+
+
+def catch_volumes_m3(data: str | Path | pd.DataFrame, field: FieldData, density_kg_m3: float) -> Array | None:
+    """(H,) final catch of every haul, from the column `catch_volume_m3` or else `catch_kg`; None where there is none.
+
+    Args:
+        data: the table `field` was read from.
+        field: its counted fish.
+        density_kg_m3: of the catch, by which a mass becomes a volume.
+
+    Raises:
+        InputError: a catch that is no number above 0 or changes within its haul.
+    """
+    import pandas as pd
+
+    frame = data if isinstance(data, pd.DataFrame) else _read_csv(Path(data))
+    for column, per_m3 in (("catch_volume_m3", 1.0), ("catch_kg", density_kg_m3)):
+        if column in frame.columns:
+            table = _Table(field.source, frame)
+            n_hauls = len(field.haul_names)
+            return table.haul_values(column, field.haul, n_hauls, "a catch above 0", lambda v: v > 0.0) / per_m3
+    return None
+
+
+def is_simulated(path: str | Path) -> bool:
+    """Whether the comments of a table say that its fish are simulated."""
+    lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
+    return any(line.lstrip().startswith("#") and "simulated" in line.lower() for line in lines)
 
 
 def _read_csv(path: Path) -> pd.DataFrame:
@@ -170,13 +198,20 @@ class _Table:
             raise InputError(self.source, column, shown, allowed, f"in data row {row + 1} is not allowed")
         return values
 
-    def haul_values(self, column: str, haul: NDArray[np.int64], n_hauls: int) -> Array:
-        """(H,) values of a covariate, one a haul."""
-        values = self.numbers(column, "a number", lambda v: np.ones(v.shape, dtype=bool))
+    def covariate(self, column: str, haul: NDArray[np.int64], n_hauls: int) -> Array:
+        """(H,) values of a covariate, one a haul, not all the same."""
+        values = self.haul_values(column, haul, n_hauls, "a number", lambda v: np.ones(v.shape, dtype=bool))
+        if np.all(values == values[0]):
+            raise InputError(self.source, column, values[0].item(), "values that differ between hauls", "never changes")
+        return values
+
+    def haul_values(
+        self, column: str, haul: NDArray[np.int64], n_hauls: int, allowed: str, is_allowed: _Check
+    ) -> Array:
+        """(H,) values of a column that is the same in all rows of a haul."""
+        values = self.numbers(column, allowed, is_allowed)
         first = np.array([values[haul == h][0] for h in range(n_hauls)])
         if np.any(values != first[haul]):
             row = int(np.flatnonzero(values != first[haul])[0])
             raise InputError(self.source, column, values[row].item(), "one value a haul", "changes within its haul")
-        if np.all(first == first[0]):
-            raise InputError(self.source, column, first[0].item(), "values that differ between hauls", "never changes")
         return first

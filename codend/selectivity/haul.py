@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Final
@@ -86,14 +87,28 @@ def terms_of_catches(haul: Haul, species: Species, nodes: Nodes | None = None) -
     return [escape_terms(haul.crowd, i, species.values, nodes) for i in range(len(haul.catches))]
 
 
-def terms_of_haul(haul: Haul, of_catches: list[EscapeTerms], species: Species) -> EscapeTerms:
-    """Retention over the whole haul: the mean over time of that of its catches."""
-    share = haul.time_shares(species)
+def terms_of_haul(
+    haul: Haul, of_catches: Sequence[EscapeTerms], species: Species, share: Floats | None = None
+) -> EscapeTerms:
+    """Retention over the whole haul: the mean over time of that of its catches, or with shares (c,) of their own."""
+    share = haul.time_shares(species) if share is None else share
     return EscapeTerms(
         np.concatenate([terms.ln_length for terms in of_catches]),
         np.concatenate([weight * terms.escape for weight, terms in zip(share, of_catches, strict=True)]),
         of_catches[0].spread,
     )
+
+
+def shares_until(haul: Haul, species: Species, volume_m3: float) -> Floats:
+    """Share of the time for which each catch stands in a haul that ends with another volume, (c,), adding to 1.
+
+    Retention is linear in time between computed catches, and beyond the last that of the last.
+    """
+    power = 1.0 / species.values[_GROWTH]
+    time, end = haul.volume_m3**power, volume_m3**power
+    knots = np.concatenate([[0.0], time[time < end], [end]])
+    hats = np.array([np.interp(knots, time, hat) for hat in np.eye(len(time))])
+    return np.asarray(np.trapezoid(hats, knots, axis=1) / end)
 
 
 @njit(cache=True, nogil=True)

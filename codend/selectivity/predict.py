@@ -98,13 +98,16 @@ def predict(
     for done, (one, haul) in enumerate(work):
         if progress is not None:
             progress(done, len(work), f"{one.name} at {haul.speed_m_s:g} m/s")
-        found.append(_predicted(one, haul, n_bootstrap, samples, seed))
+        found.append(predict_haul(one, haul, n_bootstrap=n_bootstrap, samples=samples, seed=seed))
     if progress is not None:
         progress(len(work), len(work), "done")
     return found
 
 
-def _predicted(species: Species, haul: Haul, n_bootstrap: int, samples: int, seed: int) -> Prediction:
+def predict_haul(
+    species: Species, haul: Haul, *, n_bootstrap: int = BOOTSTRAP, samples: int = SAMPLES, seed: int = 0
+) -> Prediction:
+    """Selectivity of one species in one haul; arguments as those of ``predict``."""
     of_catches = terms_of_catches(haul, species)
     every = [*of_catches, terms_of_haul(haul, of_catches, species)]
     length_cm = species.length_cm

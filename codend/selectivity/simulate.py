@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from codend.selectivity.curves import CURVES
-from codend.selectivity.fielddata import FieldData
+from codend.selectivity.fielddata import DESIGNS, FieldData
+from codend.selectivity.haul import Haul, shares_until, terms_of_catches, terms_of_haul
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from catch_models.fish import Species
 
 Array = NDArray[np.float64]
 
@@ -86,3 +93,41 @@ def parameters_of(curve: str, l50_cm: float, sr_cm: float, delta: float | None =
     l50_at_unit_slope, sr_at_unit_slope = CURVES[curve].l50_sr((0.0, 1.0, *shape))
     b = float(sr_at_unit_slope) / sr_cm
     return (float(l50_at_unit_slope) - b * l50_cm, b, *shape)
+
+
+def computed_trial(
+    haul: Haul,
+    species: Species,
+    design: str,
+    *,
+    volume_m3: Array,
+    length_cm: Array,
+    expected_fish: Array,
+    rng: np.random.Generator,
+    split: float = 0.5,
+) -> pd.DataFrame:
+    """A simulated trial of a computed codend, as a table for ``read_field_data`` with ``catch_volume_m3``.
+
+    Args:
+        haul: the computed catches.
+        species: true numbers of the fish.
+        design: "covered" or "paired".
+        volume_m3: final catch of every haul, (H,).
+        length_cm: (n,) length classes.
+        expected_fish: (n,) expected number of fish a haul meets (both gears together for paired gear).
+        rng: for the Poisson numbers of fish.
+        split: paired gear: the share of the fish met that enter the test gear.
+    """
+    import pandas as pd
+
+    of_catches, columns, frames = terms_of_catches(haul, species), DESIGNS[design], []
+    for h, volume in enumerate(volume_m3):
+        share = shares_until(haul, species, float(volume))
+        retained = np.clip(terms_of_haul(haul, of_catches, species, share).retention(length_cm), 0.0, 1.0)
+        if design == "covered":
+            means = (expected_fish * retained, expected_fish * (1.0 - retained))
+        else:
+            means = (expected_fish * split * retained, expected_fish * (1.0 - split))
+        counts = {name: rng.poisson(mean) for name, mean in zip(columns, means, strict=True)}
+        frames.append(pd.DataFrame({"haul": str(h + 1), "catch_volume_m3": volume, "length_cm": length_cm, **counts}))
+    return pd.concat(frames, ignore_index=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from importlib.resources import files
 from pathlib import Path
@@ -37,6 +38,29 @@ def load_species(path: str | Path) -> Species:
         raise input_error(error, Species, data, path) from None
     _check(species, path)
     return species
+
+
+def species_toml(species: Species) -> str:
+    """A species as TOML that ``load_species`` reads back to an equal one."""
+    lines = ['# Every number with its source; one that begins with "assumed" marks a number nobody measured.', ""]
+    tables = species.model_dump(exclude_none=True)
+    lines += [f"{key} = {_text(value)}" for key, value in tables.items() if isinstance(value, str)]
+    for name, table in tables.items():
+        if isinstance(table, dict):
+            lines += ["", f"[{name}]", *(f"{key} = {_entry(value)}" for key, value in table.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _entry(value: float | dict[str, float | str]) -> str:
+    if not isinstance(value, dict):
+        return repr(value)
+    parts = (f"{key} = {_text(part) if isinstance(part, str) else repr(part)}" for key, part in value.items())
+    return f"{{ {', '.join(parts)} }}"
+
+
+def _text(value: str) -> str:
+    """Spelled as in JSON, but that TOML takes no DEL as it is."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _check(species: Species, path: str | Path) -> None:

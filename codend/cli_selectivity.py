@@ -1,0 +1,173 @@
+"""Commands on fish: codend selectivity, species and fit. Heavy libraries are imported where a command uses them."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from codend.cli_common import NOT_CONVERGED, check_writable, written_into
+from codend.console import shown_progress, text_table
+from codend.errors import InputError
+
+if TYPE_CHECKING:
+    from codend.selectivity.analysis import FieldFit
+    from codend.selectivity.together import Together
+
+
+@click.command()
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option("--species", "files", multiple=True, required=True, metavar="FILE.toml", help="May be repeated.")
+@click.option("--bootstrap", "replicates", default=1000, show_default=True, help="Hauls drawn; 0 for none.")
+@click.option("--samples", default=128, show_default=True, help="Of the ranking by variance: a power of 2; 0 for none.")
+@click.option("--seed", default=0, show_default=True, help="Of both.")
+@click.option("--field", metavar="DATA.csv", help="Hauls with this codend: sets the fitted curve beside the predicted.")
+@click.option("--design", help="Of the field data: covered or paired.")
+@click.option("--curve", default="logit", show_default=True, help="Fitted to the field data, as in codend fit.")
+@click.option("--split", default="equal", show_default=True, help="Of paired gear: equal or estimated.")
+@click.option(
+    "--calibrate",
+    "calibrated",
+    metavar="NAME,...",
+    help="Numbers of the species to estimate from the field data: contact, spread (of sizes), shape, attempts, "
+    "rotation_deg.",
+)
+def selectivity(
+    folder: Path,
+    files: tuple[str, ...],
+    replicates: int,
+    samples: int,
+    seed: int,
+    field: str | None,
+    calibrated: str | None,
+    **choices: Any,
+) -> int:
+    """Predict which fish the codend of a run in DIR retains, from the computed openings and the fish's sections.
+
+    Writes selectivity.csv, retention.csv, sensitivity.csv and plots into DIR, and a section into its report.html.
+    `codend species` shows an example of a species file.
+
+    With --field, together.csv and together_l50.csv hold predicted and fitted retention and L50 against the catch (of
+    each haul, from a column catch_volume_m3 or catch_kg), and a plot shows both. With --calibrate, calibration.csv
+    holds the estimates, and calibrated_species.toml the species with them. Status 3 when a fit did not converge.
+    """
+    for key, value, good, allowed in (
+        ("--bootstrap", replicates, replicates >= 0, "0 or more"),
+        ("--samples", samples, samples >= 0 and samples & (samples - 1) == 0, "a power of 2, or 0"),
+        ("--design", choices["design"], (field is None) == (choices["design"] is None), "together with --field"),
+        ("--calibrate", calibrated, calibrated is None or field is not None, "together with --field"),
+    ):
+        if not good:
+            raise InputError("command line", key, value, allowed)
+    from codend.selectivity.catches import read_run
+    from codend.selectivity.predict import predict
+    from codend.selectivity.species import load_species
+
+    species, read = [load_species(file) for file in files], read_run(folder)
+    check_writable(folder)
+    from codend.report.selectivity_page import notes, write_selectivity
+    from codend.selectivity.tables import HAUL, selectivity_table
+
+    trial = None
+    if field is not None:
+        from codend.selectivity.trial import read_trial, set_beside
+
+        trial = read_trial(field, read.plan.catch_density_kg_m3, **choices)
+    with shown_progress() as progress:
+        found = predict(read, species, n_bootstrap=replicates, samples=samples, seed=seed, progress=progress)
+    names = calibrated.split(",") if calibrated else []
+    together = set_beside(found, trial, names, estimate_split=choices["split"] == "estimated") if trial else []
+    with written_into(folder):
+        written = write_selectivity(found, folder, together)
+    table = selectivity_table(found)
+    columns = ["species", "speed_m_s", "catch_volume_m3", "opening_ahead_deg", "l50_cm", "sr_cm"]
+    columns += ["l50_logit_cm", "l50_lower_95_cm", "l50_upper_95_cm"]
+    headers = ["species", "speed m/s", "m3", "opening deg", "L50 cm", "SR cm", "logit L50", "lower 95 %", "upper"]
+    click.echo("whole haul")
+    click.echo(text_table(headers, table.loc[table["case"] == HAUL, columns].itertuples(index=False)))
+    for note in notes(found):
+        click.echo(note)
+    status = _print_together(together)
+    click.echo(f"{len(written)} files written into {folder}")
+    return status
+
+
+def _print_together(many: "Sequence[Together]") -> int:
+    """Predicted beside fitted, and the calibration; the exit status."""
+    if not many:
+        return 0
+    from codend.selectivity.together import calibration_table, together_l50_table
+
+    table = together_l50_table(many)
+    last = table[table["what"].str.endswith("haul") & (table["what"] != "field haul")]
+    last = last.groupby(["species", "speed_m_s", "what"], sort=False).tail(1)
+    fitted = table[table["what"] == "field mean"]
+    rows = [
+        (row.species, row.what, row.catch_volume_m3, row.l50_cm, row.l50_lower_95_cm, row.l50_upper_95_cm, row.sr_cm)
+        for one in (last, fitted)
+        for row in one.itertuples()
+    ]
+    click.echo(text_table(["species", "what", "m3", "L50 cm", "lower 95 %", "upper", "SR cm"], rows))
+    good = True
+    for one in many:
+        good &= one.trial.fit.converged
+        if not one.trial.fit.converged:
+            click.echo(f"the field data were not fitted: {one.trial.fit.pooled.outcome.value}", err=True)
+        if one.calibration is not None:
+            found = calibration_table(one.calibration)
+            columns = ["parameter", "estimate", "lower_95", "upper_95", "identified"]
+            headers = ["calibrated", "estimate", "lower 95 %", "upper 95 %", "identified"]
+            click.echo(text_table(headers, found[columns].itertuples(index=False)))
+            fit = f"deviance {one.calibration.deviance:.4g} on {one.calibration.degrees_of_freedom}"
+            click.echo(f"calibration: {one.calibration.message}; {fit}, p = {one.calibration.p_value:.2g}")
+            good &= one.calibration.converged
+    return 0 if good else NOT_CONVERGED
+
+
+@click.command()
+def species() -> None:
+    """Print an example of a species file, every number in it assumed; save it, and put in those of your species."""
+    from codend.selectivity.species import example_species_path
+
+    click.echo(example_species_path().read_text(encoding="utf-8"), nl=False)
+
+
+@click.command()
+@click.argument("data", metavar="DATA.csv")
+@click.option("--design", required=True, help="covered (codend and cover) or paired (test and control gear).")
+@click.option("--curve", default="logit", show_default=True, help="logit, probit, gompertz, cloglog or richards.")
+@click.option("--split", default="equal", show_default=True, help="Of paired gear: equal or estimated.")
+@click.option("--covariate", "covariates", multiple=True, metavar="NAME", help="A column; may be repeated.")
+@click.option("--bootstrap", "replicates", default=0, show_default=True, help="Replicates of the double bootstrap.")
+@click.option("--seed", default=0, show_default=True, help="Of the bootstrap.")
+@click.option("--out", "folder", required=True, metavar="DIR", type=click.Path(path_type=Path), help="Where to write.")
+def fit(data: str, design: str, folder: Path, replicates: int, **choices: Any) -> int:
+    """Fit retention curves to a covered-codend or paired-gear trial; writes fit.csv and diagnostics.csv into DIR."""
+    check_writable(folder)
+    from codend.report.files import write_table
+    from codend.selectivity.analysis import diagnostics_table, fit_field_data, fit_table
+
+    fitted = fit_field_data(data, design, n_bootstrap=replicates, **choices)
+    with written_into(folder):
+        write_table(fit_table(fitted), folder / "fit.csv")
+        write_table(diagnostics_table(fitted), folder / "diagnostics.csv")
+    _print_fit(fitted)
+    return 0 if fitted.converged else NOT_CONVERGED
+
+
+def _print_fit(fitted: "FieldFit") -> None:
+    """The answer for the gear first: mean of the hauls, then bootstrap, then the pooled fit."""
+    from codend.selectivity.analysis import fit_table
+
+    table = fit_table(fitted).set_index("group")
+    groups = [group for group in ("between-hauls", "bootstrap", "pooled") if group in table.index]
+    shown = table.loc[groups].reset_index()
+    headers = ["group", "parameter", "estimate", "standard error", "lower 95 %", "upper 95 %"]
+    click.echo(text_table(headers, shown.drop(columns="curve").itertuples(index=False)))
+    if fitted.between_hauls is not None:
+        click.echo(f"{len(fitted.hauls)} hauls: {fitted.between_hauls.message}")
+    if fitted.bootstrap is not None and fitted.bootstrap.n_failed:
+        click.echo(f"{fitted.bootstrap.n_failed} of {fitted.bootstrap.n_replicates} bootstrap refits did not converge")
+    for one in (fitted.pooled, *fitted.hauls):
+        if not one.converged:
+            click.echo(f"{one.group} was not fitted: {one.outcome.value}", err=True)

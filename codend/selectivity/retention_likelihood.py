@@ -1,0 +1,217 @@
+"""Likelihood of field data through the predicted retention; equations in ``codend.selectivity.calibrate``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import expit, log_expit, xlogy
+
+from catch_models.fish import PARAMETERS, Species
+from codend.selectivity.fielddata import FieldData
+from codend.selectivity.fit import LEAST_EXPECTED, dispersion_factor
+from codend.selectivity.haul import Haul, shares_until
+from codend.selectivity.retention import escape_terms, nodes_of
+
+Floats = NDArray[np.float64]
+
+BOUNDS: Final = {
+    "behaviour.contact": (0.0, 1.0),
+    "spread.size": (0.002, 0.5),
+    "spread.shape": (0.0, 0.5),
+    "behaviour.attempts": (0.5, 200.0),
+    "behaviour.rotation_deg": (0.0, 45.0),
+}
+"""Numbers that can be calibrated, and the range in which they are looked for."""
+LOGARITHMIC: Final = ("spread.size", "behaviour.attempts")
+SPLIT: Final = "split"
+SPLIT_BOUNDS: Final = (-6.0, 6.0)
+"""Of the logit of the split."""
+STARTS, MOST_ITERATIONS = 16, 100
+"""Points at which a start is looked for, and iterations of the scoring."""
+TOLERANCE, STEP = 1e-3, 1e-3
+"""Distance to the maximum in standard errors at which scoring ends; step of the differences, a share of the range."""
+LEAST_RETENTION: Final = 1e-12
+LEAST_INFORMATION: Final = 1e-6
+"""On a number, at which it counts as without effect: its standard error is a thousand times its range."""
+MOST_SECANTS, SECANT_TOLERANCE = 30, 0.01
+"""Steps of the search for an end of an interval, and the share of the wanted fall's root within which it ends."""
+
+
+@dataclass(frozen=True)
+class Maximum:
+    """The likeliest x, and how it was reached."""
+
+    x: Floats
+    log_likelihood: float
+    errors: Floats
+    """Standard errors by the expected information; infinite where it has none."""
+    converged: bool
+
+
+@dataclass(frozen=True)
+class End:
+    """One end of an interval."""
+
+    x: float
+    limited: bool
+    """Whether the likelihood sets it, and not the range."""
+    trouble: str
+    """Why it is not to be believed; empty when it is."""
+
+
+class RetentionLikelihood:
+    """Log-likelihood of numbers scaled to x in [0, 1], (k,)."""
+
+    def __init__(
+        self,
+        haul: Haul,
+        species: Species,
+        data: FieldData,
+        names: tuple[str, ...],
+        estimate_split: bool,
+        volume_m3: Floats | None,
+    ) -> None:
+        """Arguments as those of ``codend.selectivity.calibrate.calibrate``, the names dotted."""
+        self.haul, self.data, self.given, self.nodes = haul, data, species.values, nodes_of()
+        self.columns = [PARAMETERS.index(name) for name in names]
+        self.names = (*names, SPLIT) if estimate_split else names
+        ends = [BOUNDS[name] for name in names] + [SPLIT_BOUNDS] * estimate_split
+        self.log = np.array([name in LOGARITHMIC for name in self.names])
+        self.low, self.high = np.array(
+            [tuple(np.log(e)) if log else e for e, log in zip(ends, self.log, strict=True)]
+        ).T
+        hauls = len(data.haul_names)
+        final = np.full(hauls, haul.volume_m3[-1]) if volume_m3 is None else volume_m3
+        self.shares = np.array([shares_until(haul, species, volume) for volume in final])[data.haul]
+        self.length_cm, self.length = np.unique(data.length_cm, return_inverse=True)
+        self.fish = data.test_count + data.other_count
+
+    def natural(self, x: Floats) -> Floats:
+        """Numbers as the species file and the fit have them."""
+        at = self.low + x * (self.high - self.low)
+        if self.names[-1] == SPLIT:
+            at[-1] = expit(at[-1])
+        return np.where(self.log, np.exp(np.where(self.log, at, 0.0)), at)
+
+    def zeta(self, x: Floats) -> Floats:
+        """Log-odds of every row, (R,)."""
+        values, numbers = self.given.copy(), self.natural(x)
+        values[self.columns] = numbers[: len(self.columns)]
+        catches = range(len(self.haul.catches))
+        terms = [escape_terms(self.haul.crowd, i, values, self.nodes) for i in catches]
+        of_catches = np.array([one.retention(self.length_cm) for one in terms])
+        r = np.einsum("rc,cr->r", self.shares, of_catches[:, self.length])
+        r = np.clip(r, LEAST_RETENTION, 1.0 - LEAST_RETENTION)
+        if self.data.design == "covered":
+            return np.log(r) - np.log1p(-r) + self.data.log_offset
+        split = numbers[-1] if self.names[-1] == SPLIT else 0.5
+        return np.asarray(np.log(r) + np.log(split / (1.0 - split)) + self.data.log_offset)
+
+    def value(self, zeta: Floats) -> float:
+        """Log-likelihood without the binomial coefficients."""
+        return float(self.data.test_count @ log_expit(zeta) + self.data.other_count @ log_expit(-zeta))
+
+    def start(self) -> Floats:
+        """The most likely of the species' own values and points spread over the range."""
+        from scipy.stats import qmc
+
+        own = self.given[self.columns]
+        log = self.log[: len(own)]
+        own = np.where(log, np.log(np.maximum(own, 1e-9)), own)
+        own = (own - self.low[: len(own)]) / (self.high - self.low)[: len(own)]
+        own = np.append(own, [0.5] * (self.names[-1] == SPLIT))
+        spread = qmc.Sobol(len(self.names), rng=np.random.default_rng(0)).random(STARTS)
+        points = np.vstack([np.clip(own, 0.01, 0.99), spread])
+        return np.asarray(points[int(np.argmax([self.value(self.zeta(x)) for x in points]))])
+
+    def maximise(self, x: Floats, free: NDArray[np.bool_]) -> Maximum:
+        """Fisher scoring over the free numbers, within [0, 1]; a number at an end that pushes outwards rests there."""
+        zeta = self.zeta(x)
+        value, damping, errors = self.value(zeta), 1e-3, np.full(len(x), np.inf)
+        for _ in range(MOST_ITERATIONS):
+            slopes = self._slopes(x, free)
+            phi = expit(zeta)
+            gradient = slopes.T @ (self.data.test_count - self.fish * phi)
+            information = slopes.T @ (slopes * (self.fish * phi * (1.0 - phi))[:, None])
+            moving = free & ~((x <= 0.0) & (gradient <= 0.0)) & ~((x >= 1.0) & (gradient >= 0.0))
+            which = np.flatnonzero(moving & (np.diag(information) > LEAST_INFORMATION))
+            inner = information[np.ix_(which, which)]
+            inner += 1e-12 * np.diag(np.diag(inner))
+            full = np.linalg.inv(inner) if which.size else inner
+            errors[which] = np.sqrt(np.maximum(np.diag(full), 0.0))
+            step = np.zeros(len(x))
+            step[which] = np.linalg.solve(inner + damping * np.diag(np.diag(inner)), gradient[which])
+            trial = np.clip(x + step, 0.0, 1.0)
+            promised = float((trial - x) @ gradient)
+            if promised < TOLERANCE**2:
+                return Maximum(x, value, errors, converged=True)
+            tried = self.zeta(trial)
+            gain = self.value(tried) - value
+            # a parabola gives half of it; the expected information may be too small: steps with less are shortened
+            damping = 0.2 * damping if gain > 0.35 * promised else 4.0 * damping + 0.1
+            if gain >= 0.0:
+                x, zeta, value = trial, tried, value + gain
+        return Maximum(x, value, errors, converged=False)
+
+    def _slopes(self, x: Floats, free: NDArray[np.bool_]) -> Floats:
+        slopes = np.zeros((len(self.fish), len(x)))
+        for i in np.flatnonzero(free):
+            left, right = x.copy(), x.copy()
+            left[i], right[i] = max(x[i] - STEP, 0.0), min(x[i] + STEP, 1.0)
+            slopes[:, i] = (self.zeta(right) - self.zeta(left)) / (right[i] - left[i])
+        return slopes
+
+    def end(self, best: Maximum, i: int, side: int, critical: float) -> End:
+        """Lower (0) or upper (1) end of the interval of number i, where twice the likelihood fell by ``critical``.
+
+        The root of the fall is nearly straight in x, so that the secant method finds it in a few steps.
+        """
+        bound, free, target = float(side), np.arange(len(best.x)) != i, np.sqrt(critical)
+        troubles = []
+
+        def root_of_fall(at: float, start: Floats) -> tuple[float, Floats]:
+            x = start.copy()
+            x[i] = at
+            found = self.maximise(x, free)
+            fall = 2.0 * (best.log_likelihood - found.log_likelihood)
+            if not found.converged:
+                troubles.append("the likelihood has no maximum on the way to the ends of the intervals")
+            if fall < -0.01:
+                troubles.append("the likelihood has another, higher maximum")
+            return float(np.sqrt(max(fall, 0.0))), found.x
+
+        if best.x[i] == bound:
+            return End(bound, False, "")
+        far = bound
+        root_far, _ = root_of_fall(bound, best.x)
+        if root_far < target:
+            return End(bound, False, "".join(troubles[:1]))
+        near, root_near, start = best.x[i], 0.0, best.x
+        width = min(target * best.errors[i], 0.5 * abs(bound - near))  # that of a parabola
+        tried = near + (width if side else -width)
+        for _ in range(MOST_SECANTS):
+            root, start = root_of_fall(tried, start)
+            if abs(root - target) < SECANT_TOLERANCE * target:
+                return End(float(tried), True, "".join(troubles[:1]))
+            if root < target:
+                near, root_near = tried, root
+            else:
+                far, root_far = tried, root
+            share = (target - root_near) / max(root_far - root_near, 1e-12)
+            tried = near + float(np.clip(share, 0.05, 0.95)) * (far - near)
+        return End(float(tried), True, "the ends of the intervals were not found")
+
+    def lack_of_fit(self, x: Floats) -> tuple[float, int, float]:
+        """Deviance, its degrees of freedom and the dispersion factor."""
+        zeta, test, other, n = self.zeta(x), self.data.test_count, self.data.other_count, self.fish
+        fished = n > 0.0
+        test, other, n, zeta = test[fished], other[fished], n[fished], zeta[fished]
+        deviance = 2.0 * (xlogy(test, test / n) + xlogy(other, other / n)).sum()
+        deviance -= 2.0 * (test @ log_expit(zeta) + other @ log_expit(-zeta))
+        phi = expit(zeta)
+        full = (n * phi > LEAST_EXPECTED) & (n * (1.0 - phi) > LEAST_EXPECTED)
+        squares = (test - n * phi)[full] ** 2 / (n * phi * (1.0 - phi))[full]
+        return float(deviance), len(n) - len(x), dispersion_factor(squares, len(x))

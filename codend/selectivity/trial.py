@@ -1,0 +1,70 @@
+"""A trial read from a file and set beside every prediction, calibrated where that is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from codend.errors import InputError
+from codend.selectivity.analysis import fit_field_data
+from codend.selectivity.calibrate import calibrate, calibrated_names
+from codend.selectivity.fielddata import catch_volumes_m3, is_simulated
+from codend.selectivity.predict import Prediction, predict_haul
+from codend.selectivity.together import FieldTrial, Together, set_together
+
+
+def read_trial(
+    path: str | Path, catch_density_kg_m3: float, design: str, curve: str = "logit", split: str = "equal"
+) -> FieldTrial:
+    """Read a trial with the codend of a study and fit a curve to it.
+
+    Args:
+        path: table as in ``read_field_data``, with an optional column ``catch_volume_m3`` or ``catch_kg``.
+        catch_density_kg_m3: of the catch, by which ``catch_kg`` becomes a volume.
+        design: "covered" or "paired".
+        curve: as in ``fit_field_data``.
+        split: likewise.
+
+    Raises:
+        InputError: bad data, or a choice that does not exist.
+    """
+    fit = fit_field_data(path, design, curve, split)
+    return FieldTrial(fit, is_simulated(path), catch_volumes_m3(path, fit.data, catch_density_kg_m3))
+
+
+def set_beside(
+    predictions: Sequence[Prediction],
+    trial: FieldTrial,
+    calibrated: Sequence[str] = (),
+    *,
+    estimate_split: bool = False,
+) -> list[Together]:
+    """Every prediction beside one trial, and with numbers calibrated on it.
+
+    Args:
+        predictions: of the trial's species; calibration wants one alone.
+        trial: with the codend of the predictions' study.
+        calibrated: names of numbers to calibrate; none for no calibration.
+        estimate_split: calibration with paired gear: estimate the split.
+
+    Raises:
+        InputError: names that cannot be calibrated, or calibration of several species or speeds at once.
+    """
+    if not calibrated:
+        return [set_together(found, trial) for found in predictions]
+    names = calibrated_names(calibrated)
+    if len(predictions) > 1:
+        allowed = "one species and a run at one speed"
+        raise InputError("command line", "calibrate", ",".join(calibrated), allowed, f"has {len(predictions)} to serve")
+    found = predictions[0]
+    result = calibrate(
+        found.haul,
+        found.species,
+        trial.data,
+        names,
+        estimate_split=estimate_split,
+        volume_m3=trial.volume_m3,
+        source=f"{Path(trial.data.source).name}{' (simulated fish)' if trial.simulated else ''}",
+    )
+    again = predict_haul(result.species, found.haul, n_bootstrap=0, samples=0) if result.converged else None
+    return [set_together(found, trial, result, again)]

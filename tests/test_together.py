@@ -1,0 +1,250 @@
+"""Predicted beside fitted retention, and numbers of a species calibrated on simulated trials with known truth."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+
+import codend
+from catch_models.fish import Species
+from codend.cli import main
+from codend.errors import InputError
+from codend.report.selectivity_page import write_selectivity
+from codend.selectivity.calibrate import Calibration, calibrate
+from codend.selectivity.catches import catches_of, run_of
+from codend.selectivity.fielddata import read_field_data
+from codend.selectivity.fit import fit_pooled
+from codend.selectivity.haul import hauls_of, shares_until, time_shares
+from codend.selectivity.model import selection_model
+from codend.selectivity.predict import Prediction, predict, predict_haul
+from codend.selectivity.simulate import computed_trial
+from codend.selectivity.species import example_species_path, load_species, species_toml
+from codend.selectivity.together import FieldTrial, haul_l50_sr, together_l50_table, together_table
+from codend.selectivity.trial import read_trial, set_beside
+from tests.plans import make_plan
+from validation.calibration_study import changed
+
+SPECIES = load_species(example_species_path())
+LENGTH_CM = np.arange(4.0, 22.0, 0.5)
+TRUTH = {"behaviour.contact": 0.8, "spread.size": 0.08}
+RUN = run_of(codend.solve(make_plan(40, 30, filled=[4.0, 10.0, 20.0])))
+HAUL = hauls_of(catches_of(RUN, 15.0))[0]
+VOLUME_M3 = np.array([0.3, 0.6, 1.0]) * HAUL.volume_m3[-1]
+
+
+def trial(
+    design: str = "covered", seed: int = 1, *, fish: float = 30.0, split: float = 0.5, contact: float = 0.8
+) -> pd.DataFrame:
+    rng = np.random.default_rng(seed)
+    return computed_trial(
+        HAUL,
+        changed(SPECIES, TRUTH | {"behaviour.contact": contact}),
+        design,
+        volume_m3=VOLUME_M3,
+        length_cm=LENGTH_CM,
+        expected_fish=np.full(len(LENGTH_CM), fish),
+        rng=rng,
+        split=split,
+    )
+
+
+def calibrated(table: pd.DataFrame, design: str = "covered", *names: str, split: bool = False) -> Calibration:
+    data = read_field_data(table, design)
+    return calibrate(HAUL, SPECIES, data, names or ("contact", "spread"), estimate_split=split, volume_m3=VOLUME_M3)
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("field") / "hauls.csv"
+    path.write_text("# SIMULATED fish\n" + trial().to_csv(index=False), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def together(file):
+    found = predict(RUN, [SPECIES], n_bootstrap=0, samples=8)
+    return set_beside(found, read_trial(file, 1000.0, "covered"), ["contact", "spread"])
+
+
+# --- hauls that end early --------------------------------------------------------------------------------------------
+
+
+def test_a_haul_that_ends_with_a_computed_catch_has_the_time_shares_of_the_catches_up_to_it():
+    np.testing.assert_allclose(shares_until(HAUL, SPECIES, HAUL.volume_m3[-1]), HAUL.time_shares(SPECIES), rtol=1e-12)
+    time = HAUL.time(SPECIES)[:2]
+    shares = shares_until(HAUL, SPECIES, HAUL.volume_m3[1])
+    np.testing.assert_allclose(shares, [*time_shares(time / time[-1]), 0.0], rtol=1e-12)
+
+
+def test_a_haul_that_ends_before_the_smallest_catch_rests_on_it():
+    np.testing.assert_allclose(shares_until(HAUL, SPECIES, 0.5 * HAUL.volume_m3[0]), [1.0, 0.0, 0.0])
+
+
+# --- calibration -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("design", "split"), [("covered", 0.5), ("paired", 0.5), ("paired", 0.6)])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_numbers_that_a_simulated_trial_was_drawn_with_lie_in_the_intervals(design, split, seed):
+    fish = 30.0 if design == "covered" else 120.0
+    found = calibrated(trial(design, seed, fish=fish, split=split), design, split=split != 0.5)
+    assert found.converged, found.message
+    truth = np.array([*TRUTH.values(), split])[: len(found.names)]
+    assert found.identified.all()
+    assert ((found.lower_95 <= truth) & (truth <= found.upper_95)).all()
+    assert (np.abs(found.values - truth) < 0.5 * (found.upper_95 - found.lower_95)).all()
+
+
+def test_many_more_fish_bring_the_truth_within_a_hundredth():
+    found = calibrated(trial(fish=20_000.0))
+    np.testing.assert_allclose(found.values, list(TRUTH.values()), rtol=0.01)
+    assert (found.upper_95 - found.lower_95 < 0.05 * found.values).all()
+
+
+def test_contact_alone_agrees_with_the_closed_form_where_every_fish_that_tries_gets_out():
+    """Far below all meshes retention is 1 - contact: a binomial share with its own likelihood interval."""
+    table = pd.DataFrame({"haul": 1, "length_cm": [1.0, 2.0], "codend": [30, 26], "cover": [120, 124]})
+    found = calibrate(HAUL, SPECIES, read_field_data(table, "covered"), ["contact"])
+    np.testing.assert_allclose(found.values, 244 / 300, rtol=1e-4)
+
+    def fall(contact: float) -> float:
+        return 2.0 * (56 * np.log(56 / 300 / (1 - contact)) + 244 * np.log(244 / 300 / contact))
+
+    for end in (found.lower_95[0], found.upper_95[0]):
+        np.testing.assert_allclose(fall(end), 3.8415, rtol=0.03)
+
+
+def test_a_number_that_the_fish_do_not_tell_is_said_to_be_unknown_and_stays_assumed():
+    """Fish far too small for any mesh: whatever their spread they get out."""
+    table = pd.DataFrame({"haul": 1, "length_cm": [0.01, 0.02], "codend": [30, 26], "cover": [120, 124]})
+    found = calibrate(HAUL, SPECIES, read_field_data(table, "covered"), ["contact", "shape"])
+    assert found.converged
+    assert found.identified.tolist() == [True, False]
+    assert "not identified" in found.message
+    assert "spread.shape" in found.message
+    assert "spread.shape" in found.species.assumed
+    assert "behaviour.contact" not in found.species.assumed
+
+
+def test_a_catch_larger_than_any_computed_and_unknown_names_are_refused():
+    data = read_field_data(trial(), "covered")
+    with pytest.raises(InputError, match="add larger catches"):
+        calibrate(HAUL, SPECIES, data, ["contact"], volume_m3=2.0 * VOLUME_M3)
+    for names in (["luck"], ["contact", "behaviour.contact"], []):
+        with pytest.raises(InputError, match="contact"):
+            calibrate(HAUL, SPECIES, data, names)
+
+
+def test_a_calibrated_species_is_read_back_equal_and_names_its_source(together, tmp_path):
+    calibration = together[0].calibration
+    path = tmp_path / "species.toml"
+    path.write_text(species_toml(calibration.species), encoding="utf-8")
+    again: Species = load_species(path)
+    assert again == calibration.species
+    assert again.behaviour.contact.source == "calibrated on hauls.csv (simulated fish)"
+    assert again.ranges["behaviour.contact"] == (calibration.lower_95[0], calibration.upper_95[0])
+
+
+# --- together --------------------------------------------------------------------------------------------------------
+
+
+def test_the_table_has_the_prediction_the_fit_and_the_fish_of_every_length(together):
+    table = together_table(together).set_index("length_cm")
+    one = together[0]
+    np.testing.assert_allclose(table.loc[SPECIES.length_cm, "predicted_retention"], one.prediction.retention[-1])
+    counted = trial().groupby("length_cm")[["codend", "cover"]].sum()
+    observed = (counted["codend"] / counted.sum(axis=1)).to_numpy()
+    np.testing.assert_allclose(table.loc[counted.index, "observed_retention"], observed)
+    assert table["observed_retention"].notna().sum() == len(LENGTH_CM)
+    assert (table["fitted_lower_95"] <= table["fitted_retention"]).all()
+    assert (table["fitted_retention"] <= table["fitted_upper_95"]).all()
+    trial_mean = np.mean([_retention_until(one.prediction, volume, one.length_cm) for volume in VOLUME_M3], axis=0)
+    np.testing.assert_allclose(table["predicted_trial_retention"], trial_mean, rtol=1e-9)
+    assert (table["field_fish"] == "simulated").all()
+    assert table["assumed"].str.contains("behaviour.contact").all()
+
+
+def _retention_until(prediction: Prediction, volume_m3: float, length_cm: np.ndarray) -> np.ndarray:
+    share = shares_until(prediction.haul, prediction.species, volume_m3)
+    return share @ [terms.retention(length_cm) for terms in prediction.terms[:-1]]
+
+
+def test_the_fitted_curve_is_one_half_at_its_l50_with_the_interval_of_a_logit(file):
+    from codend.selectivity.analysis import fit_field_data
+    from codend.selectivity.together import fitted_retention
+
+    one_haul = pd.read_csv(file, comment="#").query("haul == 1")
+    for curve in ("logit", "richards"):
+        fit = fit_field_data(one_haul, "covered", curve)
+        found, (lower, upper) = fitted_retention(
+            FieldTrial(fit, simulated=True, volume_m3=None), np.array([fit.pooled.estimates["l50_cm"]])
+        )
+        np.testing.assert_allclose(found, 0.5, rtol=1e-9)
+        i = fit.pooled.estimates.names.index("l50_cm")
+        if curve == "logit":  # a + b L has standard error b se(L50) where it is zero
+            width = 1.959964 * fit.pooled.estimates["b"] * fit.pooled.estimates.standard_errors[i]
+            np.testing.assert_allclose([lower[0], upper[0]], 1.0 / (1.0 + np.exp([width, -width])), rtol=1e-6)
+
+
+def test_observed_retention_of_paired_gear_is_scaled_by_the_split(tmp_path):
+    path = tmp_path / "paired.csv"
+    path.write_text(trial("paired", fish=2000.0, split=0.6, contact=1.0).to_csv(index=False), encoding="utf-8")
+    found = predict_haul(changed(SPECIES, TRUTH), HAUL, n_bootstrap=0, samples=0)
+    (one,) = set_beside([found], read_trial(path, 1000.0, "paired", split="estimated"))
+    np.testing.assert_allclose(one.trial.fit.pooled.estimates["split"], 0.6, atol=0.02)
+    large = one.length_cm[one.fish > 0.0] > 18.0
+    np.testing.assert_allclose(one.observed[one.fish > 0.0][large].mean(), 1.0, atol=0.03)
+
+
+def test_l50_against_the_catch_holds_every_haul_its_catch_and_both_kinds_of_computed_l50(together):
+    table = together_l50_table(together)
+    hauls = table[table["what"] == "field haul"]
+    np.testing.assert_allclose(hauls["catch_volume_m3"], VOLUME_M3)
+    one = together[0]
+    np.testing.assert_allclose(table.loc[table["what"] == "predicted catch", "l50_cm"], one.prediction.l50_sr[:-1, 0])
+    of_haul = haul_l50_sr(one.prediction)
+    np.testing.assert_allclose(of_haul[-1], one.prediction.l50_sr[-1], rtol=1e-9)
+    assert (of_haul[1:, 0] < one.prediction.l50_sr[1:-1, 0]).all()  # a haul holds its own beginning
+    data = one.trial.data
+    pooled = fit_pooled(data, selection_model(data, "logit"))
+    np.testing.assert_allclose(one.trial.fit.pooled.estimates["l50_cm"], pooled.estimates["l50_cm"])
+
+
+def test_a_mass_becomes_a_volume_by_the_density_of_the_plan(tmp_path):
+    path = tmp_path / "hauls.csv"
+    table = trial().rename(columns={"catch_volume_m3": "catch_kg"})
+    table["catch_kg"] *= 800.0
+    path.write_text(table.to_csv(index=False), encoding="utf-8")
+    np.testing.assert_allclose(read_trial(path, 800.0, "covered").volume_m3, VOLUME_M3)
+    table["catch_kg"] = np.arange(len(table)) + 1.0
+    path.write_text(table.to_csv(index=False), encoding="utf-8")
+    with pytest.raises(InputError, match="changes within its haul"):
+        read_trial(path, 800.0, "covered")
+
+
+def test_what_is_written_goes_again_when_no_trial_is_given(together, tmp_path):
+    predictions = [one.prediction for one in together]
+    written = write_selectivity(predictions, tmp_path, together)
+    names = {
+        "together.csv",
+        "together_l50.csv",
+        "calibration.csv",
+        "calibrated_species.toml",
+        "selectivity_together.png",
+    }
+    assert names <= {path.name for path in written}
+    again = write_selectivity(predictions, tmp_path)
+    assert not names & {path.name for path in again}
+    assert not any((tmp_path / name).exists() for name in names)
+
+
+def test_the_command_refuses_half_of_a_question(tmp_path):
+    asked = ["selectivity", str(tmp_path), "--species", str(example_species_path())]
+    for more, word in (
+        (["--design", "covered"], "--field"),
+        (["--field", "x.csv"], "--design"),
+        (["--calibrate", "contact"], "--field"),
+    ):
+        result = CliRunner().invoke(main, [*asked, *more])
+        assert result.exit_code == 2
+        assert word in result.output
