@@ -80,7 +80,7 @@ class Parts:
             self.facets.append(_columns(p.node, q.node, r.node, p.image, q.image, r.image, place))
 
     def add_meshes(self, sides: Sequence[tuple[Corner, Corner]], row: NDArray) -> None:
-        """Add a mesh for every (row, column), by its four sides: fore to right, right to aft, aft to left, left to fore."""
+        """Add a mesh for every (row, column), by its four sides in the order of ``Net.mesh_sides``."""
         nodes = [corner.node for side in sides for corner in side]
         images = [corner.image for side in sides for corner in side]
         self.meshes.append(_columns(*nodes, *images, np.broadcast_to(row, nodes[0].shape)))
