@@ -240,8 +240,8 @@ class _Run:
             state.position[:] = start.positions
             bar_lengths(start.positions, structure, state.length)
             # a bar shrunk to nothing has a tension but no force density
-        state.density[:] = 0.0
-        np.divide(start.bar_tension, state.length, out=state.density, where=state.length > 0.0)
+            state.density[:] = 0.0
+            np.divide(start.bar_tension, state.length, out=state.density, where=state.length > 0.0)
         self.tension = float(start.bar_tension.mean()) if start is not None else 0.0
         if self.tension == 0.0:
             self.tension = _reference_tension(self.problem)
