@@ -43,11 +43,11 @@ def _retention(axes: Axes, one: Together) -> None:
     trial, length = one.trial, one.length_cm
     fine = np.linspace(length[0], length[-1], 400)
     if np.isfinite(one.predicted_band).any():
-        label = "its 95 % over the species' ranges"
+        label = "computed whole haul, 95 % over all ranges"
         axes.fill_between(length, *one.predicted_band, color=PALE, alpha=0.6, label=label, linewidth=0.0)
     assumed = f", {len(one.prediction.species.assumed)} numbers assumed" if one.prediction.species.assumed else ""
     known = bool(np.isfinite(one.predicted_trial).all())
-    whole = f"computed haul to {number_text(one.prediction.haul.volume_m3[-1])} m³{assumed}"
+    whole = f"computed whole haul, to {number_text(one.prediction.haul.volume_m3[-1])} m³{assumed}"
     axes.plot(fine, one.prediction.terms[-1].retention(fine), color=INK, lw=0.9 if known else 2.2, label=whole)
     if known:
         axes.plot(length, one.predicted_trial, color=INK, lw=2.2, label="computed hauls to the trial's catches, mean")
@@ -55,7 +55,7 @@ def _retention(axes: Axes, one: Together) -> None:
         label = "the same, calibrated on the trial"
         axes.plot(length, one.calibrated_trial, color=GREEN, lw=1.8, ls="--", label=label)
     curve = trial.fit.pooled.model.curve.name
-    axes.fill_between(length, *one.fitted_band, color=ORANGE, alpha=0.25, label="its 95 % interval", linewidth=0.0)
+    axes.fill_between(length, *one.fitted_band, color=ORANGE, alpha=0.25, label="fitted, 95 % interval", linewidth=0.0)
     axes.plot(length, one.fitted, color=ORANGE, lw=1.6, label=f"fitted {curve} ({trial.group.replace('-', ' ')})")
     most, label = 1.02, f"observed, {fish_text(one)}: a dot a haul, area by fish"
     hauls = [observed_retention(trial, length, h) for h in range(len(trial.data.haul_names))]
@@ -69,7 +69,8 @@ def _retention(axes: Axes, one: Together) -> None:
     fished = length[one.fish > 0.0]
     axes.set_xlim(fished[0] - 3.0, fished[-1] + 3.0)
     name = f"{one.prediction.species.name}, {number_text(one.prediction.haul.speed_m_s)} m/s"
-    axes.set_title(f"{name}\n{len(trial.data.haul_names)} hauls of {fish_text(one)}", loc="left", fontsize="medium")
+    hauls_text = "1 haul" if len(hauls) == 1 else f"{len(hauls)} hauls"
+    axes.set_title(f"{name}\n{hauls_text} of {fish_text(one)}", loc="left", fontsize="medium")
 
 
 def _l50(axes: Axes, one: Together) -> None:
