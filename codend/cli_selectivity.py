@@ -68,14 +68,16 @@ def selectivity(
     from codend.report.selectivity_page import notes, write_selectivity
     from codend.selectivity.tables import HAUL, selectivity_table
 
-    trial = None
+    trial, names = None, calibrated.split(",") if calibrated is not None else []
     if field is not None:
+        from codend.selectivity.calibrate import calibrated_names
         from codend.selectivity.trial import read_trial, set_beside
 
+        if calibrated is not None:
+            calibrated_names(names)  # a name that will not do ends the command before the work
         trial = read_trial(field, read.plan.catch_density_kg_m3, **choices)
     with shown_progress() as progress:
         found = predict(read, species, n_bootstrap=replicates, samples=samples, seed=seed, progress=progress)
-    names = calibrated.split(",") if calibrated else []
     together = set_beside(found, trial, names, estimate_split=choices["split"] == "estimated") if trial else []
     with written_into(folder):
         written = write_selectivity(found, folder, together)

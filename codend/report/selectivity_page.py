@@ -55,9 +55,9 @@ COLUMNS = {
 }
 TOGETHER = (
     "Predicted and fitted together. Left: retention of the computed haul, the curve fitted to the trial and the shares "
-    "observed (paired gear: test over control, scaled by the split; what exceeds 1.25 is not drawn). Right: L50 against "
-    "the catch at the end of a haul; a trial sees whole hauls, to be compared with the computed hauls and not with the "
-    "fish that meet one catch."
+    "observed (paired gear: test over control, scaled by the split; what exceeds 1.25 is not drawn). Right: L50 "
+    "against the catch at the end of a haul; a trial sees whole hauls, to be compared with the computed hauls and not "
+    "with the fish that meet one catch."
 )
 FIELD_TABLES = ("together.csv", "together_l50.csv", "calibration.csv", "calibrated_species.toml")
 START, END = "<!-- selectivity -->", "<!-- end of selectivity -->"
