@@ -99,13 +99,17 @@ def _attempts(
         return newton.solve(problem, tolerance, None, NewtonSettings(), progress, scene.prepared)
 
     if method in ("auto", "newton"):
-        if known:
+        # on a full net a start that leads nowhere costs minutes: there the last equilibria must be near
+        led = known and (scene.columns == 1 or _near(case, known))
+        if led:
             yield "where the last equilibria lead", lambda: from_start(problem, _led(case, known))
         began = perf_counter()
         guess = _sector_guess(scene, case)
         guess_ms = 1e3 * (perf_counter() - began)
         if guess is not None:
             yield "the meridian method's shape", lambda: _later(_from_limp(problem, guess, from_start), guess_ms)
+        if known and not led:
+            yield "where the last equilibria lead", lambda: from_start(problem, _led(case, known))
         yield "a crude bag", from_crude
     if method in ("auto", "dynamic-relaxation"):
         settings = RelaxationSettings(viscous=scene.plan.model.damping == "viscous")
@@ -127,12 +131,21 @@ def _led(case: Case, known: Sequence[tuple[Case, Solution]]) -> Solution:
     Limp inextensible twine takes the same shape at any speed, under tensions that grow with its square.
     """
     nearest, solution = min(known, key=lambda pair: (abs(pair[0].catch_value - case.catch_value), pair[0].speed_m_s))
-    row = [(other.catch_value, found) for other, found in known if other.speed_m_s == case.speed_m_s]
-    # a polynomial is not to be trusted far beyond the catches it is led through
-    near = len(row) > 1 and abs(case.catch_value - row[-1][0]) <= FARTHEST_PREDICTION * abs(row[-1][0] - row[-2][0])
-    if nearest.catch_value != case.catch_value and near:
-        return predict(row, case.catch_value)
+    if nearest.catch_value != case.catch_value and _near(case, known):
+        return predict(_at_its_speed(case, known), case.catch_value)
     return replace(solution, bar_tension=(case.speed_m_s / nearest.speed_m_s) ** 2 * solution.bar_tension)
+
+
+def _at_its_speed(case: Case, known: Sequence[tuple[Case, Solution]]) -> list[tuple[float, Solution]]:
+    return [(other.catch_value, solution) for other, solution in known if other.speed_m_s == case.speed_m_s]
+
+
+def _near(case: Case, known: Sequence[tuple[Case, Solution]]) -> bool:
+    """Whether the same catch is known, or the last ones are near enough to trust a polynomial through them."""
+    if any(other.catch_value == case.catch_value for other, _ in known):
+        return True
+    row = [catch for catch, _ in _at_its_speed(case, known)]
+    return len(row) > 1 and abs(case.catch_value - row[-1]) <= FARTHEST_PREDICTION * abs(row[-1] - row[-2])
 
 
 def _from_limp(problem: Problem, start: Solution, solve: Callable[[Problem, Solution], Solution]) -> Solution:
