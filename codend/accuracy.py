@@ -13,15 +13,19 @@ from codend.measures import Measures, measure_all
 from codend.plan import Case, Plan
 from codend.problem import Problem
 from codend.solvers import newton
+from codend.solvers.newton import NewtonSettings
 from codend.solvers.outcome import Solution
 
 POLISHED = 1e-3
 """Tolerance of the answer that a result is compared with, over the result's own residual."""
-FINEST = 1e-13
+FINEST = 1e-11
 SAFETY = 1.5
 MORE_SUCTION = 0.1
 """Change of the suction outside the catch, relative, that the sensitivity to the pressure curve is told for."""
-NOISE = 1e-12
+NOISE = 1e-8
+"""Relative error that is claimed in any case: what a residual of ``FINEST`` may leave."""
+NEARBY = NewtonSettings(rough_starts=(), iterations_allowed=8)
+"""From a result it is a step or two; if it is not, there is no estimate."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +57,7 @@ def estimate(scene: Scene, case: Case, problem: Problem, solution: Solution, mea
     """
     prepared = scene.prepared or newton.prepare(problem.structure)
     finest = max(POLISHED * max(solution.report.residual, solution.report.imbalance), FINEST)
-    polished = newton.solve(problem, finest, solution, prepared=prepared)
+    polished = newton.solve(problem, finest, solution, NEARBY, prepared=prepared)
     if not polished.report.outcome.converged:
         return Errors.unknown()
     solver = _distance(measures, measure_all(problem, polished)[2])
@@ -95,7 +99,7 @@ def _change_with_suction(problem: Problem, solution: Solution, prepared: newton.
     coefficients = (1.0 + MORE_SUCTION) * problem.loading.coefficients
     coefficients[3] -= MORE_SUCTION
     changed = replace(problem, loading=problem.loading._replace(coefficients=coefficients))
-    moved = newton.solve(changed, 1e-8, solution, prepared=prepared)
+    moved = newton.solve(changed, 1e-8, solution, NEARBY, prepared=prepared)
     if not moved.report.outcome.converged:
         return float("nan")
     return measure_all(changed, moved)[2].drag_n / drag_n - 1.0
