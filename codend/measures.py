@@ -158,7 +158,8 @@ def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
     )
     return Measures(
         filled_meshes=float(share @ net.band_meshes),
-        catch_volume_m3=float(share @ moment - front_x * (share @ area)),
+        # a front within the last band has a lid of no shape: its volume is not known
+        catch_volume_m3=float(share @ moment - front_x * (share @ area)) if share[-1] == 1.0 else float("nan"),
         front_radius_m=float(np.interp(front, np.arange(net.bands + 1), rows.radius_m)),
         front_from_codline_m=float(rows.x_m[-1] - front_x),
         max_radius_m=float(np.hypot(position[:, 1], position[:, 2]).max()),

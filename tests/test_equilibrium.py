@@ -126,3 +126,10 @@ def test_openings_of_a_flat_panel_are_those_it_was_laid_with(uniform):
     phi = np.radians(opening) / 2
     spacing = np.pi * uniform.rows.radius_m[uniform.net.mesh_row] / uniform.net.order
     assert 2 * uniform.net.bar_length[0] * np.sin(phi[:-2]) == pytest.approx(2 * spacing[:-2], rel=2e-3)
+
+
+def test_a_catch_within_the_last_band_of_the_bag_has_no_volume_rather_than_a_wrong_one():
+    tiny, small = (solve(make_plan(24, 20, filled=filled, model=SECTOR)).cases[0] for filled in (0.05, 0.5))
+    assert tiny.converged
+    assert np.isnan(tiny.measures.catch_volume_m3)
+    assert small.measures.catch_volume_m3 > 0.0

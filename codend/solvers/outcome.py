@@ -21,7 +21,6 @@ class Outcome(Enum):
     SINGULAR = "The tangent could not be factorised: the net is a mechanism at this shape."
     NOT_IMPROVING = "No step lowered the residual further: start nearer to the equilibrium."
     COMPRESSED = "The only solution found has bars in compression, which twine cannot carry: it was refused."
-    DISAGREES = "Two estimates of the answer differ by more than the tolerance."
 
     @property
     def converged(self) -> bool:
