@@ -58,7 +58,7 @@ def pattern_of(structure: Structure) -> Pattern:
     )
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def add_turned_block(
     blocks: Floats, slot: int, sign: float, h: Floats, row_image: int, column_image: int, rotations: Floats
 ) -> None:

@@ -89,7 +89,10 @@ def share_gradient(
             gradient[node, 0] += by_lid * (1.0 - s) / sizes[row]
         if row == len(share):
             gradient[node, 0] += by_codline / sizes[row]
-    gradient *= -1.0 / by_share
+    scale = -1.0 / by_share
+    for node in range(len(rows)):
+        for i in range(3):
+            gradient[node, i] *= scale
 
 
 @njit(cache=True, error_model="numpy")
@@ -100,7 +103,9 @@ def load_by_share(position: Floats, structure: Structure, loading: Loading, band
     share = np.ones(len(structure.band_meshes))
     share[band] = 0.0
     add_drag(position, structure, loading, share, load)
-    load *= -1.0
+    for node in range(len(load)):
+        for i in range(3):
+            load[node, i] *= -1.0
     share[:] = 0.0
     share[band] = 1.0
     add_pressure(position, structure, loading, share, load)

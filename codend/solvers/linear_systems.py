@@ -6,7 +6,7 @@ and not as zeros on the diagonal, so near a stable equilibrium the matrix is clo
 and elsewhere the solver adds a shift until it is. The signs of the pivots tell whether the equilibrium is stable.
 """
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numba import njit
@@ -26,11 +26,14 @@ class LinearSystem(Protocol):
     worthwhile_gain: float
     """Fall of the merit at which one more step with the same factors costs less than it saves."""
 
-    def factorise(self, blocks: Floats) -> int | None:
+    tells_pivots: bool
+    """Whether negative pivots are counted."""
+
+    def factorise(self, blocks: Floats) -> int:
         """Factorise the tangent ``blocks`` (b, 3, 3).
 
         Returns:
-            the number of negative pivots, -1 if the tangent is singular, None if the pivots are not looked at.
+            the number of negative pivots if they are counted, else 0; -1 if the tangent is singular.
         """
 
     def solve(self, right: Floats) -> Floats:
@@ -70,27 +73,38 @@ def _scalar_places(pattern: Pattern, unknown: Ints) -> tuple[Ints, Ints]:
     return row, column
 
 
+class Band(NamedTuple):
+    """A banded matrix as kernels see it."""
+
+    rows: Floats
+    """Entry (i, j) in ``rows[i, half_band + j - i]``, or the factors, (size, 2 half_band + 1)."""
+    place: Ints
+    """Where each entry of the matrix goes in the flattened rows, -1 for held coordinates."""
+    unknown: Ints
+    """Number of the unknown of every coordinate, -1 for held ones, (n, 3)."""
+
+
 class BandedSystem:
     """Band LU without pivoting."""
 
     worthwhile_gain = 0.05
+    tells_pivots = True
 
     def __init__(self, unknown: Ints, row: Ints, column: Ints, half_band: int) -> None:
-        self.unknown, self.half_band = unknown, half_band
         size = int(unknown.max(initial=-1)) + 1
         width = 2 * half_band + 1
         used = (row >= 0) & (column >= 0)
-        self.place = np.where(used, row.astype(np.int64) * width + column - row + half_band, -1).ravel()
-        self.band = np.zeros((size, width))
+        place = np.where(used, row.astype(np.int64) * width + column - row + half_band, -1).ravel()
+        self.arrays = Band(np.zeros((size, width)), place, unknown)
 
-    def factorise(self, blocks: Floats) -> int | None:
+    def factorise(self, blocks: Floats) -> int:
         """See ``LinearSystem``."""
-        return int(factorise_band(blocks.reshape(-1), self.place, self.band))
+        return int(factorise_band(blocks.reshape(-1), self.arrays.place, self.arrays.rows))
 
     def solve(self, right: Floats) -> Floats:
         """See ``LinearSystem``."""
         solution = np.zeros_like(right)
-        solve_band(self.band, self.unknown, right, solution)
+        solve_band(self.arrays.rows, self.arrays.unknown, right, solution)
         return solution
 
 
@@ -158,6 +172,7 @@ class SparseSystem:
     """SuperLU in its symmetric mode."""
 
     worthwhile_gain = 0.5
+    tells_pivots = False
 
     def __init__(self, unknown: Ints, row: Ints, column: Ints) -> None:
         self.size = int(unknown.max(initial=-1)) + 1
@@ -174,7 +189,7 @@ class SparseSystem:
         self._indices = self._row[order].astype(np.int32)
         self._starts = np.searchsorted(self._column[order], np.arange(self.size + 1)).astype(np.int32)
 
-    def factorise(self, blocks: Floats) -> int | None:
+    def factorise(self, blocks: Floats) -> int:
         """See ``LinearSystem``."""
         from scipy.sparse import csc_array
         from scipy.sparse.linalg import splu
@@ -192,7 +207,7 @@ class SparseSystem:
             )
         except RuntimeError:
             return -1
-        return None
+        return 0
 
     def solve(self, right: Floats) -> Floats:
         """See ``LinearSystem``."""

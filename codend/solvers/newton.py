@@ -17,10 +17,10 @@ from codend.mechanics.arrays import Structure
 from codend.mechanics.bars import augmented_law, bar_lengths
 from codend.mechanics.newton_step import State, Step
 from codend.mechanics.tangent import Pattern, pattern_of
-from codend.net import Floats
 from codend.problem import Problem
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, _reference_tension
-from codend.solvers.linear_systems import LinearSystem, linear_system
+from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
+from codend.solvers.newton_advance import FAILED, IN_FIRST, IN_SECOND, Limits, advance, advance_banded
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
 METHOD = "newton"
@@ -68,7 +68,6 @@ class Prepared:
     system: LinearSystem
     states: tuple[State, State, State]
     step: Step
-    move: Floats
 
 
 def prepare(structure: Structure) -> Prepared:
@@ -79,7 +78,6 @@ def prepare(structure: Structure) -> Prepared:
         system=linear_system(structure, pattern),
         states=(kernels.empty_state(structure), kernels.empty_state(structure), kernels.empty_state(structure)),
         step=kernels.empty_step(structure, pattern),
-        move=np.zeros_like(structure.free),
     )
 
 
@@ -184,8 +182,7 @@ class _Run:
     ) -> None:
         self.problem, self.structure, self.loading = problem, problem.structure, problem.loading
         self.prepared, self.settings, self.progress = prepared, settings, progress
-        self.state, self.trial, self.spare = prepared.states
-        self.step = prepared.step
+        self.state, self.first, self.second = prepared.states
         self.iterations = 0
         self.negative_pivots: int | None = None
         self.history: list[float] = []
@@ -214,14 +211,14 @@ class _Run:
         settings, shift = self.settings, 0.0
         last = self.iterations + settings.iterations_allowed
         while True:
-            merit, residual, imbalance, _, fits = self.state.marks
+            merit, residual, imbalance, length_error, fits = self.state.marks
             error = float(max(residual, imbalance))
             if not np.isfinite(merit) or not np.isfinite(error):
                 return Outcome.NOT_FINITE
             self.history.append(error)
             if self.progress is not None:
                 self.progress(METHOD, error)
-            if _within(self.state, tolerance):
+            if error <= tolerance and length_error <= LENGTH_TOLERANCE:
                 if fits == 0.0:
                     return Outcome.OVERFULL
                 return Outcome.COMPRESSED if self.state.density.min(initial=0.0) < 0.0 else Outcome.CONVERGED
@@ -253,54 +250,35 @@ class _Run:
 
     def _advance(self, shift: float, tolerance: float) -> bool:
         """Take one step with the tangent shifted; False if no good one was found."""
-        structure, loading, step, settings = self.structure, self.loading, self.step, self.settings
-        system, state, trial, tension = self.prepared.system, self.state, self.trial, self.tension
-        sides = kernels.linearise(structure, loading, self.prepared.pattern, tension, shift, state, step)
-        self.negative_pivots = system.factorise(step.blocks)
-        if self.negative_pivots:
-            return False
-        solved = system.solve(step.right[:sides])
-        length, turn, determinant = kernels.finish_step(structure, state, state, solved, step)
-        if not determinant > 0.0 or not np.isfinite(turn):
-            self.negative_pivots = 1
-            return False
-        size = min(1.0, settings.largest_turn / turn) if turn > 0.0 else 1.0
-        while True:
-            kernels.take(structure, loading, tension, self.switch, size, state, state, step, trial)
-            if trial.marks[0] <= CLEAR_GAIN * state.marks[0]:
-                break
-            solved[:1] = system.solve(step.right[:1])
-            left, bend = kernels.simplified_move(solved, size, step, self.prepared.move)
-            # a shifted step leaves what the shift took, so there only growth is refused
-            if left <= ((1.0 - 0.25 * size) if shift == 0.0 else 2.0) * length:
-                break
-            size = min(0.5 * size, 0.5 * size * size * length / bend)
-            if size < settings.shortest_step:
-                return False
-        gain = trial.marks[0] / state.marks[0]
-        if shift == 0.0 and size == 1.0 and gain <= system.worthwhile_gain and not _within(trial, tolerance):
-            self._reuse(solved, tolerance)
+        system, settings = self.prepared.system, self.settings
+        limits = Limits(
+            settings.largest_turn,
+            settings.shortest_step,
+            CLEAR_GAIN,
+            system.worthwhile_gain,
+            tolerance,
+            LENGTH_TOLERANCE,
+        )
+        rest = (
+            self.structure,
+            self.loading,
+            self.prepared.pattern,
+            self.tension,
+            self.switch,
+            shift,
+            limits,
+            self.state,
+            self.first,
+            self.second,
+            self.prepared.step,
+        )
+        if isinstance(system, BandedSystem):
+            where, negative = advance_banded(system.arrays, *rest)
         else:
-            self.state, self.trial = trial, state
-        return True
-
-    def _reuse(self, solved: Floats, tolerance: float) -> None:
-        """Go on from the trial with the old tangent as long as that is worth its while (Shamanskii's method)."""
-        here, there, new = self.state, self.trial, self.spare
-        system, step = self.prepared.system, self.step
-        while True:
-            solved[:1] = system.solve(step.right[:1])
-            kernels.finish_step(self.structure, here, there, solved, step)
-            kernels.take(self.structure, self.loading, self.tension, self.switch, 1.0, here, there, step, new)
-            gain = new.marks[0] / there.marks[0]
-            if gain < 1.0:
-                there, new = new, there
-            if not gain <= system.worthwhile_gain or _within(there, tolerance):
-                break
-        self.state, self.trial, self.spare = there, new, here
-
-
-def _within(state: State, tolerance: float) -> bool:
-    """Whether a state is an equilibrium to the tolerances."""
-    _, residual, imbalance, length_error, _ = state.marks
-    return bool(max(residual, imbalance) <= tolerance and length_error <= LENGTH_TOLERANCE)
+            where, negative = advance(system, *rest)
+        self.negative_pivots = negative if system.tells_pivots or negative == -1 else None
+        if where == IN_FIRST:
+            self.state, self.first = self.first, self.state
+        elif where == IN_SECOND:
+            self.state, self.second = self.second, self.state
+        return where != FAILED
