@@ -14,7 +14,7 @@ from codend.net import Net, rotate
 from codend.plan import Case, Plan
 from codend.problem import Problem
 from codend.solvers import dynamic_relaxation, newton, rigid_bars
-from codend.solvers.continuation import predict
+from codend.solvers.continuation import in_steps, predict
 from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.newton import NewtonSettings
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
@@ -70,7 +70,8 @@ def solve(
     """Equilibrium of one case, helped by the equilibria known of others of the same scene.
 
     ``auto`` tries, in this order: Newton from where the last equilibria lead, Newton from the meridian method's shape
-    (of one sector, set all round for a full net), Newton from rough relaxations of a crude bag, and relaxation alone.
+    (of one sector, set all round for a full net), Newton along a path of catches from the nearest equilibrium, Newton
+    from rough relaxations of a crude bag, and relaxation alone.
     The other methods try what they can of that; rigid bars that lead nowhere try again with bars that go slack. The
     report of what is returned tells every attempt; its time is that of all of them, the guess included.
     """
@@ -98,18 +99,29 @@ def _attempts(
         dynamic_relaxation.compile_kernels(problem)  # for the rough starts, ahead of Newton's clock
         return newton.solve(problem, tolerance, None, NewtonSettings(), progress, scene.prepared)
 
+    def from_the_last() -> Solution:
+        began = perf_counter()
+        start = _led(case, known)
+        led_ms = 1e3 * (perf_counter() - began)
+        return _later(from_start(problem, start), led_ms)
+
     if method in ("auto", "newton"):
         # on a full net a start that leads nowhere costs minutes: there the last equilibria must be near
         led = known and (scene.columns == 1 or _near(case, known))
         if led:
-            yield "where the last equilibria lead", lambda: from_start(problem, _led(case, known))
+            yield "where the last equilibria lead", from_the_last
         began = perf_counter()
         guess = _sector_guess(scene, case)
         guess_ms = 1e3 * (perf_counter() - began)
         if guess is not None:
             yield "the meridian method's shape", lambda: _later(_from_limp(problem, guess, from_start), guess_ms)
         if known and not led:
-            yield "where the last equilibria lead", lambda: from_start(problem, _led(case, known))
+            yield "where the last equilibria lead", from_the_last
+        if path := _at_its_speed(case, known):
+            catch, solution = min(path, key=lambda pair: abs(pair[0] - case.catch_value))
+            # a catch given by its mass is a volume to the net
+            known_catch = catch * problem.loading.catch_value / case.catch_value
+            yield "the nearest equilibrium, in steps", lambda: in_steps(problem, (known_catch, solution), from_start)
         yield "a crude bag", from_crude
     if method in ("auto", "dynamic-relaxation"):
         settings = RelaxationSettings(viscous=scene.plan.model.damping == "viscous")
@@ -131,21 +143,30 @@ def _led(case: Case, known: Sequence[tuple[Case, Solution]]) -> Solution:
     Limp inextensible twine takes the same shape at any speed, under tensions that grow with its square.
     """
     nearest, solution = min(known, key=lambda pair: (abs(pair[0].catch_value - case.catch_value), pair[0].speed_m_s))
-    if nearest.catch_value != case.catch_value and _near(case, known):
-        return predict(_at_its_speed(case, known), case.catch_value)
+    if nearest.catch_value != case.catch_value:
+        path = _at_its_speed(case, known)
+        if _reaches(path, case.catch_value):
+            return predict(path, case.catch_value)
     return replace(solution, bar_tension=(case.speed_m_s / nearest.speed_m_s) ** 2 * solution.bar_tension)
 
 
 def _at_its_speed(case: Case, known: Sequence[tuple[Case, Solution]]) -> list[tuple[float, Solution]]:
-    return [(other.catch_value, solution) for other, solution in known if other.speed_m_s == case.speed_m_s]
+    """Catches known at the case's speed, each once, and their equilibria."""
+    return list({other.catch_value: solution for other, solution in known if other.speed_m_s == case.speed_m_s}.items())
+
+
+def _reaches(path: Sequence[tuple[float, Solution]], catch: float) -> bool:
+    """Whether a polynomial through the last catches of a path can be trusted at another."""
+    if len(path) < 2:
+        return False
+    (before, _), (last, _) = path[-2:]
+    return abs(catch - last) <= FARTHEST_PREDICTION * abs(last - before)
 
 
 def _near(case: Case, known: Sequence[tuple[Case, Solution]]) -> bool:
-    """Whether the same catch is known, or the last ones are near enough to trust a polynomial through them."""
-    if any(other.catch_value == case.catch_value for other, _ in known):
-        return True
-    row = [catch for catch, _ in _at_its_speed(case, known)]
-    return len(row) > 1 and abs(case.catch_value - row[-1]) <= FARTHEST_PREDICTION * abs(row[-1] - row[-2])
+    """Whether the same catch is known, or the last ones lead as far as the case's."""
+    same = any(other.catch_value == case.catch_value for other, _ in known)
+    return same or _reaches(_at_its_speed(case, known), case.catch_value)
 
 
 def _from_limp(problem: Problem, start: Solution, solve: Callable[[Problem, Solution], Solution]) -> Solution:
