@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from time import perf_counter
 
 import numpy as np
@@ -9,7 +10,8 @@ import numpy as np
 from codend.build import build_net
 from codend.errors import InputError
 from codend.loads import problem_of
-from codend.meridian.plan_case import first_guess, tensions_on
+from codend.meridian.plan_case import equilibrium_guess, first_guess, tensions_on
+from codend.meridian.problem import MeridianShape
 from codend.net import Net, rotate
 from codend.plan import Case, Plan
 from codend.problem import Problem
@@ -23,6 +25,9 @@ from codend.solvers.rigid_bars import RigidBarsSettings
 DIRECT = NewtonSettings(rough_starts=())
 """Newton's method from the start it is given and no other."""
 
+BRIEF = NewtonSettings(rough_starts=(), switches=DIRECT.switches[:1], iterations_allowed=10)
+"""The same, for no longer than a good start needs."""
+
 SMALLEST_STIFFENING = 1e-3
 """Least step in stiffness, as a share of the twine's own, before that start is given up."""
 
@@ -32,8 +37,8 @@ FARTHEST_PREDICTION = 1.5
 START = SolverReport("start", Outcome.NOT_IMPROVING, 0, np.inf, np.inf, np.inf, 0.0)
 """Report of a shape that nobody has solved yet."""
 
-Attempt = tuple[str, Callable[[], Solution]]
-"""Where it starts, and the solve."""
+Attempt = tuple[str, Callable[[], Solution | None]]
+"""Where it starts, and the solve; None where there is no such start."""
 
 
 @dataclass(frozen=True)
@@ -69,17 +74,22 @@ def solve(
 ) -> tuple[Problem, Solution]:
     """Equilibrium of one case, helped by the equilibria known of others of the same scene.
 
-    ``auto`` tries, in this order: Newton from where the last equilibria lead, Newton from the meridian method's shape
-    (of one sector, set all round for a full net), Newton along a path of catches from the nearest equilibrium, Newton
-    from rough relaxations of a crude bag, and relaxation alone.
-    The other methods try what they can of that; rigid bars that lead nowhere try again with bars that go slack. The
-    report of what is returned tells every attempt; its time is that of all of them, the guess included.
+    ``auto`` tries, in this order: Newton from where the last equilibria lead, from the meridian method's shape under
+    uniform pressure without drag (of one sector, set all round for a full net), from its equilibrium under the loads
+    themselves, along a path of catches from the nearest equilibrium, from rough relaxations of a crude bag; and
+    relaxation alone. Where the catch is not given by its meshes, the meridian method must search for the front and so
+    comes after the crude bag. The other methods try what they can of that; rigid bars that lead nowhere try again with
+    bars that go slack. The report of what is returned tells every attempt; its time is that of all of them, the guesses
+    included.
     """
     problem = problem_of(scene.net, scene.plan, case)
     attempts: list[str] = []
     spent = 0.0
     for start, attempt in _attempts(scene, problem, case, known, progress):
-        solution = attempt()
+        tried = attempt()
+        if tried is None:
+            continue
+        solution = tried
         attempts += [f"from {start}: {line}" for line in solution.report.attempts]
         spent += solution.report.solve_ms
         if solution.report.outcome.converged or solution.report.outcome is Outcome.OVERFULL:
@@ -92,8 +102,12 @@ def _attempts(
 ) -> Iterator[Attempt]:
     method, tolerance = scene.plan.model.method, scene.plan.model.tolerance
 
-    def from_start(problem: Problem, start: Solution) -> Solution:
-        return newton.solve(problem, tolerance, start, DIRECT, progress, scene.prepared)
+    def from_start(problem: Problem, start: Solution, settings: NewtonSettings = DIRECT) -> Solution:
+        return newton.solve(problem, tolerance, start, settings, progress, scene.prepared)
+
+    by_meshes = case.catch_kind == "filled_meshes"
+    # where better starts are left, none is followed for long
+    first_settings = BRIEF if by_meshes and len(scene.net.corners) == 0 else DIRECT
 
     def from_crude() -> Solution:
         dynamic_relaxation.compile_kernels(problem)  # for the rough starts, ahead of Newton's clock
@@ -103,18 +117,24 @@ def _attempts(
         began = perf_counter()
         start = _led(case, known)
         led_ms = 1e3 * (perf_counter() - began)
-        return _later(from_start(problem, start), led_ms)
+        return _later(from_start(problem, start, first_settings), led_ms)
+
+    def from_meridian(guess: Callable[[Plan, Case], MeridianShape | None], settings: NewtonSettings) -> Solution | None:
+        began = perf_counter()
+        start = _laid_out(scene, guess(scene.plan, case))
+        guess_ms = 1e3 * (perf_counter() - began)
+        if start is None:
+            return None
+        return _later(_from_limp(problem, start, partial(from_start, settings=settings)), guess_ms)
 
     if method in ("auto", "newton"):
         # on a full net a start that leads nowhere costs minutes: there the last equilibria must be near
         led = known and (scene.columns == 1 or _near(case, known))
         if led:
             yield "where the last equilibria lead", from_the_last
-        began = perf_counter()
-        guess = _sector_guess(scene, case)
-        guess_ms = 1e3 * (perf_counter() - began)
-        if guess is not None:
-            yield "the meridian method's shape", lambda: _later(_from_limp(problem, guess, from_start), guess_ms)
+        if by_meshes:
+            yield "the meridian method's shape", lambda: from_meridian(first_guess, first_settings)
+            yield "the meridian method's equilibrium", lambda: from_meridian(equilibrium_guess, DIRECT)
         if known and not led:
             yield "where the last equilibria lead", from_the_last
         if path := _at_its_speed(case, known):
@@ -123,6 +143,8 @@ def _attempts(
             known_catch = catch * problem.loading.catch_value / case.catch_value
             yield "the nearest equilibrium, in steps", lambda: in_steps(problem, (known_catch, solution), from_start)
         yield "a crude bag", from_crude
+        if not by_meshes:
+            yield "the meridian method's equilibrium", lambda: from_meridian(equilibrium_guess, DIRECT)
     if method in ("auto", "dynamic-relaxation"):
         settings = RelaxationSettings(viscous=scene.plan.model.damping == "viscous")
         yield "a crude bag", lambda: dynamic_relaxation.solve(problem, tolerance, settings=settings, progress=progress)
@@ -189,12 +211,9 @@ def _from_limp(problem: Problem, start: Solution, solve: Callable[[Problem, Solu
     return _later(solution, spent - solution.report.solve_ms)
 
 
-def _sector_guess(scene: Scene, case: Case) -> Solution | None:
-    """Shape and tensions of the meridian method, laid out on the scene's net; None where it does not apply."""
-    if scene.plan.model.bars_per_side > 1:
-        return None
-    shape = first_guess(scene.plan, case)
-    if shape is None:
+def _laid_out(scene: Scene, shape: MeridianShape | None) -> Solution | None:
+    """Shape and tensions of the meridian method on the scene's net; None where there is no shape or it does not fit."""
+    if shape is None or scene.plan.model.bars_per_side > 1:
         return None
     g = scene.globalisation
     rows = (shape.x_m[::g], shape.radius_m[::g])
