@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from codend.cli_common import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, check_writable, written_into
+from codend.cli_common import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, SeveralPairs, check_writable, written_into
 from codend.cli_selectivity import fit, selectivity, species
+from codend.cli_sweep import sweep
 from codend.console import shown_progress, text_table
 from codend.errors import InputError
 
@@ -50,20 +51,6 @@ class _OneLineErrors(click.Group):
         raise SystemExit(status or 0)
 
 
-class _SeveralChanges(click.Command):
-    """A command whose ``--set`` takes one or more KEY=VALUE, up to the next word that is none."""
-
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        spread: list[str] = []
-        expects_value = may_go_on = False
-        for word in args:
-            goes_on = may_go_on and "=" in word and not word.startswith("-")
-            spread += ["--set", word] if goes_on else [word]
-            may_go_on = goes_on or expects_value or word.startswith("--set=")
-            expects_value = word == "--set"
-        return super().parse_args(ctx, spread)
-
-
 def _end(message: str, status: int) -> NoReturn:
     click.echo(f"codend: {' '.join(message.split())}", err=True)
     raise SystemExit(status)
@@ -90,7 +77,7 @@ def main(ctx: click.Context) -> None:
         click.echo(ctx.get_help())
 
 
-@main.command(cls=_SeveralChanges)
+@main.command(cls=SeveralPairs)
 @click.argument("plan", metavar="PLAN.toml")
 @click.option("--out", "folder", required=True, metavar="DIR", type=click.Path(path_type=Path), help="Where to write.")
 @click.option(
@@ -192,7 +179,7 @@ def doctor(warm_up: bool) -> int:
     return 1 if any(finding.missing for finding in findings) else 0
 
 
-for _command in (selectivity, species, fit):
+for _command in (sweep, selectivity, species, fit):
     main.add_command(_command)
 
 
