@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from time import perf_counter
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from codend.build import build_net
 from codend.errors import InputError
 from codend.loads import problem_of
+from codend.mechanics.arrays import structure_of
 from codend.meridian.plan_case import equilibrium_guess, first_guess, tensions_on
 from codend.meridian.problem import MeridianShape
 from codend.net import Net, rotate
@@ -18,15 +19,12 @@ from codend.problem import Problem
 from codend.solvers import dynamic_relaxation, newton, rigid_bars
 from codend.solvers.continuation import in_steps, predict
 from codend.solvers.dynamic_relaxation import RelaxationSettings
-from codend.solvers.newton import NewtonSettings
+from codend.solvers.newton import DIRECT, NewtonSettings
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 from codend.solvers.rigid_bars import RigidBarsSettings
 
-DIRECT = NewtonSettings(rough_starts=())
-"""Newton's method from the start it is given and no other."""
-
-BRIEF = NewtonSettings(rough_starts=(), switches=DIRECT.switches[:1], iterations_allowed=10)
-"""The same, for no longer than a good start needs."""
+BRIEF = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=10)
+"""Newton's method from a start for no longer than a good one needs."""
 
 SMALLEST_STIFFENING = 1e-3
 """Least step in stiffness, as a share of the twine's own, before that start is given up."""
@@ -49,11 +47,15 @@ class Scene:
     net: Net
     columns: int | None
     globalisation: int
-    prepared: newton.Prepared | None
+
+    @cached_property
+    def prepared(self) -> newton.Prepared:
+        """The unknowns numbered, and room for Newton's method to work in; made when first asked for."""
+        return newton.prepare(structure_of(self.net))
 
 
 def scene_of(plan: Plan, globalisation: int, columns: int | None) -> Scene:
-    """Build the net of a plan, and number its unknowns if Newton's method may be used.
+    """Build the net of a plan.
 
     Raises:
         InputError: the plan asks for rigid bars and gives elastic twine.
@@ -62,11 +64,7 @@ def scene_of(plan: Plan, globalisation: int, columns: int | None) -> Scene:
     if plan.model.method == "rigid-bars" and stretching:
         allowed = 'left out with model.method = "rigid-bars": rigid bars do not stretch'
         raise InputError(file=plan.source, key="netting.axial_stiffness_n", value=stretching[0], allowed=allowed)
-    net = build_net(plan, globalisation=globalisation, columns=columns)
-    uses_newton = plan.model.method in ("auto", "newton")
-    problem = problem_of(net, plan, plan.cases()[0])
-    prepared = newton.prepare(problem.structure) if uses_newton else None
-    return Scene(plan, net, columns, globalisation, prepared)
+    return Scene(plan, build_net(plan, globalisation=globalisation, columns=columns), columns, globalisation)
 
 
 def solve(

@@ -26,18 +26,18 @@ class LinearSystem(Protocol):
     worthwhile_gain: float
     """Fall of the merit at which one more step with the same factors costs less than it saves."""
 
-    tells_pivots: bool
-    """Whether negative pivots are counted."""
-
     def factorise(self, blocks: Floats) -> int:
         """Factorise the tangent ``blocks`` (b, 3, 3).
 
         Returns:
-            the number of negative pivots if they are counted, else 0; -1 if the tangent is singular.
+            the number of negative pivots where that costs nothing, else 0; -1 if the tangent is singular.
         """
 
     def solve(self, right: Floats) -> Floats:
         """Solutions for right sides (k, n, 3), of the same shape."""
+
+    def negative_pivots(self) -> int:
+        """Number of negative pivots of the last factorisation: of a symmetric tangent, of its negative eigenvalues."""
 
 
 def linear_system(structure: Structure, pattern: Pattern) -> LinearSystem:
@@ -88,7 +88,6 @@ class BandedSystem:
     """Band LU without pivoting."""
 
     worthwhile_gain = 0.05
-    tells_pivots = True
 
     def __init__(self, unknown: Ints, row: Ints, column: Ints, half_band: int) -> None:
         size = int(unknown.max(initial=-1)) + 1
@@ -106,6 +105,11 @@ class BandedSystem:
         solution = np.zeros_like(right)
         solve_band(self.arrays.rows, self.arrays.unknown, right, solution)
         return solution
+
+    def negative_pivots(self) -> int:
+        """See ``LinearSystem``."""
+        rows = self.arrays.rows
+        return int(np.count_nonzero(rows[:, rows.shape[1] // 2] < 0.0))
 
 
 @njit(cache=True, fastmath={"contract", "reassoc", "nsz"}, error_model="numpy")
@@ -172,7 +176,6 @@ class SparseSystem:
     """SuperLU in its symmetric mode."""
 
     worthwhile_gain = 0.5
-    tells_pivots = False
 
     def __init__(self, unknown: Ints, row: Ints, column: Ints) -> None:
         self.size = int(unknown.max(initial=-1)) + 1
@@ -217,3 +220,7 @@ class SparseSystem:
         solution = np.zeros_like(right)
         solution[:, self._free] = solved[self._number].T
         return solution
+
+    def negative_pivots(self) -> int:
+        """See ``LinearSystem``; the factor must be copied out of SuperLU, which takes about half a factorisation."""
+        return int(np.count_nonzero(self._factors.U.diagonal() < 0.0))

@@ -50,14 +50,16 @@ class NewtonSettings:
     rough_steps: int = 20_000
 
 
+DIRECT = NewtonSettings(rough_starts=())
+"""Newton's method from the start it is given and no other."""
+
+
 @dataclass(frozen=True)
 class NewtonReport(SolverReport):
     """What Newton's method did."""
 
     history: tuple[float, ...] = ()
     """The larger of residual and axial imbalance before the first and after every iteration."""
-    negative_pivots: int | None = None
-    """Negative pivots of the last tangent, 0 at a stable equilibrium; None where the factorisation does not tell."""
 
 
 @dataclass(frozen=True)
@@ -125,13 +127,28 @@ def solve(
         solve_ms=1e3 * (perf_counter() - started),
         attempts=tuple(attempts),
         history=tuple(run.history),
-        negative_pivots=run.negative_pivots,
     )
     state = run.state
     if not outcome.converged:
         nothing = np.full_like(state.position, np.nan), np.full_like(state.density, np.nan)
         return Solution(*nothing, state.share.copy(), report)
     return Solution(state.position.copy(), state.density * state.length, state.share.copy(), report)
+
+
+def negative_pivots(problem: Problem, solution: Solution, prepared: Prepared) -> int:
+    """Negative pivots of the tangent at an equilibrium: 0 where it is stable, -1 if the tangent is singular.
+
+    Loads that follow the net make the tangent slightly unsymmetric, so this is a sign of stability and no proof.
+    """
+    run = _Run(problem, prepared, DIRECT, None)
+    run._set_start(solution, DIRECT.switches[0])
+    step, system = prepared.step, prepared.system
+    sides = kernels.linearise(problem.structure, problem.loading, prepared.pattern, run.tension, 0.0, run.state, step)
+    if system.factorise(step.blocks) == -1:
+        return -1
+    # a front that follows the net adds a product to the tangent, and with it the sign of one more factor
+    turned = kernels.combine(system.solve(step.right[:sides]), step, step.move) <= 0.0
+    return system.negative_pivots() + int(turned)
 
 
 def _seconds_to_compile(problem: Problem, prepared: Prepared, settings: NewtonSettings) -> float:
@@ -191,7 +208,7 @@ class _Run:
         self.prepared, self.settings, self.progress = prepared, settings, progress
         self.state, self.first, self.second = prepared.states
         self.iterations = 0
-        self.negative_pivots: int | None = None
+        self.singular = False
         self.history: list[float] = []
 
     def from_start(
@@ -235,7 +252,7 @@ class _Run:
             while not self._advance(shift, tolerance):
                 shift = max(10.0 * shift, settings.first_shift)
                 if shift > settings.largest_shift:
-                    return Outcome.SINGULAR if self.negative_pivots == -1 else Outcome.NOT_IMPROVING
+                    return Outcome.SINGULAR if self.singular else Outcome.NOT_IMPROVING
             shift = 0.1 * shift if shift > settings.first_shift else 0.0
 
     def _set_start(self, start: Solution | None, switch: float) -> None:
@@ -283,7 +300,7 @@ class _Run:
             where, negative = advance_banded(system.arrays, *rest)
         else:
             where, negative = advance(system, *rest)
-        self.negative_pivots = negative if system.tells_pivots or negative == -1 else None
+        self.singular = negative == -1
         if where == IN_FIRST:
             self.state, self.first = self.first, self.state
         elif where == IN_SECOND:
