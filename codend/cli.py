@@ -125,20 +125,32 @@ def _explain_failures(study: "Study") -> None:
 @main.command()
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.argument("table", metavar="TABLE.csv", type=click.Path(path_type=Path))
-def compare(folder: Path, table: Path) -> None:
+@click.option(
+    "--hoop-rod-mm",
+    type=click.FloatRange(0.0, 1000.0, min_open=True),
+    metavar="MM",
+    help="Thickness you assume for the hoop's rod: its drag is computed and added, where TABLE.csv has an empty "
+    "hoop_drag_n column.",
+)
+def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
     """Set the results of a run in DIR beside a flume table.
 
     Rows are matched on the catch and speed columns the table has, interpolated in catch size and never extrapolated.
     Differences are computed minus tabled. Writes comparison.csv (every value), comparison_summary.csv and
     comparison.png into DIR.
     """
+    from codend.comparison import Hoop, read_flume_table, read_results
     from codend.comparison import compare as compare_with
-    from codend.comparison import read_flume_table, read_results
+    from codend.plan import load_plan
     from codend.report.comparison_plot import comparison_figure
     from codend.report.files import whole_file, write_table
 
     results = folder / "results.csv"
-    comparison = compare_with(read_results(results), read_flume_table(table), results)
+    hoop = None
+    if hoop_rod_mm is not None:
+        plan = load_plan(folder / "plan.toml")
+        hoop = Hoop(plan.entry.radius_m, hoop_rod_mm / 1000.0, plan.tow.water_density_kg_m3)
+    comparison = compare_with(read_results(results), read_flume_table(table), results, hoop)
     with written_into(folder):
         write_table(comparison.points, folder / "comparison.csv")
         write_table(comparison.summary, folder / "comparison_summary.csv")
@@ -160,7 +172,7 @@ def _print_comparison(comparison: "Comparison") -> None:
     ]
     click.echo(text_table(["quantity", "points", "bias", "RMS", "largest", "bias %", "RMS %", "largest %"], rows))
     if "hoop_drag_n" in table.columns:
-        click.echo("drag_n: computed drag plus the table's hoop_drag_n, beside the table's drag_n")
+        click.echo(f"drag_n: computed drag plus the hoop's ({table.hoop_origin}), beside the table's drag_n")
     left_out = comparison.points[comparison.points["computed"].isna()]
     for (line, note), points in left_out.groupby(["table_line", "note"], sort=True):
         click.echo(f"not compared, line {line}: {', '.join(points['quantity'])}: {note}")

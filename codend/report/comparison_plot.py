@@ -37,7 +37,7 @@ _DENSE = 100
 def comparison_figure(comparison: Comparison) -> "Figure":
     """Lines through the computed cases, a colour a speed, and the table's points; the table's origin is in the title.
 
-    Where the table gives the hoop's drag, it is drawn as a term of its own, and computed drag with it beside without.
+    Where the hoop's drag is known, it is drawn as a term of its own, and computed drag with it beside without.
     """
     quantities = list(dict.fromkeys(comparison.points["quantity"]))
     columns = min(_PER_ROW, len(quantities))
@@ -76,7 +76,8 @@ def _panel(axis: "Axes", comparison: Comparison, quantity: str) -> None:
         if here["hoop_drag_n"].notna().any():
             label = f"computed codend + hoop{at_speed}"
             axis.plot(here[across], here["computed"], "--+", color=colour, lw=1.2, label=label)
-            axis.plot(here[across], here["hoop_drag_n"], "^", color=colour, ms=4, label=f"hoop, of the table{at_speed}")
+            label = f"hoop, {comparison.table.hoop_origin}{at_speed}"
+            axis.plot(here[across], here["hoop_drag_n"], "^", color=colour, ms=4, label=label)
     if comparison.matched_on:
         elsewhere = points[~np.isclose(points[SPEED_COLUMN].to_numpy()[:, None], known).any(axis=1)]
         if not elsewhere.empty:
