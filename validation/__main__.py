@@ -1,4 +1,7 @@
-"""Recompute the validation: ``python -m validation``; every section of the report is in ``SECTIONS``."""
+"""Recompute the validation, section by section, and write REPORT.md with its figures and data.
+
+Exit status 1 when a check failed; a line says which.
+"""
 
 from collections.abc import Iterator, Sequence
 from importlib import import_module
