@@ -15,6 +15,7 @@ from codend.mechanics import newton_step as kernels
 from codend.mechanics import relaxation
 from codend.mechanics.arrays import Structure
 from codend.mechanics.bars import augmented_law, bar_lengths
+from codend.mechanics.compiling import compile_kernel
 from codend.mechanics.newton_step import State, Step
 from codend.mechanics.tangent import Pattern, pattern_of
 from codend.problem import Problem
@@ -153,12 +154,24 @@ def negative_pivots(problem: Problem, solution: Solution, prepared: Prepared) ->
 
 def _seconds_to_compile(problem: Problem, prepared: Prepared, settings: NewtonSettings) -> float:
     """Have the kernels compiled or read from the cache, and tell the time, which is no part of a solve's."""
-    if (advance_banded if isinstance(prepared.system, BandedSystem) else kernels.take).overloads:
+    system = prepared.system
+    if (advance_banded if isinstance(system, BandedSystem) else kernels.take).overloads:
         return 0.0
     started = perf_counter()
     if settings.rough_starts:
         rough_shape(problem, np.inf, 30.0, 0)
-    _Run(problem, prepare(problem.structure), settings, None).to_equilibrium(np.inf, None, 1.0)
+    run = _Run(problem, prepared, settings, None)
+    run.tension = run.switch = 1.0
+    structure, loading, state, step = run.structure, run.loading, run.state, prepared.step
+    solved = step.solved[:1]
+    compile_kernel(kernels.measure, structure, loading, 1.0, 1.0, state)
+    if isinstance(system, BandedSystem):
+        compile_kernel(advance_banded, system.arrays, *run.arguments(0.0, 0.0))
+    else:
+        compile_kernel(kernels.linearise, structure, loading, prepared.pattern, 1.0, 0.0, state, step)
+        compile_kernel(kernels.finish_step, structure, state, state, solved, step)
+        compile_kernel(kernels.simplified_move, solved, 1.0, step)
+        compile_kernel(kernels.take, structure, loading, 1.0, 1.0, 1.0, state, state, step, state)
     return perf_counter() - started
 
 
@@ -272,37 +285,30 @@ class _Run:
             state.density[:] = self.tension / structure.length
         kernels.measure(structure, self.loading, self.tension, switch, state)
 
-    def _advance(self, shift: float, tolerance: float) -> bool:
-        """Take one step with the tangent shifted; False if no good one was found."""
-        system, settings = self.prepared.system, self.settings
+    def arguments(self, shift: float, tolerance: float) -> tuple:
+        """What ``advance`` takes after the linear system."""
+        settings = self.settings
         limits = Limits(
             settings.largest_turn,
             settings.shortest_step,
             CLEAR_GAIN,
-            system.worthwhile_gain,
+            self.prepared.system.worthwhile_gain,
             tolerance,
             LENGTH_TOLERANCE,
         )
-        rest = (
-            self.structure,
-            self.loading,
-            self.prepared.pattern,
-            self.tension,
-            self.switch,
-            shift,
-            limits,
-            self.state,
-            self.first,
-            self.second,
-            self.prepared.step,
-        )
+        fixed = self.structure, self.loading, self.prepared.pattern, self.tension, self.switch
+        return *fixed, shift, limits, self.state, self.first, self.second, self.prepared.step
+
+    def _advance(self, shift: float, tolerance: float) -> bool:
+        """Take one step with the tangent shifted; False if no good one was found."""
+        system = self.prepared.system
         if isinstance(system, BandedSystem):
-            where, negative = advance_banded(system.arrays, *rest)
+            where, negative = advance_banded(system.arrays, *self.arguments(shift, tolerance))
         else:
-            where, negative = advance(system, *rest)
+            where, negative = advance(system, *self.arguments(shift, tolerance))
         self.singular = negative == -1
         if where == IN_FIRST:
             self.state, self.first = self.first, self.state
         elif where == IN_SECOND:
             self.state, self.second = self.second, self.state
-        return where != FAILED
+        return bool(where != FAILED)
