@@ -106,6 +106,42 @@ def compile_kernels(problem: Problem) -> None:
     relaxation.relax(work, problem.structure, problem.loading, 1.0, 1.0, False, 0)
 
 
+def rough_shape(
+    problem: Problem, rough_residual: float, penalty: float, steps_allowed: int = 20_000
+) -> tuple[Solution, str]:
+    """Shape and tensions of a net relaxed just enough for Newton's method to start from, and what was done.
+
+    Inextensible bars are given a stiffness of ``penalty`` times the reference tension, four times as much if the net
+    balloons. The solution's report tells the residual; it is no equilibrium.
+    """
+    started = perf_counter()
+    structure = problem.structure
+    steps = 0
+    while True:
+        work = relaxation.workspace(structure, problem.net.positions)
+        augmented_law(structure, penalty * reference_tension(problem), work.relief, work.gain)
+        code, spent, _, residual, imbalance = relaxation.relax(
+            work, structure, problem.loading, rough_residual, 1.5, False, steps_allowed
+        )
+        steps += spent
+        if code not in (relaxation.OVERSTRETCHED, relaxation.NOT_FINITE) or penalty > 1e4:
+            break
+        penalty *= 4.0
+    note = f"rough relaxation, penalty {penalty:g}: {steps} steps, residual {residual:.1e}."
+    report = SolverReport(
+        "rough relaxation",
+        Outcome.STEPS_SPENT,
+        steps,
+        residual,
+        imbalance,
+        np.inf,
+        1e3 * (perf_counter() - started),
+        (note,),
+    )
+    positions = work.state[:, :3].copy()
+    return Solution(positions, work.density * work.length, work.share.copy(), report), note
+
+
 class _Run:
     """One relaxation with one penalty, from the start to wherever it gets."""
 
@@ -129,7 +165,7 @@ class _Run:
     def to_equilibrium(self, tolerance: float, start: Solution | None) -> Outcome:
         work, structure = self.work, self.problem.structure
         if start is None:
-            self._set_law(_reference_tension(self.problem))
+            self._set_law(reference_tension(self.problem))
             inner = ROUGH
         else:
             self._set_law(float(np.mean(start.bar_tension)))
@@ -180,7 +216,7 @@ class _Run:
         augmented_law(self.problem.structure, self.penalty * tension, self.work.relief, self.work.gain)
 
 
-def _reference_tension(problem: Problem) -> float:
+def reference_tension(problem: Problem) -> float:
     """Mean tension that the loads on the start shape ask for, N: their resultant over the bars of a band."""
     structure, loading = problem.structure, problem.loading
     force: Floats = np.zeros_like(problem.net.positions)

@@ -12,14 +12,13 @@ from time import perf_counter
 import numpy as np
 
 from codend.mechanics import newton_step as kernels
-from codend.mechanics import relaxation
 from codend.mechanics.arrays import Structure
-from codend.mechanics.bars import augmented_law, bar_lengths
+from codend.mechanics.bars import bar_lengths
 from codend.mechanics.compiling import compile_kernel
 from codend.mechanics.newton_step import State, Step
 from codend.mechanics.tangent import Pattern, pattern_of
 from codend.problem import Problem
-from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, _reference_tension
+from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension, rough_shape
 from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
 from codend.solvers.newton_advance import FAILED, IN_FIRST, IN_SECOND, Limits, advance, advance_banded
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
@@ -175,42 +174,6 @@ def _seconds_to_compile(problem: Problem, prepared: Prepared, settings: NewtonSe
     return perf_counter() - started
 
 
-def rough_shape(
-    problem: Problem, rough_residual: float, penalty: float, steps_allowed: int = 20_000
-) -> tuple[Solution, str]:
-    """Shape and tensions of a net relaxed just enough for Newton's method to start from, and what was done.
-
-    Inextensible bars are given a stiffness of ``penalty`` times the reference tension, four times as much if the net
-    balloons. The solution's report tells the residual; it is no equilibrium.
-    """
-    started = perf_counter()
-    structure = problem.structure
-    steps = 0
-    while True:
-        work = relaxation.workspace(structure, problem.net.positions)
-        augmented_law(structure, penalty * _reference_tension(problem), work.relief, work.gain)
-        code, spent, _, residual, imbalance = relaxation.relax(
-            work, structure, problem.loading, rough_residual, 1.5, False, steps_allowed
-        )
-        steps += spent
-        if code not in (relaxation.OVERSTRETCHED, relaxation.NOT_FINITE) or penalty > 1e4:
-            break
-        penalty *= 4.0
-    note = f"rough relaxation, penalty {penalty:g}: {steps} steps, residual {residual:.1e}."
-    report = SolverReport(
-        "rough relaxation",
-        Outcome.STEPS_SPENT,
-        steps,
-        residual,
-        imbalance,
-        np.inf,
-        1e3 * (perf_counter() - started),
-        (note,),
-    )
-    positions = work.state[:, :3].copy()
-    return Solution(positions, work.density * work.length, work.share.copy(), report), note
-
-
 class _Run:
     """Iterations from a start to wherever they get."""
 
@@ -281,7 +244,7 @@ class _Run:
             np.divide(start.bar_tension, state.length, out=state.density, where=state.length > 0.0)
         self.tension = float(start.bar_tension.mean()) if start is not None else 0.0
         if self.tension == 0.0:
-            self.tension = _reference_tension(self.problem)
+            self.tension = reference_tension(self.problem)
             state.density[:] = self.tension / structure.length
         kernels.measure(structure, self.loading, self.tension, switch, state)
 
