@@ -144,6 +144,7 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
     from codend.plan import load_plan
     from codend.report.comparison_plot import comparison_figure
     from codend.report.files import whole_file, write_table
+    from codend.report.style import png
 
     results = folder / "results.csv"
     hoop = None
@@ -155,7 +156,7 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
         write_table(comparison.points, folder / "comparison.csv")
         write_table(comparison.summary, folder / "comparison_summary.csv")
         with whole_file(folder / "comparison.png") as temporary:
-            comparison_figure(comparison).savefig(temporary, format="png", dpi=150)
+            temporary.write_bytes(png(comparison_figure(comparison)))
     _print_comparison(comparison)
 
 

@@ -10,7 +10,19 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-REQUIRED = ("numpy", "scipy", "numba", "pandas", "matplotlib", "meshio", "pydantic", "click", "rich", "jinja2")
+REQUIRED = (
+    "numpy",
+    "scipy",
+    "numba",
+    "pandas",
+    "matplotlib",
+    "pillow",
+    "meshio",
+    "pydantic",
+    "click",
+    "rich",
+    "jinja2",
+)
 FOR_TESTS = ("pytest", "hypothesis", "statsmodels", "ruff", "mypy", "import-linter", "pandas-stubs", "scipy-stubs")
 
 _WARM_UP_PLAN = {

@@ -4,7 +4,6 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,14 +13,12 @@ from codend.report.html import PageFigure, page_html
 from codend.report.picture import net_picture
 from codend.report.plan_copy import plan_toml
 from codend.report.plots import catch_text, opening_force_plot, opening_plot, profiles_plot, solved, tension_plot
-from codend.report.style import number_text
+from codend.report.style import number_text, png
 from codend.report.vtk import write_vtu
 from codend.study import CaseResult, Study, StudyProgress
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-DOTS_PER_INCH = 150
 
 
 @dataclass(frozen=True)
@@ -122,13 +119,6 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
         write(path)
     _remove_leftovers(folder, set(writers))
     return list(writers)
-
-
-def png(figure: "Figure") -> bytes:
-    """A figure as a PNG picture."""
-    drawn = BytesIO()
-    figure.savefig(drawn, format="png", dpi=DOTS_PER_INCH, bbox_inches="tight", pad_inches=0.1)
-    return drawn.getvalue()
 
 
 def _write_bytes(content: bytes, path: Path) -> None:
