@@ -9,8 +9,8 @@ pi - 2 phi beside a knot that lies across, so a corner holds half the energy of 
 """
 
 import numpy as np
-from numba import njit
 
+from codend.compiled import njit
 from codend.mechanics.arrays import Structure
 from codend.mechanics.images import add_turned_back, turned
 from codend.net import Floats

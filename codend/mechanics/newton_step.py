@@ -11,8 +11,8 @@ lengths themselves are held exactly, since each step corrects the gap that is le
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from codend.compiled import njit
 from codend.mechanics.arrays import Loading, Structure
 from codend.mechanics.bars import add_bar_forces, bar_vector
 from codend.mechanics.images import add_turned_back

@@ -1,9 +1,9 @@
 """Pressure of the catch on the facets, and how far the catch fills the net: kernels."""
 
 import numpy as np
-from numba import njit
 
 from catch_models.filling import fill_by_meshes, fill_to_plane, fill_to_volume
+from codend.compiled import njit
 from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, Loading, Structure
 from codend.mechanics.images import add_turned_back, turned
 from codend.net import Floats, Ints

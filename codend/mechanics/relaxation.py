@@ -10,8 +10,8 @@ stopped, and convergence is judged on fresh values only.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from codend.compiled import njit
 from codend.mechanics.arrays import Loading, Structure
 from codend.mechanics.bars import bar_vector
 from codend.mechanics.bending import add_bending, add_bending_bound

@@ -8,8 +8,8 @@ the node shows at the image as R dx, so a block enters as R_i^T H R_j.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from codend.compiled import njit
 from codend.mechanics.arrays import Structure
 from codend.mechanics.bars import bar_vector
 from codend.net import Floats, Ints

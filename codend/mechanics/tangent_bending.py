@@ -1,8 +1,8 @@
 """Exact tangent of the stiff twine's resistance to opening: kernels."""
 
 import numpy as np
-from numba import njit
 
+from codend.compiled import njit
 from codend.mechanics.arrays import Structure
 from codend.mechanics.bending import corner_slopes, corner_vectors, dot
 from codend.mechanics.tangent import Pattern, add_turned_block

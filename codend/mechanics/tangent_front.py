@@ -6,8 +6,8 @@ with u = dF/ds and v = ds/dx.
 """
 
 import numpy as np
-from numba import njit
 
+from codend.compiled import njit
 from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, Loading, Structure
 from codend.mechanics.drag import add_drag
 from codend.mechanics.images import add_turned_back

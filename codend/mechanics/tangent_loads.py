@@ -4,8 +4,8 @@ Both add -dF/dx to the blocks laid out in ``tangent``. How the shares follow the
 """
 
 import numpy as np
-from numba import njit
 
+from codend.compiled import njit
 from codend.mechanics.arrays import LE_BRIS_1999, Loading, Structure
 from codend.mechanics.bars import bar_vector
 from codend.mechanics.pressure import _area_vector, _corners, is_uniform

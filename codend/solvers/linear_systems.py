@@ -9,9 +9,9 @@ and elsewhere the solver adds a shift until it is. The signs of the pivots tell 
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numba import njit
 from scipy.sparse import csr_array
 
+from codend.compiled import njit
 from codend.mechanics.arrays import Structure
 from codend.mechanics.tangent import Pattern
 from codend.net import Floats, Ints
