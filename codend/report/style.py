@@ -42,7 +42,8 @@ def png(figure: "Figure") -> bytes:
     assert isinstance(canvas, FigureCanvasAgg)
     canvas.draw()
     drawn = np.asarray(canvas.buffer_rgba())
-    inked = (drawn != drawn[0, 0]).any(axis=2)
+    pixels = drawn.view(np.uint32)[:, :, 0]
+    inked = pixels != pixels[0, 0]
     (top, *_, bottom), (left, *_, right) = (np.flatnonzero(inked.any(axis=axis)) for axis in (1, 0))
     margin = round(MARGIN_IN * figure.dpi)
     height, width = bottom + 1 - top, right + 1 - left
