@@ -39,7 +39,8 @@ def net_picture(result: CaseResult) -> "Figure":
 
     if result.meshes is None:
         raise ValueError(f"case {result.case.number} was not solved: there is no shape to draw")
-    whole = joined_on_axis(all_round(result.net, result.positions))
+    sectors = all_round(result.net, result.positions)
+    whole = joined_on_axis(sectors)
     flat = whole.positions @ _screen_axes()
     span = np.ptp(flat[:, :2], axis=0)
     height_in = float(np.clip(WIDTH_IN * 0.9 * span[1] / span[0] + 0.9, 3.0, 9.0))
@@ -53,7 +54,7 @@ def net_picture(result: CaseResult) -> "Figure":
     opening = np.tile(result.meshes.opening_deg, result.net.order)
     in_catch = np.tile(result.meshes.pressure_pa > 0.0, result.net.order)
     front = float(np.sum(1.0 - result.solution.share))
-    entry_ring, front_ring = (_ring(result, row) @ _screen_axes() for row in (0, round(front)))
+    entry_ring, front_ring = (_ring(result, sectors, row) @ _screen_axes() for row in (0, round(front)))
     _draw_meshes(axes, whole, flat, colours.to_rgba(opening), in_catch)
     axes.plot(entry_ring[:, 0], entry_ring[:, 1], color=INK, linewidth=1.8)
     _draw_front(axes, front_ring)
@@ -114,10 +115,9 @@ def _draw_meshes(axes: "Axes", whole: WholeNet, flat: Floats, colour: Floats, in
     axes.add_collection(drawn, autolim=False)
 
 
-def _ring(result: CaseResult, row: int) -> Floats:
+def _ring(result: CaseResult, sectors: WholeNet, row: int) -> Floats:
     """Nodes of a row of knots in order round the axis, the first one again at the end, (k + 1, 3)."""
-    whole = all_round(result.net, result.positions).positions
-    ring = whole[np.tile(result.net.node_row, result.net.order) == row]
+    ring = sectors.positions[np.tile(result.net.node_row, result.net.order) == row]
     y, z = ring[:, 1] - ring[:, 1].mean(), ring[:, 2] - ring[:, 2].mean()
     return ring[np.append(order := np.argsort(np.arctan2(z, y)), order[0])]
 
