@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -106,19 +107,27 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
     }
     if not study.meshes.empty:
         writers[folder / "meshes.csv"] = partial(write_table, study.meshes)
-    writers |= {folder / f"net_{result.case.number}.vtu": partial(write_vtu, result) for result in solved(study)}
     if solved(study):
         writers |= {folder / "plots" / f"{plot.name}.png": partial(write_plot, plot) for plot in PLOTS}
-    writers[folder / "report.html"] = write_page
 
     folder.mkdir(parents=True, exist_ok=True)
-    for done, (path, write) in enumerate(writers.items()):
-        if progress is not None:
-            progress(done, len(writers), f"writing {path.name}")
-        path.parent.mkdir(exist_ok=True)
-        write(path)
+    nets = {folder / f"net_{result.case.number}.vtu": result for result in solved(study)}
+    # most of a VTK file's time is compression, which lets another thread draw the plots
+    with ThreadPoolExecutor(1) as beside:
+        for path, result in nets.items():
+            writers[path] = partial(_wait_for, beside.submit(write_vtu, result, path))
+        writers[folder / "report.html"] = write_page
+        for done, (path, write) in enumerate(writers.items()):
+            if progress is not None:
+                progress(done, len(writers), f"writing {path.name}")
+            path.parent.mkdir(exist_ok=True)
+            write(path)
     _remove_leftovers(folder, set(writers))
     return list(writers)
+
+
+def _wait_for(writing: "Future[None]", _: Path) -> None:
+    writing.result()
 
 
 def _write_bytes(content: bytes, path: Path) -> None:

@@ -7,9 +7,9 @@ kernel. ``advance`` is that kernel's source and runs as it stands where the syst
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numba.extending import overload
 
+from codend.compiled import njit
 from codend.mechanics.arrays import Loading, Structure
 from codend.mechanics.newton_step import State, Step, finish_step, linearise, simplified_move, take
 from codend.mechanics.tangent import Pattern
