@@ -38,6 +38,7 @@ def sweep(plan: str, folder: Path, vary: tuple[str, ...], changes: tuple[str, ..
     interrupted goes on where it stopped.
     """
     from codend.report.files import whole_file, write_table
+    from codend.report.style import png
     from codend.report.sweep_plot import sweep_figure
     from codend.sweep import runs_of, solve_runs
 
@@ -47,8 +48,7 @@ def sweep(plan: str, folder: Path, vary: tuple[str, ...], changes: tuple[str, ..
         table = solve_runs(runs, folder, processes, progress)
         write_table(table, folder / "sweep.csv")
         with whole_file(folder / "sweep.png") as temporary:
-            figure = sweep_figure(table, {run.number: run.label for run in runs})
-            figure.savefig(temporary, format="png", dpi=150)
+            temporary.write_bytes(png(sweep_figure(table, {run.number: run.label for run in runs})))
     keys = list(runs[0].values)
     summary = table.groupby(["run", *keys], sort=False).agg(**SUMMARY).reset_index()
     click.echo(text_table(["run", *keys, *SUMMARY], summary.itertuples(index=False)))
