@@ -6,7 +6,7 @@ import pytest
 from codend.measures import mesh_openings
 from codend.study import solve
 from tests.plans import make_plan, uniform_plan
-from tests.reference import residual
+from validation.reference import residual
 
 SECTOR = {"fidelity": "sector", "method": "dynamic-relaxation", "tolerance": 1e-7}
 

@@ -15,7 +15,7 @@ from codend.mechanics.arrays import structure_of
 from codend.mechanics.relaxation import add_loads
 from codend.net import rotate
 from tests.plans import NO_DRAG, UNIFORM, make_plan
-from tests.reference import nodal_loads
+from validation.reference import nodal_loads
 
 KINDS = st.sampled_from([("diamond", 0.0), ("diamond", 6.0), ("t90", 6.0), ("square", 0.0)])
 

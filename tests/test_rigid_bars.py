@@ -20,8 +20,8 @@ from codend.solvers.rigid_motion import simulate
 from codend.solvers.tension_system import TensionSystem
 from tests.chains import hanging, pendulum, small_swings
 from tests.plans import make_plan, uniform_plan
-from tests.reference import residual
 from validation.chains import DENSITY_KG_M3, DIAMETER_M, MASS_PER_METRE, chain
+from validation.reference import residual
 
 LARGE = 2.0
 
