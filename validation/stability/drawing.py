@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from codend.report.style import INK, new_figure, spread
+from codend.report.style import INK, new_figure
 from validation.section import Picture
 from validation.stability.judge import Finding
 from validation.stability.maps import Axis, Line, Panel, StabilityMap
@@ -47,13 +47,12 @@ def picture_of(stability_map: StabilityMap) -> Picture:
     for spare in range(len(panels), rows * columns):
         grid[spare // columns, spare % columns].set_axis_off()
     handles: list = [
-        Patch(facecolor=colour, edgecolor=INK, linewidth=0.5, label=NAMES[finding])
+        Patch(facecolor=colour, edgecolor=INK, linewidth=0.5, label=_named(stability_map, finding))
         for finding, colour in COLOURS.items()
-        if finding is not Finding.WRONG or stability_map.count(finding)
     ]
     lines = {line.name: dash for panel in panels for line, dash in zip(panel.lines, DASHES, strict=False)}
     handles += [Line2D([], [], color="black", linestyle=dash, linewidth=1.8, label=name) for name, dash in lines.items()]
-    figure.legend(handles=handles, loc="outside lower left", ncols=3 if columns > 1 else 1, frameon=False, fontsize=9)
+    figure.legend(handles=handles, loc="outside lower left", ncols=4 if columns > 2 else 2, frameon=False, fontsize=9)
     return Picture(stability_map.name, figure, f"{stability_map.question} {counts_text(stability_map)}")
 
 
@@ -61,6 +60,10 @@ def counts_text(stability_map: StabilityMap) -> str:
     """The number of cells of each kind in words."""
     counts = ", ".join(f"{stability_map.count(finding)} {NAMES[finding]}" for finding in Finding)
     return f"{len(stability_map.cells)} cells: {counts}."
+
+
+def _named(stability_map: StabilityMap, finding: Finding) -> str:
+    return NAMES[finding] if stability_map.count(finding) else f"{NAMES[finding]} (none)"
 
 
 def _draw(axes: "Axes", panel: Panel) -> None:
@@ -80,7 +83,8 @@ def _draw(axes: "Axes", panel: Panel) -> None:
     axes.set_xlim(0, len(panel.x.values))
     axes.set_ylim(0, len(panel.y.values))
     for axis, values, most in ((axes.xaxis, panel.x, 7), (axes.yaxis, panel.y, 9)):
-        shown = spread(len(values.values), most)
+        count = len(values.values)
+        shown = range(0, count, -(-count // most))
         axis.set_ticks([place + 0.5 for place in shown], [values.name(place) for place in shown])
     axes.tick_params(colors=INK, length=2, labelsize=8.5)
     axes.spines[:].set_visible(False)

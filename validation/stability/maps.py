@@ -28,7 +28,7 @@ class Axis:
 
     def name(self, place: int) -> str:
         """Name of a value."""
-        return self.names[place] if self.names else number_text(self.values[place])
+        return self.names[place] if self.names else number_text(self.values[place], 2)
 
 
 @dataclass(frozen=True)

@@ -63,7 +63,7 @@ def relaxation_map(quick: bool) -> StabilityMap:
     """Both dampings without restarts, and kinetic damping as shipped, with restarts."""
     problem = problem_from(plan_of())
     reference = confirmed_reference(problem)
-    step = Axis("time step / step that the bound on the masses allows", spaced(0.5, 2.0, 7 if quick else 21))
+    step = Axis("time step / step of the bound", spaced(0.5, 2.0, 7 if quick else 21))
     penalty = Axis("penalty EA / mean bar tension", spaced(1.0, 1e4, 3 if quick else 13))
     stable = np.array([largest_stable_step(problem, reference.solution, p) for p in penalty.values])
     theory = Line("stable step by theory: 2 / largest frequency", stable, np.array(penalty.values))
