@@ -111,6 +111,30 @@ def mesh_corners(net: Net, positions: Floats) -> Floats:
     return rotate(positions[net.mesh_sides], net.mesh_side_image, net.order)
 
 
+THROUGH = 1e-6
+"""Scalar product of knots about the middles of their rings, over the square of a bar, below which it is no round-off."""
+
+
+def passed_through_itself(net: Net, positions: Floats) -> bool:
+    """Whether a ring of knots lies turned by more than a right angle against the one ahead of it.
+
+    A net of hinged bars can pass through itself where it is narrow, and balance on the other side of its axis; twine
+    cannot. A band has when the knots that its meshes' sides join lie on opposite sides of their rings' middles, on the
+    mean of the band.
+    """
+    row = net.node_row[net.mesh_sides]
+    ends = mesh_corners(net, positions)[..., 1:]
+    if net.order == 1:
+        ring = net.node_row >= 0
+        count = np.maximum(np.bincount(net.node_row[ring], minlength=net.bands + 1), 1)
+        middle = [np.bincount(net.node_row[ring], positions[ring, i], net.bands + 1) / count for i in (1, 2)]
+        ends = ends - np.stack(middle, axis=1)[row]
+    along = np.sum(ends[..., 0, :] * ends[..., 1, :], axis=-1).ravel()
+    band = row.min(axis=-1).ravel()
+    meeting = np.bincount(band, along) / np.maximum(np.bincount(band), 1)
+    return bool(np.any(meeting < -THROUGH * float(np.mean(net.bar_length)) ** 2))
+
+
 def split_bars(net: Net, which: NDArray[np.bool_]) -> Net:
     """The same net with a hinge in the middle of the bars marked in ``which`` (Le Bris et al. 1999, figure 1).
 

@@ -117,6 +117,22 @@ def departure(problem: Problem, positions: np.ndarray, tension: np.ndarray, shar
     )
 
 
+def facing_rings(net: Net, positions: np.ndarray) -> float:
+    """Least mean, over a band, of the cosine between the directions from the axis of the knots that a bar joins.
+
+    Near 1 in a sound net that is the same all round; below 0 the netting has passed through itself at the axis.
+    """
+    cosines: dict[int, list[float]] = {}
+    for bar, (i, j) in enumerate(net.bars):
+        if net.node_row[i] == net.node_row[j] or min(net.node_row[i], net.node_row[j]) < 0:
+            continue
+        first, second = positions[i, 1:], turned(positions[j], net.bar_image[bar], net.order)[1:]
+        size = np.linalg.norm(first) * np.linalg.norm(second)
+        if size > 1e-8 * net.bar_length[bar] ** 2:
+            cosines.setdefault(int(net.bar_band[bar]), []).append(float(first @ second / size))
+    return min((float(np.mean(found)) for found in cosines.values()), default=1.0)
+
+
 def residual(problem: Problem, positions: np.ndarray, tension: np.ndarray, share: np.ndarray) -> float:
     """Largest out-of-balance force of a free node over the resultant of the loads on the whole net."""
     return departure(problem, positions, tension, share).residual

@@ -12,7 +12,7 @@ import numpy as np
 from codend.mechanics import relaxation
 from codend.mechanics.bars import augmented_law, bar_lengths, length_error
 from codend.mechanics.relaxation import Workspace
-from codend.net import Floats
+from codend.net import Floats, passed_through_itself
 from codend.problem import Problem
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
@@ -59,8 +59,8 @@ def solve(
 ) -> Solution:
     """Equilibrium of a net, from the positions it was built with or from a solution of the same net nearby.
 
-    A net that balloons or loses its footing is restarted from the same shape with a penalty four times as stiff, one
-    that makes no headway with masses twice as large; every attempt is in the report. A solve that fails returns nan
+    A net that balloons, loses its footing or passes through itself is restarted from the same shape with a penalty four
+    times as stiff, one that makes no headway with masses twice as large; every attempt is in the report. A solve that fails returns nan
     positions and tensions.
     """
     compile_kernels(problem)
@@ -72,6 +72,8 @@ def solve(
         work = relaxation.workspace(problem.structure, problem.net.positions if start is None else start.positions)
         run = _Run(problem, work, settings, penalty, mass_factor, settings.steps_allowed - steps, progress)
         outcome = run.to_equilibrium(tolerance, start)
+        if outcome.converged and passed_through_itself(problem.net, work.state[:, :3]):
+            outcome = Outcome.PASSED_THROUGH
         steps += run.steps
         damping = "viscous" if settings.viscous else "kinetic"
         attempts.append(
@@ -80,7 +82,7 @@ def solve(
         )
         if outcome in (Outcome.CONVERGED, Outcome.OVERFULL) or steps >= settings.steps_allowed:
             break
-        if outcome in (Outcome.OVERSTRETCHED, Outcome.NOT_FINITE):
+        if outcome in (Outcome.OVERSTRETCHED, Outcome.NOT_FINITE, Outcome.PASSED_THROUGH):
             penalty *= 4.0
         mass_factor *= 2.0
     report = SolverReport(

@@ -17,7 +17,7 @@ import numpy as np
 
 from codend.mechanics.bars import add_bar_forces, bar_lengths, length_error
 from codend.mechanics.relaxation import out_of_balance
-from codend.net import Floats
+from codend.net import Floats, passed_through_itself
 from codend.problem import Problem
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
@@ -196,6 +196,8 @@ class _Run:
             self.tension = carried * length
             if max(self.residual, self.imbalance) > tolerance:
                 outcome = Outcome.COMPRESSED
+            elif passed_through_itself(self.problem.net, motion.position):
+                outcome = Outcome.PASSED_THROUGH
             elif self.length_error <= LENGTH_TOLERANCE:
                 outcome = Outcome.CONVERGED if motion.fits else Outcome.OVERFULL
         if outcome is None:

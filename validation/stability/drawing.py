@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 COLOURS = {
     Finding.RIGHT: "#0072b2",
     Finding.RESCUED: "#8cc5e3",
+    Finding.ANOTHER: "#f0c94c",
     Finding.FAILED: "#ece7d8",
     Finding.WRONG: "#d55e00",
 }
@@ -22,6 +23,7 @@ COLOURS = {
 NAMES = {
     Finding.RIGHT: "right at once",
     Finding.RESCUED: "right after a fall-back",
+    Finding.ANOTHER: "another equilibrium",
     Finding.FAILED: "honest failure",
     Finding.WRONG: "WRONG ANSWER",
 }
@@ -72,7 +74,7 @@ def _draw(axes: "Axes", panel: Panel) -> None:
     order = list(COLOURS)
     kinds = np.array([[order.index(cell.judgement.finding) for cell in row] for row in panel.cells])
     axes.pcolormesh(
-        kinds, cmap=ListedColormap(list(COLOURS.values())), vmin=-0.5, vmax=3.5, edgecolors="white", linewidth=0.8
+        kinds, cmap=ListedColormap(list(COLOURS.values())), vmin=-0.5, vmax=4.5, edgecolors="white", linewidth=0.8
     )
     for y, x in np.argwhere(kinds == order.index(Finding.WRONG)):
         axes.plot(x + 0.5, y + 0.5, "x", color="black", markersize=6, markeredgewidth=2)

@@ -2,7 +2,8 @@
 
 A state that is near an equilibrium is off by no more than its own out-of-balance forces and length errors explain, to
 first order (``linear.worst_responses``); a state that says it converged and is off by more is a wrong answer, and so is
-one that breaks the equations, or numbers that come with a failure.
+one that breaks the equations, or numbers that come with a failure. Where a plan has more than one equilibrium, a state
+that is exact, stable and has not passed through itself counts as another one.
 """
 
 from dataclasses import dataclass
@@ -16,8 +17,8 @@ from codend.problem import Problem
 from codend.solvers import dynamic_relaxation, newton
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE
 from codend.solvers.outcome import Outcome, Solution
-from validation.reference import Departure, departure
-from validation.stability.linear import worst_responses
+from validation.reference import Departure, departure, facing_rings
+from validation.stability.linear import is_stable, worst_responses
 
 SAFETY = 2.0
 """On what out-of-balance forces explain: for the terms of second order."""
@@ -30,6 +31,7 @@ class Finding(Enum):
 
     RIGHT = "Right at once: the equations hold, and drag, volume and shape are those of the reference."
     RESCUED = "Right after a fall-back: an attempt failed and said so, a later one found the answer."
+    ANOTHER = "Another equilibrium: exact, stable and sound, but not that of the reference; the plan has two."
     FAILED = "Honest failure: it says that it did not converge, why, and gives no numbers."
     WRONG = "WRONG ANSWER: it says converged, but the equations or the reference contradict it."
 
@@ -102,11 +104,8 @@ def judge(reference: Reference, solution: Solution, tolerance: float) -> Judgeme
         tolerance: residual and axial imbalance it was asked for.
     """
     report = solution.report
-    numbers = np.isfinite(solution.positions).any() or np.isfinite(solution.bar_tension).any()
     if not report.outcome.converged:
-        finding = Finding.WRONG if numbers else Finding.FAILED
-        why = "numbers come with a failure" if numbers else ""
-        return Judgement(finding, np.nan, np.nan, float(report.residual), why)
+        return judge_alone(solution, "numbers come with a failure")
     problem = reference.problem
     state = departure(problem, solution.positions, solution.bar_tension, solution.share)
     said = measure_all(problem, solution)[2]
@@ -125,6 +124,7 @@ def judge(reference: Reference, solution: Solution, tolerance: float) -> Judgeme
         + ROUND_OFF
     )
     ratio = np.abs(off) / explained
+    facing = facing_rings(problem.net, solution.positions)
     faults = [
         fault
         for fault, there in (
@@ -133,14 +133,29 @@ def judge(reference: Reference, solution: Solution, tolerance: float) -> Judgeme
             (f"length error {state.length_error:.1e}", state.length_error > 1.01 * LENGTH_TOLERANCE),
             (f"compression {state.compression:.1e}", state.compression > 0.0),
             ("not the catch that was asked for", not _same_catch(problem, solution.share)),
-            (f"{np.nanmax(ratio):.1f} times as far off as explained", np.nanmax(ratio) > 1.0),
+            ("passed through itself", facing < 0.0),
         )
         if there
     ]
+    away = bool(np.nanmax(ratio) > 1.0)
+    if away and not faults and not is_stable(problem, solution):
+        faults.append("unstable")
     failed = [o.value for o in Outcome if not o.converged]
     rescued = any(sentence in line for line in report.attempts[:-1] for sentence in failed)
-    finding = Finding.WRONG if faults else Finding.RESCUED if rescued else Finding.RIGHT
+    if faults:
+        finding = Finding.WRONG
+    elif away:
+        finding = Finding.ANOTHER
+    else:
+        finding = Finding.RESCUED if rescued else Finding.RIGHT
     return Judgement(finding, float(np.nanmax(np.abs(off))), float(np.nanmax(ratio)), state.residual, ", ".join(faults))
+
+
+def judge_alone(solution: Solution, why: str) -> Judgement:
+    """Judge a solution for which there is no reference: an honest failure, or else wrong for the reason given."""
+    numbers = np.isfinite(solution.positions).any() or np.isfinite(solution.bar_tension).any()
+    finding = Finding.WRONG if numbers else Finding.FAILED
+    return Judgement(finding, np.nan, np.nan, float(solution.report.residual), why if numbers else "")
 
 
 def _same_catch(problem: Problem, share: Floats) -> bool:

@@ -48,6 +48,27 @@ def dense_tangent(
     return whole[np.ix_(free, free)]
 
 
+def _rigidity(problem: Problem, solution: Solution) -> Floats:
+    """Axial stiffness of the taut bars, N, 0 for slack ones, (m,)."""
+    stiffest = RIGID * float(solution.bar_tension.mean())
+    return np.where(
+        solution.bar_tension > 0.0, 1.0 / np.maximum(problem.net.bar_flexibility, 1.0 / stiffest), 0.0
+    )
+
+
+def tangent_of(problem: Problem, solution: Solution) -> Floats:
+    """``dense_tangent`` of an equilibrium by the law of the twine."""
+    positions = np.ascontiguousarray(solution.positions)
+    length = lengths_of(problem, positions)
+    hardening = _rigidity(problem, solution) / length**3
+    return dense_tangent(problem, positions, solution.bar_tension / length, hardening, solution.share)
+
+
+def is_stable(problem: Problem, solution: Solution) -> bool:
+    """Whether every small move of an equilibrium is pushed back: all eigenvalues of the tangent in the right half."""
+    return bool(np.linalg.eigvals(tangent_of(problem, solution)).real.min() > 0.0)
+
+
 def lengths_of(problem: Problem, positions: Floats) -> Floats:
     """Lengths of the bars, m, (m,)."""
     length = np.empty(len(problem.net.bars))
@@ -76,21 +97,16 @@ def worst_responses(problem: Problem, solution: Solution) -> tuple[Floats, Float
     second what departures of one in every taut bar's strain may do, each with its worst sign: the sums of the moduli of
     the answers to each.
     """
-    net, share = problem.net, solution.share
-    positions = np.ascontiguousarray(solution.positions)
-    length = lengths_of(problem, positions)
-    density = solution.bar_tension / length
-    taut = solution.bar_tension > 0.0
-    stiffest = RIGID * float(solution.bar_tension.mean())
-    rigidity = np.where(taut, 1.0 / np.maximum(net.bar_flexibility, 1.0 / stiffest), 0.0)
+    positions, share = np.ascontiguousarray(solution.positions), solution.share
+    rigidity = _rigidity(problem, solution)
     free = free_coordinates(problem)
-    answers = np.linalg.inv(dense_tangent(problem, positions, density, rigidity / length**3, share))
+    answers = np.linalg.inv(tangent_of(problem, solution))
     gradients = np.vstack([_gradients(problem, positions, share)[:, free] @ answers, answers])
     node_of = free // 3
     nodes = np.unique(node_of)
     forces = np.stack([np.linalg.norm(gradients[:, node_of == node], axis=1) for node in nodes], axis=1).sum(axis=1)
     strains = np.zeros(len(gradients))
-    for bar in np.flatnonzero(taut):
+    for bar in np.flatnonzero(rigidity):
         # a bar longer than its law by a strain e pushes its ends apart as a force EA e would
         push = _ends_apart(problem, positions, int(bar))[free]
         strains += np.abs(gradients @ push) * rigidity[bar]
