@@ -119,20 +119,24 @@ def passed_through_itself(net: Net, positions: Floats) -> bool:
     """Whether a ring of knots lies turned by more than a right angle against the one ahead of it.
 
     A net of hinged bars can pass through itself where it is narrow, and balance on the other side of its axis; twine
-    cannot. A band has when the knots that its meshes' sides join lie on opposite sides of their rings' middles, on the
-    mean of the band.
+    cannot. A band has when the ends of its bars lie on opposite sides of their rings' middles, on the mean of the band;
+    which end is the fore one is seen in the shape the net was built in, and bars that lie in a ring do not count.
     """
-    row = net.node_row[net.mesh_sides]
-    ends = mesh_corners(net, positions)[..., 1:]
+    along = bar_vectors(net, net.positions)[:, 0] / net.bar_length
+    used = np.abs(along) > 1e-6
+    band = net.bar_band[used]
+    first, second = positions[net.bars[:, 0]], rotate(positions[net.bars[:, 1]], net.bar_image, net.order)
+    turn = (along < 0.0)[:, None]
+    fore, aft = (np.where(turn, *ends)[used, 1:] for ends in ((second, first), (first, second)))
     if net.order == 1:
-        ring = net.node_row >= 0
-        count = np.maximum(np.bincount(net.node_row[ring], minlength=net.bands + 1), 1)
-        middle = [np.bincount(net.node_row[ring], positions[ring, i], net.bands + 1) / count for i in (1, 2)]
-        ends = ends - np.stack(middle, axis=1)[row]
-    along = np.sum(ends[..., 0, :] * ends[..., 1, :], axis=-1).ravel()
-    band = row.min(axis=-1).ravel()
-    meeting = np.bincount(band, along) / np.maximum(np.bincount(band), 1)
+        fore, aft = (ends - np.stack([_means(band, ends[:, i]) for i in (0, 1)], axis=1)[band] for ends in (fore, aft))
+    meeting = _means(band, np.sum(fore * aft, axis=1))
     return bool(np.any(meeting < -THROUGH * float(np.mean(net.bar_length)) ** 2))
+
+
+def _means(group: NDArray[np.integer], values: Floats) -> Floats:
+    """Mean of the values of every group, 0 for groups without any."""
+    return np.bincount(group, values) / np.maximum(np.bincount(group), 1)
 
 
 def split_bars(net: Net, which: NDArray[np.bool_]) -> Net:
