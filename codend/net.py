@@ -112,7 +112,7 @@ def mesh_corners(net: Net, positions: Floats) -> Floats:
 
 
 THROUGH = 1e-6
-"""Scalar product of knots about the middles of their rings, over the square of a bar, below which it is no round-off."""
+"""Scalar product of two knots from the middles of their rings, over a bar squared, that is no round-off any more."""
 
 
 def passed_through_itself(net: Net, positions: Floats) -> bool:

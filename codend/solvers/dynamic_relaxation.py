@@ -60,8 +60,8 @@ def solve(
     """Equilibrium of a net, from the positions it was built with or from a solution of the same net nearby.
 
     A net that balloons, loses its footing or passes through itself is restarted from the same shape with a penalty four
-    times as stiff, one that makes no headway with masses twice as large; every attempt is in the report. A solve that fails returns nan
-    positions and tensions.
+    times as stiff, one that makes no headway with masses twice as large; every attempt is in the report. A solve that
+    fails returns nan positions and tensions.
     """
     compile_kernels(problem)
     started = perf_counter()

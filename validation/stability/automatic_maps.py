@@ -1,7 +1,7 @@
-"""The automatic method over plans at the edge: soft and stiff twine, all fills and entries, speed to zero, slack twine.
+"""The automatic method over plans at the edge: soft and stiff twine, any catch and entry, speed to zero, slack twine.
 
-Every cell is a plan of its own. Its reference is the answer of the other kind of method: dynamic relaxation from a crude
-bag, which knows neither tangent nor meridian shape, to a residual of ``SECOND``.
+Every cell is a plan of its own. Its reference is the answer of the other kind of method: dynamic relaxation from a
+crude bag, which knows neither tangent nor meridian shape, to a residual of ``SECOND``.
 """
 
 from codend import equilibrium

@@ -7,7 +7,7 @@ import numpy as np
 from codend.report.style import INK, new_figure
 from validation.section import Picture
 from validation.stability.judge import Finding
-from validation.stability.maps import Axis, Line, Panel, StabilityMap
+from validation.stability.maps import Axis, Panel, StabilityMap
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,7 +53,9 @@ def picture_of(stability_map: StabilityMap) -> Picture:
         for finding, colour in COLOURS.items()
     ]
     lines = {line.name: dash for panel in panels for line, dash in zip(panel.lines, DASHES, strict=False)}
-    handles += [Line2D([], [], color="black", linestyle=dash, linewidth=1.8, label=name) for name, dash in lines.items()]
+    handles += [
+        Line2D([], [], color="black", linestyle=dash, linewidth=1.8, label=name) for name, dash in lines.items()
+    ]
     figure.legend(handles=handles, loc="outside lower left", ncols=4 if columns > 2 else 2, frameon=False, fontsize=9)
     return Picture(stability_map.name, figure, f"{stability_map.question} {counts_text(stability_map)}")
 

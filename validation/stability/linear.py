@@ -51,9 +51,7 @@ def dense_tangent(
 def _rigidity(problem: Problem, solution: Solution) -> Floats:
     """Axial stiffness of the taut bars, N, 0 for slack ones, (m,)."""
     stiffest = RIGID * float(solution.bar_tension.mean())
-    return np.where(
-        solution.bar_tension > 0.0, 1.0 / np.maximum(problem.net.bar_flexibility, 1.0 / stiffest), 0.0
-    )
+    return np.where(solution.bar_tension > 0.0, 1.0 / np.maximum(problem.net.bar_flexibility, 1.0 / stiffest), 0.0)
 
 
 def tangent_of(problem: Problem, solution: Solution) -> Floats:

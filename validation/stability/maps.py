@@ -10,7 +10,7 @@ from codend.net import Floats
 from codend.report.style import number_text
 from codend.solvers.outcome import Solution
 from validation.section import Verdict
-from validation.stability.judge import Judgement, Finding
+from validation.stability.judge import Finding, Judgement
 
 Solve = Callable[[float, float], tuple[Solution, Judgement]]
 """Solves the cell with these two numbers."""

@@ -1,4 +1,7 @@
-"""Every method from a crude bag shaken at random, over the tolerance; on a full net, where nothing forbids a lopsided answer."""
+"""Every method from a crude bag shaken at random, over the tolerance.
+
+On a full net, where nothing forbids a lopsided answer; every cell is shaken in its own way.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -25,7 +28,7 @@ def perturbation_map(quick: bool) -> StabilityMap:
     ) -> tuple[Solution, Judgement]:
         reference = references[4]
         net = reference.problem.net
-        shaken = disturbed(reference.problem, net.positions, distance, (round(1e3 * distance), 4))
+        shaken = disturbed(reference.problem, net.positions, distance, (round(1e3 * distance), round(1e12 * tolerance)))
         solution = solve(replace(reference.problem, net=replace(net, positions=shaken)), tolerance)
         return solution, judge(reference, solution, tolerance)
 
@@ -43,7 +46,7 @@ def perturbation_map(quick: bool) -> StabilityMap:
     return StabilityMap(
         name="stability_perturbation",
         title="Every method from a shaken start: size of the random move against tolerance",
-        question="The full net of 24 x 20 meshes, 4 x 4 merged into one, 6 meshes filled; every node of the crude bag is "
-        "moved at random (normally distributed in each coordinate).",
+        question="The full net of 24 x 20 meshes, 4 x 4 merged into one, 6 meshes filled; every node of the crude bag "
+        "is moved at random (normally distributed in each coordinate).",
         panels=tuple(panels),
     )

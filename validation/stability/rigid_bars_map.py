@@ -6,10 +6,10 @@ own motion adds. Its eigenvalues z are those of z^2 - (2 - dt M^-1 C - dt^2 M^-1
 while none is beyond the unit circle. ``RigidMotion.stable_time_step`` is a bound on that from sums over rows, of which
 the shipped settings take half.
 
-Stopping the net at peaks of its kinetic energy halves the stable step (*derived*). Let a mode without damping start from
-rest at x, with a = (dt omega)^2: after two steps it is at (1 - 3 a + a^2) x, and its energy has fallen, so that it is
-stopped there, if 1 < a < 3. Beyond a = 1, which is dt = 1 / omega, that has a modulus above 1 and the stopped mode grows;
-left alone it grows beyond dt = 2 / omega.
+Stopping the net at peaks of its kinetic energy halves the stable step (*derived*). Let a mode without damping start
+from rest at x, with a = (dt omega)^2: after two steps it is at (1 - 3 a + a^2) x, and its energy has fallen, so that
+it is stopped there, if 1 < a < 3. Just beyond a = 1, which is dt = 1 / omega, the factor is below -1 and the stopped
+mode grows; left alone it grows beyond dt = 2 / omega.
 """
 
 from dataclasses import replace
@@ -100,9 +100,7 @@ def _damping(problem: Problem, solution: Solution) -> Floats:
         for sign in (1.0, -1.0):
             velocity, force = np.zeros_like(solution.positions), np.zeros_like(solution.positions)
             velocity.reshape(-1)[place] = sign * step
-            add_moving_drag(
-                solution.positions, velocity, problem.structure, problem.loading, solution.share, force
-            )
+            add_moving_drag(solution.positions, velocity, problem.structure, problem.loading, solution.share, force)
             found[:, place] -= sign * force.ravel() / (2.0 * step)
     return found
 
