@@ -1,19 +1,28 @@
 """The automatic method over plans at the edge: soft and stiff twine, any catch and entry, speed to zero, slack twine.
 
 Every cell is a plan of its own. Its reference is the answer of the other kind of method: dynamic relaxation from a
-crude bag, which knows neither tangent nor meridian shape, to a residual of ``SECOND``.
+crude bag, which knows neither tangent nor meridian shape, to a residual of ``SECOND``; where that fails, from near the
+answer.
 """
 
+from dataclasses import replace
+
+import numpy as np
+
 from codend import equilibrium
+from codend.loads import pressure_law_of
 from codend.plan import Plan
 from codend.solvers import dynamic_relaxation
 from codend.solvers.outcome import Solution
-from validation.stability.judge import Judgement, judge, judge_alone, reference_of
-from validation.stability.maps import Axis, StabilityMap, panel, spaced
-from validation.stability.scenes import BAR_M, MESHES_LONG, STRETCHED_RADIUS_M, plan_of
+from validation.section import Verdict
+from validation.stability.judge import Finding, Judgement, judge, judge_alone, reference_of
+from validation.stability.maps import Axis, Line, StabilityMap, panel, spaced
+from validation.stability.scenes import BAR_M, MESHES_LONG, STRETCHED_RADIUS_M, disturbed, plan_of
 
 TOLERANCE = 1e-8
 SECOND = 1e-8
+NEARBY = 1e-3
+"""Disturbance, in bar lengths, of the answer that relaxation starts from where it gets nowhere from a crude bag."""
 PRESSURE_PA = 500.0
 """Stagnation pressure at 1 m/s in fresh water."""
 
@@ -23,20 +32,45 @@ def automatic_maps(quick: bool) -> tuple[StabilityMap, ...]:
     return stretch_map(quick), fill_map(quick), slack_map(quick)
 
 
+def softest_twine() -> float:
+    """EA over q b (N b / pi) below which a long catch balloons without bound (*derived*).
+
+    In a long catch tan^2 phi = 2, so that r = (2/3)^1/2 (N b / pi) (1 + e) and T = 3^1/2 pi C q r^2 / (2 N), e = T / EA
+    the strain: e / (1 + e)^2 = C q b (N b / pi) / (3^1/2 EA), whose left side is never above 1/4, at e = 1. C is the
+    net pressure coefficient abeam.
+    """
+    coefficient = float(pressure_law_of(plan_of())(0.5 * np.pi))
+    return 4.0 * coefficient / np.sqrt(3.0)
+
+
 def stretch_map(quick: bool) -> StabilityMap:
     """Axial stiffness against catch."""
     load = PRESSURE_PA * BAR_M * STRETCHED_RADIUS_M
-    stiffness = Axis("EA / (q b N b / pi)", spaced(0.3, 3e7, 5 if quick else 17))
+    values = (0.5, 1.0, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 7.0, 10.0, 30.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7)
+    stiffness = Axis("EA / (q b N b / pi)", values[::4] if quick else values)
 
     def solved(x: float, y: float) -> tuple[Solution, Judgement]:
-        return checked(plan_of(y, netting={"knot_mm": 4.0, "axial_stiffness_n": x * load}, tolerance=TOLERANCE))
+        return checked(plan_of(y, netting={"axial_stiffness_n": x * load}, tolerance=TOLERANCE))
 
+    theory = softest_twine()
+    line = Line("long catch: softer twine balloons", np.full(2, theory), np.array([0.5 * MESHES_LONG, MESHES_LONG]))
+    grid = panel("elastic", stiffness, fills(quick), solved, (line,))
+    last_lost = max((cell.x for cell in grid.cells[-1] if cell.judgement.finding is Finding.FAILED), default=0.0)
+    first_held = min(cell.x for cell in grid.cells[-1] if cell.judgement.finding is not Finding.FAILED)
     return StabilityMap(
         name="stability_stretch",
         title="Automatic method: stiffness of the twine against catch",
-        question="A sector of 24 x 20 knotted meshes; EA over the load that the pressure puts on a bar, from rubber to "
-        "steel.",
-        panels=(panel("elastic, knotted", stiffness, fills(quick), solved),),
+        question="A sector of 24 x 20 meshes of elastic twine, EA over the load that the pressure puts on a bar: from "
+        "rubber to steel.",
+        panels=(grid,),
+        checks=(
+            Verdict(
+                "Elastic twine, the whole bag filled: no answer where a long catch has none, and answers from twice "
+                "that stiffness on.",
+                bool(last_lost < 2.0 * theory and first_held > theory / 1.25),
+                f"theory {theory:.2f}; failures up to {last_lost:.3g}, answers from {first_held:.3g}",
+            ),
+        ),
     )
 
 
@@ -100,6 +134,9 @@ def checked(plan: Plan) -> tuple[Solution, Judgement]:
     if not solution.report.outcome.converged:
         return solution, judge_alone(solution, "numbers come with a failure")
     second = dynamic_relaxation.solve(problem, SECOND)
+    if not second.report.outcome.converged:
+        nearby = replace(solution, positions=disturbed(problem, solution.positions, NEARBY, (1,)))
+        second = dynamic_relaxation.solve(problem, SECOND, nearby)
     if not second.report.outcome.converged:
         return solution, judge_alone(solution, "no second method confirms it")
     return solution, judge(reference_of(problem, second), solution, plan.model.tolerance)

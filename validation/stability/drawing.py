@@ -38,7 +38,7 @@ def picture_of(stability_map: StabilityMap) -> Picture:
     panels = stability_map.panels
     rows = 1 if len(panels) <= 3 else 2
     columns = -(-len(panels) // rows)
-    figure = new_figure(1.0 + 3.7 * columns, 1.2 + 3.2 * rows)
+    figure = new_figure(max(7.5, 1.0 + 3.7 * columns), 1.4 + 3.2 * rows)
     grid = figure.subplots(rows, columns, squeeze=False)
     figure.suptitle(stability_map.title, x=0.012, ha="left", color=INK, fontsize=13)
     for number, panel in enumerate(panels):
@@ -56,7 +56,7 @@ def picture_of(stability_map: StabilityMap) -> Picture:
     handles += [
         Line2D([], [], color="black", linestyle=dash, linewidth=1.8, label=name) for name, dash in lines.items()
     ]
-    figure.legend(handles=handles, loc="outside lower left", ncols=4 if columns > 2 else 2, frameon=False, fontsize=9)
+    figure.legend(handles=handles, loc="outside lower left", ncols=4 if columns > 2 else 3, frameon=False, fontsize=9)
     return Picture(stability_map.name, figure, f"{stability_map.question} {counts_text(stability_map)}")
 
 
@@ -86,7 +86,7 @@ def _draw(axes: "Axes", panel: Panel) -> None:
             axes.plot(x, y, color=colour, linewidth=width, linestyle=dash if colour == "black" else "-")
     axes.set_xlim(0, len(panel.x.values))
     axes.set_ylim(0, len(panel.y.values))
-    for axis, values, most in ((axes.xaxis, panel.x, 7), (axes.yaxis, panel.y, 9)):
+    for axis, values, most in ((axes.xaxis, panel.x, 8), (axes.yaxis, panel.y, 14)):
         count = len(values.values)
         shown = range(0, count, -(-count // most))
         axis.set_ticks([place + 0.5 for place in shown], [values.name(place) for place in shown])

@@ -138,8 +138,8 @@ def judge(reference: Reference, solution: Solution, tolerance: float) -> Judgeme
         if there
     ]
     away = bool(np.nanmax(ratio) > 1.0)
-    if away and not faults and not is_stable(problem, solution):
-        faults.append("unstable")
+    if away and not faults and not all(is_stable(problem, s) for s in (solution, reference.solution)):
+        faults.append("off the reference, and one of the two is unstable")
     failed = [o.value for o in Outcome if not o.converged]
     rescued = any(sentence in line for line in report.attempts[:-1] for sentence in failed)
     if faults:

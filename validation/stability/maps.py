@@ -28,7 +28,10 @@ class Axis:
 
     def name(self, place: int) -> str:
         """Name of a value."""
-        return self.names[place] if self.names else number_text(self.values[place], 2)
+        if self.names:
+            return self.names[place]
+        value = self.values[place]
+        return number_text(value, 2) if value < 1e4 else f"{value:.0e}".replace("e+0", "e")
 
 
 @dataclass(frozen=True)

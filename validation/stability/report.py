@@ -6,7 +6,7 @@ from codend.report.style import number_text
 from validation.section import Section, Verdict
 from validation.stability.automatic_maps import automatic_maps
 from validation.stability.drawing import counts_text, picture_of
-from validation.stability.judge import Finding
+from validation.stability.judge import SAFETY, Finding
 from validation.stability.maps import Cell, StabilityMap, cell_table
 from validation.stability.newton_map import newton_map
 from validation.stability.perturbation_map import perturbation_map
@@ -17,7 +17,9 @@ INTRODUCTION = """
 Each map is a grid over the two numbers that decide whether a method finds its answer. Every cell is one solve, held to
 the equations in plain numpy (`validation/reference.py`, which shares no code with the kernels) and to a reference found
 by two methods. A state may be off by what its own residual and length errors explain to first order (the sums of the
-moduli of the inverse tangent's rows, times {safety:g}), and no more. {findings}
+moduli of the inverse tangent's rows, times {safety:g}), and no more. What a cell can come to:
+
+{findings}
 
 How far off a right answer is: "of what is explained" tells the error in drag, volume or shape, whichever is worst, over
 the largest that the state's own residual allows.
@@ -50,9 +52,7 @@ def section_of(maps: Iterable[StabilityMap]) -> Section:
 
 
 def _introduction() -> str:
-    from validation.stability.judge import SAFETY
-
-    findings = " ".join(finding.value for finding in Finding)
+    findings = "\n".join(f"- {finding.value}" for finding in Finding)
     return INTRODUCTION.format(safety=SAFETY, findings=findings)
 
 
