@@ -208,3 +208,20 @@ def test_what_the_twine_passed_through_is_an_unstable_equilibrium_of_less_drag(c
     assert not is_stable(problem, through)
     assert facing_rings(problem.net, answer.positions) > 0.9
     assert facing_rings(problem.net, through.positions) < 0.0
+
+
+@pytest.fixture(scope="module")
+def narrow():
+    """A bag with a narrow entry, and the same with all but its first rows on the other side of the axis."""
+    reference = confirmed_reference(problem_from(plan_of(4.0, 0.05)))
+    positions = reference.solution.positions
+    aft = (reference.problem.net.node_row >= 10)[:, None]
+    return reference, np.where(aft, positions * [1.0, -1.0, -1.0], positions)
+
+
+def test_rigid_bars_refuse_a_net_that_has_passed_through_itself(narrow):
+    reference, through = narrow
+    problem = replace(reference.problem, net=replace(reference.problem.net, positions=through))
+    solution = rigid_bars.solve(problem, 1e-5, RigidBarsSettings(ramp_s=0.0))
+    assert solution.report.outcome is Outcome.PASSED_THROUGH
+    assert finding_of(reference, solution, 1e-5) is Finding.FAILED
