@@ -98,6 +98,6 @@ def _worst(maps: tuple[StabilityMap, ...]) -> str:
 def _told(m: StabilityMap, cell: Cell, what: str) -> str:
     grid = next(panel for panel in m.panels if panel.title == cell.panel)
     x, y = (
-        f"{axis.label} {axis.name(axis.values.index(value))}" for axis, value in ((grid.x, cell.x), (grid.y, cell.y))
+        f"{axis.label} = {axis.name(axis.values.index(value))}" for axis, value in ((grid.x, cell.x), (grid.y, cell.y))
     )
     return f"- {what} ({cell.panel}; {x}; {y}): {cell.says}"
