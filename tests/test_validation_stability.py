@@ -225,3 +225,12 @@ def test_rigid_bars_refuse_a_net_that_has_passed_through_itself(narrow):
     solution = rigid_bars.solve(problem, 1e-5, RigidBarsSettings(ramp_s=0.0))
     assert solution.report.outcome is Outcome.PASSED_THROUGH
     assert finding_of(reference, solution, 1e-5) is Finding.FAILED
+
+
+def test_newton_refuses_a_net_that_has_passed_through_itself(narrow):
+    """Hinged bars are in stable balance on the wrong side of the axis too."""
+    reference, through = narrow
+    start = replace(reference.solution, positions=through)
+    alone = newton.solve(reference.problem, 1e-9, start, NewtonSettings(rough_starts=()))
+    assert finding_of(reference, alone, 1e-9) is Finding.FAILED
+    assert finding_of(reference, newton.solve(reference.problem, 1e-9, start), 1e-9) is Finding.RESCUED

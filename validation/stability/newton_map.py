@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from codend.problem import Problem
 from codend.solvers import newton
@@ -50,16 +51,32 @@ def newton_map(quick: bool) -> StabilityMap:
         solution = newton.solve(wanted, TOLERANCE, start, settings)
         return solution, judge(references[id(wanted)], solution, TOLERANCE)
 
+    narrow = confirmed_reference(problem_from(plan_of(4.0, 0.05)))
+
+    def turned(x: float, y: float) -> tuple[Solution, Judgement]:
+        aft = (narrow.problem.net.node_row >= y)[:, None]
+        around = Rotation.from_rotvec([np.radians(x), 0.0, 0.0]).apply(narrow.solution.positions)
+        start = replace(narrow.solution, positions=np.where(aft, around, narrow.solution.positions))
+        solution = newton.solve(narrow.problem, TOLERANCE, start)
+        return solution, judge(narrow, solution, TOLERANCE)
+
+    angles = Axis("aft part turned about the axis, degrees", (0.0, 15.0, 30.0, 60.0, 90.0, 120.0, 150.0, 165.0, 180.0))
+    rows = Axis(
+        "row at which it begins",
+        (1.0, 20.0, 38.0) if quick else (1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 38.0),
+    )
     panels = (
         panel("inextensible, alone", distance, catches, lambda x, y: over_catches(DIRECT, x, y)),
         panel("inextensible, with rough starts", distance, catches, lambda x, y: over_catches(NewtonSettings(), x, y)),
         panel("knotted elastic, alone", distance, loads, over_loads),
+        panel("narrow entry, twisted start, with rough starts", angles, rows, turned),
     )
     return StabilityMap(
         name="stability_newton",
         title="Newton's method: distance of the start against step of catch or load",
         question=f"A sector of 24 x 20 meshes with {FILLED:g} meshes filled, started from the equilibrium of another "
         "catch or of another pressure of the water, its nodes moved at random (normally distributed in each "
-        f"coordinate); to a residual of {TOLERANCE:g}.",
+        f"coordinate); to a residual of {TOLERANCE:g}. Twisted starts are of a bag with an entry of a twentieth of the "
+        "stretched radius, 4 meshes filled, its aft part turned about the axis.",
         panels=panels,
     )
