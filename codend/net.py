@@ -111,34 +111,6 @@ def mesh_corners(net: Net, positions: Floats) -> Floats:
     return rotate(positions[net.mesh_sides], net.mesh_side_image, net.order)
 
 
-THROUGH = 1e-6
-"""Scalar product of two knots from the middles of their rings, over a bar squared, that is no round-off any more."""
-
-
-def passed_through_itself(net: Net, positions: Floats) -> bool:
-    """Whether a ring of knots lies turned by more than a right angle against the one ahead of it.
-
-    A net of hinged bars can pass through itself where it is narrow, and balance on the other side of its axis; twine
-    cannot. A band has when the ends of its bars lie on opposite sides of their rings' middles, on the mean of the band;
-    which end is the fore one is seen in the shape the net was built in, and bars that lie in a ring do not count.
-    """
-    along = bar_vectors(net, net.positions)[:, 0] / net.bar_length
-    used = np.abs(along) > 1e-6
-    band = net.bar_band[used]
-    first, second = positions[net.bars[:, 0]], rotate(positions[net.bars[:, 1]], net.bar_image, net.order)
-    turn = (along < 0.0)[:, None]
-    fore, aft = (np.where(turn, *ends)[used, 1:] for ends in ((second, first), (first, second)))
-    if net.order == 1:
-        fore, aft = (ends - np.stack([_means(band, ends[:, i]) for i in (0, 1)], axis=1)[band] for ends in (fore, aft))
-    meeting = _means(band, np.sum(fore * aft, axis=1))
-    return bool(np.any(meeting < -THROUGH * float(np.mean(net.bar_length)) ** 2))
-
-
-def _means(group: NDArray[np.integer], values: Floats) -> Floats:
-    """Mean of the values of every group, 0 for groups without any."""
-    return np.bincount(group, values) / np.maximum(np.bincount(group), 1)
-
-
 def split_bars(net: Net, which: NDArray[np.bool_]) -> Net:
     """The same net with a hinge in the middle of the bars marked in ``which`` (Le Bris et al. 1999, figure 1).
 

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from codend.net import passed_through_itself
+from codend.mechanics.arrays import structure_of
+from codend.mechanics.crossing import passed_through_itself
 from codend.solvers import dynamic_relaxation, newton, rigid_bars
 from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.newton import NewtonSettings
@@ -179,10 +180,10 @@ def test_a_net_that_has_passed_through_itself_is_seen_on_sectors_and_full_nets()
             sound = newton.solve(problem, 1e-8).positions
             aft = sound[:, 0] > 0.5 * sound[:, 0].max()
             through = np.where(aft[:, None], sound * [1.0, -1.0, -1.0], sound)
-            assert not passed_through_itself(net, sound)
-            assert passed_through_itself(net, through)
+            assert not passed_through_itself(sound, structure_of(net))
+            assert passed_through_itself(through, structure_of(net))
             if columns is None:
-                assert not passed_through_itself(net, sound + np.array([0.0, 3.0, 1.0]))
+                assert not passed_through_itself(sound + np.array([0.0, 3.0, 1.0]), structure_of(net))
 
 
 def test_relaxation_that_would_pass_through_itself_says_so_and_starts_again(crossed):
@@ -190,7 +191,7 @@ def test_relaxation_that_would_pass_through_itself_says_so_and_starts_again(cros
     found = dynamic_relaxation.solve(problem, 1e-8)
     assert Outcome.PASSED_THROUGH.value in found.report.attempts[0]
     assert found.report.outcome is Outcome.CONVERGED
-    assert not passed_through_itself(problem.net, found.positions)
+    assert not passed_through_itself(found.positions, problem.structure)
     assert found.positions == pytest.approx(answer.positions, abs=1e-6)
     stuck = dynamic_relaxation.solve(problem, 1e-8, settings=RelaxationSettings(restarts=0))
     assert stuck.report.outcome is Outcome.PASSED_THROUGH

@@ -11,8 +11,9 @@ import numpy as np
 
 from codend.mechanics import relaxation
 from codend.mechanics.bars import augmented_law, bar_lengths, length_error
+from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.relaxation import Workspace
-from codend.net import Floats, passed_through_itself
+from codend.net import Floats
 from codend.problem import Problem
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
@@ -72,7 +73,7 @@ def solve(
         work = relaxation.workspace(problem.structure, problem.net.positions if start is None else start.positions)
         run = _Run(problem, work, settings, penalty, mass_factor, settings.steps_allowed - steps, progress)
         outcome = run.to_equilibrium(tolerance, start)
-        if outcome.converged and passed_through_itself(problem.net, work.state[:, :3]):
+        if outcome.converged and passed_through_itself(work.position, problem.structure):
             outcome = Outcome.PASSED_THROUGH
         steps += run.steps
         damping = "viscous" if settings.viscous else "kinetic"

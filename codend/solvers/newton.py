@@ -15,6 +15,7 @@ from codend.mechanics import newton_step as kernels
 from codend.mechanics.arrays import Structure
 from codend.mechanics.bars import bar_lengths
 from codend.mechanics.compiling import compile_kernel
+from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.newton_step import State, Step
 from codend.mechanics.tangent import Pattern, pattern_of
 from codend.problem import Problem
@@ -164,6 +165,7 @@ def _seconds_to_compile(problem: Problem, prepared: Prepared, settings: NewtonSe
     structure, loading, state, step = run.structure, run.loading, run.state, prepared.step
     solved = step.solved[:1]
     compile_kernel(kernels.measure, structure, loading, 1.0, 1.0, state)
+    compile_kernel(passed_through_itself, state.position, structure)
     if isinstance(system, BandedSystem):
         compile_kernel(advance_banded, system.arrays, *run.arguments(0.0, 0.0))
     else:
@@ -221,7 +223,10 @@ class _Run:
             if error <= tolerance and length_error <= LENGTH_TOLERANCE:
                 if fits == 0.0:
                     return Outcome.OVERFULL
-                return Outcome.COMPRESSED if self.state.density.min(initial=0.0) < 0.0 else Outcome.CONVERGED
+                if self.state.density.min(initial=0.0) < 0.0:
+                    return Outcome.COMPRESSED
+                through = passed_through_itself(self.state.position, self.structure)
+                return Outcome.PASSED_THROUGH if through else Outcome.CONVERGED
             if self.iterations >= last:
                 return Outcome.STEPS_SPENT
             self.iterations += 1

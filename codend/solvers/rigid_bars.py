@@ -16,8 +16,9 @@ from time import perf_counter
 import numpy as np
 
 from codend.mechanics.bars import add_bar_forces, bar_lengths, length_error
+from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.relaxation import out_of_balance
-from codend.net import Floats, passed_through_itself
+from codend.net import Floats
 from codend.problem import Problem
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
@@ -196,7 +197,7 @@ class _Run:
             self.tension = carried * length
             if max(self.residual, self.imbalance) > tolerance:
                 outcome = Outcome.COMPRESSED
-            elif passed_through_itself(self.problem.net, motion.position):
+            elif passed_through_itself(motion.position, structure):
                 outcome = Outcome.PASSED_THROUGH
             elif self.length_error <= LENGTH_TOLERANCE:
                 outcome = Outcome.CONVERGED if motion.fits else Outcome.OVERFULL

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from catch_models.filling import enclosed_volume
 from codend.mechanics import drag, pressure
 from codend.mechanics.bars import bar_lengths
 from codend.mechanics.tangent import add_bar_tangent, pattern_of
@@ -75,7 +76,7 @@ def lengths_of(problem: Problem, positions: Floats) -> Floats:
 
 
 def drag_and_volume(problem: Problem, positions: Floats, share: Floats) -> tuple[float, float]:
-    """Axial load on the whole net, N, and volume behind the catch's front, m3 (nan if it is within the last band)."""
+    """Axial load on the whole net, N, and volume behind the catch's front, m3."""
     structure, net = problem.structure, problem.net
     load = np.zeros_like(positions)
     drag.add_drag(positions, structure, problem.loading, share, load)
@@ -83,9 +84,7 @@ def drag_and_volume(problem: Problem, positions: Floats, share: Floats) -> tuple
     area, moment, rows = np.empty(net.bands), np.empty(net.bands), np.empty(net.bands + 1)
     pressure.band_geometry(positions, structure, area, moment)
     pressure.row_positions(positions, structure, rows)
-    front_x = np.interp(np.sum(1.0 - share), np.arange(net.bands + 1), rows)
-    volume = float(share @ moment - front_x * (share @ area)) if share[-1] == 1.0 else float("nan")
-    return float(load[:, 0].sum() * net.order), volume
+    return float(load[:, 0].sum() * net.order), float(enclosed_volume(rows, area, moment, share))
 
 
 def worst_responses(problem: Problem, solution: Solution) -> tuple[Floats, Floats]:
@@ -113,7 +112,7 @@ def worst_responses(problem: Problem, solution: Solution) -> tuple[Floats, Float
 
 
 def _gradients(problem: Problem, positions: Floats, share: Floats) -> Floats:
-    """Derivatives of drag and volume by all coordinates, central differences, (2, 3 n); 0 for an unknown volume."""
+    """Derivatives of drag and volume by all coordinates, central differences, (2, 3 n)."""
     step = 1e-5 * float(problem.net.bar_length.mean())
     found = np.zeros((2, positions.size))
     for place in range(positions.size):
@@ -122,7 +121,7 @@ def _gradients(problem: Problem, positions: Floats, share: Floats) -> Floats:
             shape.reshape(-1)[place] += sign * step
         high, low = (np.array(drag_and_volume(problem, shape, share)) for shape in moved)
         found[:, place] = (high - low) / (2.0 * step)
-    return np.nan_to_num(found)
+    return found
 
 
 def _ends_apart(problem: Problem, positions: Floats, bar: int) -> Floats:
