@@ -388,6 +388,7 @@ def test_doctor_looks_at_every_package_the_project_declares():
 
     assert list(doctor.REQUIRED) == names(project["dependencies"])
     assert list(doctor.FOR_TESTS) == names(project["optional-dependencies"]["test"])
+    assert list(doctor.FAST) == names(project["optional-dependencies"]["fast"])
 
 
 def test_doctor_warms_up_and_names_versions_and_caches():

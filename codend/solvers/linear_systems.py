@@ -41,14 +41,20 @@ class LinearSystem(Protocol):
 
 
 def linear_system(structure: Structure, pattern: Pattern) -> LinearSystem:
-    """The system that suits a net: banded if its numbering by reverse Cuthill-McKee is narrow, else sparse."""
+    """The system that suits a net: banded if its numbering by reverse Cuthill-McKee is narrow, else sparse.
+
+    Sparse ones are factorised by PARDISO where it is installed, else by SuperLU.
+    """
+    from codend.solvers import pardiso_system
+
     unknown = _band_numbering(structure, pattern)
     row, column = _scalar_places(pattern, unknown)
     used = (row >= 0) & (column >= 0)
     half_band = int(np.abs(row - column)[used].max(initial=0))
     if half_band <= WIDEST_BAND:
         return BandedSystem(unknown, row, column, half_band)
-    return SparseSystem(unknown, row, column)
+    wide = pardiso_system.PardisoSystem if pardiso_system.installed() else SparseSystem
+    return wide(unknown, row, column)
 
 
 def _band_numbering(structure: Structure, pattern: Pattern) -> Ints:

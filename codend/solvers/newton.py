@@ -23,6 +23,7 @@ from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tensio
 from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
 from codend.solvers.newton_advance import FAILED, IN_FIRST, IN_SECOND, Limits, advance, advance_banded
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.pardiso_system import library_for_wide_nets
 
 METHOD = "newton"
 CLEAR_GAIN = 0.1
@@ -193,11 +194,12 @@ class _Run:
         self, start: Solution, tolerance: float, switches: tuple[float, ...], attempts: list[str]
     ) -> Outcome:
         """Try the weights of the test for taut bars in order, and note each attempt."""
+        library = "a band LU" if isinstance(self.prepared.system, BandedSystem) else library_for_wide_nets()
         for switch in switches:
             before = self.iterations
             outcome = self.to_equilibrium(tolerance, start, switch)
             attempts.append(
-                f"{METHOD}, switch {switch:g}: {self.iterations - before} iterations, "
+                f"{METHOD} with {library}, switch {switch:g}: {self.iterations - before} iterations, "
                 f"residual {self.state.marks[1]:.1e}. {outcome.value}"
             )
             if outcome in (Outcome.CONVERGED, Outcome.OVERFULL, Outcome.NOT_FINITE):
