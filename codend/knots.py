@@ -102,10 +102,11 @@ def knotted_net(lattice: Lattice, shape: RowShape) -> Net:
     positions = np.empty((codline + 1, 3))
     rows = np.broadcast_to(np.arange(bands + 1)[:, None], (bands + 1, columns))
     azimuth = (2 * column + rows % 2) * np.pi / (columns * lattice.order)
-    knot_share = np.array([s.knot_m / (s.bar_m + s.knot_m) for s in lattice.sections])
+    # a knot keeps its length, however far the rows have closed up
+    knot_m = lattice.globalisation * np.array([s.knot_m for s in lattice.sections])
+    knot_share = np.minimum(knot_m / np.hypot(np.diff(shape.x), np.diff(shape.radius)), 0.9)
     ahead = np.where(along_row, np.concatenate([knot_share[:1], knot_share]), 0.0)[:, None]
-    half_knot = lattice.globalisation * 0.5 * np.array([s.knot_m for s in lattice.sections])
-    wide = np.where(across_row, np.concatenate([half_knot[:1], half_knot]), 0.0)
+    wide = np.where(across_row, 0.5 * np.concatenate([knot_m[:1], knot_m]), 0.0)
     half_angle = np.arcsin(np.clip(wide / np.maximum(shape.radius, wide + 1e-300), 0.0, 1.0))
     turn = np.minimum(half_angle, 0.4 * np.pi / (columns * lattice.order))[:, None]
     positions[ports[FORE_LEFT]] = shape.placed(rows, azimuth - turn, ahead)
