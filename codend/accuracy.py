@@ -1,6 +1,7 @@
-"""How far the numbers of a result may be off: the solver's tolerance, merged meshes, and the pressure curve.
+"""How far the numbers of a result may be off: the solver's tolerance, merged meshes or none, and the pressure curve.
 
-The number of meshes of the real net is real, not an error: a sector of the unglobalised net is exact in that respect.
+The number of meshes of the real net is real, not an error: a sector of the unglobalised net is exact in that respect,
+and the membrane of the meridian method, which has meshes without number, is off by its distance to that sector.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -52,6 +53,7 @@ def estimate(scene: Scene, case: Case, problem: Problem, solution: Solution, mea
     """Error estimates of one solved case.
 
     The solver's part is the distance to an answer that Newton's method finds from the result at a far smaller residual.
+    With measures of the meridian method beside the solution of a sector, that distance is the membrane's error.
     The part of a globalised net is the distance between a sector of it and one of the real net, under the loads that
     are the same all round.
     """

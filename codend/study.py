@@ -153,8 +153,13 @@ def _measured(case: Case, problem: Problem, solution: Solution) -> CaseResult:
 
 
 def _solve_meridian(plan: Plan, progress: StudyProgress | None) -> Iterator[CaseResult]:
-    """Cases by the meridian method: its own drag and sizes; openings on a sector net laid out along its shape."""
+    """Cases by the meridian method: its own drag and sizes; openings on a sector net laid out along its shape.
+
+    What the membrane leaves out of the real net is estimated by the equilibrium of a sector that starts from it.
+    """
     cases = plan.cases()
+    any_method = plan.model_copy(update={"model": plan.model.model_copy(update={"method": "auto"})})
+    sector = equilibrium.scene_of(any_method, 1, 1)
     for case in cases:
         if progress is not None:
             progress(case.number - 1, len(cases), f"case {case.number}: meridian method")
@@ -191,6 +196,7 @@ def _solve_meridian(plan: Plan, progress: StudyProgress | None) -> Iterator[Case
             twine_drag_n=shape.twine_drag_n,
             entry_reaction_n=shape.entry_reaction_n,
         )
-        yield replace(result, measures=own)
+        _, of_bars = equilibrium.solve(sector, case, [(case, solution)], None)
+        yield replace(result, measures=own, errors=accuracy.estimate(sector, case, problem, of_bars, own))
     if progress is not None:
         progress(len(cases), len(cases), "done")
