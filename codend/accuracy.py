@@ -63,33 +63,22 @@ def estimate(scene: Scene, case: Case, problem: Problem, solution: Solution, mea
     if not polished.report.outcome.converged:
         return Errors.unknown()
     solver = _distance(measures, measure_all(problem, polished)[2])
-    merged = discretisation(scene.plan, case, scene.globalisation).distance
+    merged = np.zeros(len(_QUANTITIES))
+    if scene.globalisation > 1:
+        merged = _distance(*(sector_measures(scene.plan, case, g) for g in (1, scene.globalisation)))
     errors = SAFETY * (solver + merged) + NOISE * np.abs([getattr(measures, name) for name in _QUANTITIES])
     drag, volume, radius, opening = map(float, errors)
     return Errors(drag, volume, radius, opening, _change_with_suction(problem, polished, prepared, measures.drag_n))
 
 
-@dataclass(frozen=True)
-class Discretisation:
-    """What merging meshes changes, between sectors under the loads that are the same all round."""
+def sector_measures(plan: Plan, case: Case, globalisation: int) -> Measures:
+    """Measures of one sector of the merged net, under the loads that are the same all round; nan if it is not solved.
 
-    distance: np.ndarray
-    """In drag, volume, largest radius and opening ahead of the catch; nan where a sector was not solved."""
-    relative_drag: float
-
-
-def discretisation(plan: Plan, case: Case, globalisation: int) -> Discretisation:
-    """Distance between a sector of the globalised net and one of the real net."""
-    if globalisation == 1:
-        return Discretisation(np.zeros(len(_QUANTITIES)), 0.0)
-    found = []
+    The difference that merging makes there stands for the difference it makes in the full net.
+    """
     quickly = plan.model_copy(update={"model": plan.model.model_copy(update={"method": "auto"})})
-    for g in (1, globalisation):
-        problem, solution = equilibrium.solve(equilibrium.scene_of(quickly, g, 1), case, (), None)
-        if not solution.report.outcome.converged:
-            return Discretisation(np.full(len(_QUANTITIES), np.nan), float("nan"))
-        found.append(measure_all(problem, solution)[2])
-    return Discretisation(_distance(*found), abs(found[1].drag_n / found[0].drag_n - 1.0))
+    problem, solution = equilibrium.solve(equilibrium.scene_of(quickly, globalisation, 1), case, (), None)
+    return measure_all(problem, solution)[2] if solution.report.outcome.converged else Measures.unknown()
 
 
 def _distance(first: Measures, second: Measures) -> np.ndarray:

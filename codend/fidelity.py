@@ -3,9 +3,7 @@
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
-from codend.accuracy import discretisation
+from codend.accuracy import sector_measures
 from codend.build import build_net
 from codend.loads import wet_weight
 from codend.plan import Plan
@@ -71,12 +69,14 @@ def choose(plan: Plan) -> Choice:
 
 def _merged(plan: Plan) -> tuple[int, float]:
     """Most meshes that may be merged each way for the accuracy asked for, and the relative error in drag."""
-    cases = sorted(plan.cases(), key=lambda case: case.catch_value)
+    by_size = sorted(plan.cases(), key=lambda case: case.catch_value)
+    cases = by_size[:1] if by_size[0].catch_value == by_size[-1].catch_value else [by_size[0], by_size[-1]]
+    real_n = [sector_measures(plan, case, 1).drag_n for case in cases]
     for g in sorted(plan.globalisations, reverse=True):
         if g == 1 or plan.netting[0].meshes_round < FEWEST_MESHES_ROUND * g:
             continue
-        errors = [discretisation(plan, case, g) for case in (cases[0], cases[-1])]
-        if any(np.isnan(error.relative_drag) or error.relative_drag > plan.model.accuracy for error in errors):
-            continue
-        return g, max(error.relative_drag for error in errors)
+        merged_n = [sector_measures(plan, case, g).drag_n for case in cases]
+        errors = [abs(merged / real - 1.0) for merged, real in zip(merged_n, real_n, strict=True)]
+        if all(error <= plan.model.accuracy for error in errors):  # nan, where a sector was not solved, is no reason
+            return g, max(errors)
     return 1, 0.0
