@@ -49,11 +49,14 @@ class Errors:
 _QUANTITIES = ("drag_n", "catch_volume_m3", "max_radius_m", "opening_ahead_deg")
 
 
-def estimate(scene: Scene, case: Case, problem: Problem, solution: Solution, measures: Measures) -> Errors:
+def estimate(
+    scene: Scene, case: Case, problem: Problem, solution: Solution, measures: Measures, weight_left_out: float = 0.0
+) -> Errors:
     """Error estimates of one solved case.
 
     The solver's part is the distance to an answer that Newton's method finds from the result at a far smaller residual.
     With measures of the meridian method beside the solution of a sector, that distance is the membrane's error.
+    ``weight_left_out`` is the relative error in drag of a model that knows no weight.
     The part of a globalised net is the distance between a sector of it and one of the real net, under the loads that
     are the same all round.
     """
@@ -68,6 +71,7 @@ def estimate(scene: Scene, case: Case, problem: Problem, solution: Solution, mea
         merged = _distance(*(sector_measures(scene.plan, case, g) for g in (1, scene.globalisation)))
     errors = SAFETY * (solver + merged) + NOISE * np.abs([getattr(measures, name) for name in _QUANTITIES])
     drag, volume, radius, opening = map(float, errors)
+    drag += weight_left_out * measures.drag_n
     return Errors(drag, volume, radius, opening, _change_with_suction(problem, polished, prepared, measures.drag_n))
 
 
