@@ -56,7 +56,7 @@ def estimate(
 
     The solver's part is the distance to an answer that Newton's method finds from the result at a far smaller residual.
     With measures of the meridian method beside the solution of a sector, that distance is the membrane's error.
-    ``weight_left_out`` is the relative error in drag of a model that knows no weight.
+    ``weight_left_out`` is the relative error of a model that knows no weight, in drag and, all round, in the others.
     The part of a globalised net is the distance between a sector of it and one of the real net, under the loads that
     are the same all round.
     """
@@ -69,9 +69,9 @@ def estimate(
     merged = np.zeros(len(_QUANTITIES))
     if scene.globalisation > 1:
         merged = _distance(*(sector_measures(scene.plan, case, g) for g in (1, scene.globalisation)))
-    errors = SAFETY * (solver + merged) + NOISE * np.abs([getattr(measures, name) for name in _QUANTITIES])
+    sizes = np.abs([getattr(measures, name) for name in _QUANTITIES])
+    errors = SAFETY * (solver + merged) + (NOISE + weight_left_out) * sizes
     drag, volume, radius, opening = map(float, errors)
-    drag += weight_left_out * measures.drag_n
     return Errors(drag, volume, radius, opening, _change_with_suction(problem, polished, prepared, measures.drag_n))
 
 

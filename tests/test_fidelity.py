@@ -126,6 +126,10 @@ def test_weight_changes_openings_by_less_than_its_share_of_the_drag_and_drag_by_
     assert 0.02 * share < np.abs(change[ahead]).max() <= share
     left_out = solve(_dense(options, plan.netting[0].twine_density_kg_m3, fidelity="sector")).cases[0]
     assert abs(left_out.measures.drag_n - heavy.measures.drag_n) <= left_out.errors.drag_error_n
+    volume = left_out.measures.catch_volume_m3 - heavy.measures.catch_volume_m3
+    assert abs(volume) <= left_out.errors.catch_volume_error_m3
+    opening = left_out.measures.opening_ahead_deg - heavy.measures.opening_ahead_deg
+    assert abs(opening) <= left_out.errors.opening_ahead_error_deg
     assert fidelity.choose(_dense(options, plan.netting[0].twine_density_kg_m3, accuracy=0.05)).fidelity != "sector"
     assert fidelity.choose(_dense(options, plan.netting[0].twine_density_kg_m3, accuracy=0.07)).fidelity == "sector"
 

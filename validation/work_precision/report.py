@@ -37,7 +37,7 @@ def section(quick: bool) -> Section:
         verdicts += [_fast_enough(chosen), _second_order(by_order)]
     return Section(
         title="Work against precision",
-        text=words.text(everything, chosen, by_order, series_ms, exponents, SLOWER),
+        text=words.text(everything, chosen, by_order, series_ms, exponents, SLOWER, quick),
         pictures=tuple(
             Picture(f"work_precision_{short}", charts.chart(symmetric, short), words.caption(short))
             for short in QUANTITIES.values()
@@ -69,13 +69,11 @@ def _confirmed(everything: tuple[Measured, ...]) -> Verdict:
 def _covered(points: pd.DataFrame) -> Verdict:
     """Whether what a result claims covers its true error, for results that say they converged."""
     converged = points[points["outcome"] == "converged"]
-    # a sector knows no weight, and tells what that costs in drag alone
-    weighed_sector = (converged["scene"] == points["scene"].iloc[-1]) & (converged["model"] == "sector")
     missing = int(converged["drag_claimed"].isna().sum())
-    share = {}
-    for short in QUANTITIES.values():
-        known = converged if short == "drag" else converged[~weighed_sector]
-        share[short] = float((known[f"{short}_error"] / known[f"{short}_claimed"]).max())
+    share = {
+        short: float((converged[f"{short}_error"] / converged[f"{short}_claimed"]).max())
+        for short in QUANTITIES.values()
+    }
     return Verdict(
         "No result that says it converged is further off than the error estimate it carries, and none is without one.",
         missing == 0 and all(worst <= 1.0 for worst in share.values()),
