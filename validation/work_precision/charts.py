@@ -54,9 +54,9 @@ def _panel(axes: "Axes", measured: Measured, quantity: str) -> None:
     axes.loglog()
     axes.set_xlim(*SPAN_MS)
     axes.set_xticks(list(TICKS_MS), labels=list(TICKS_MS.values()))
-    axes.set_ylim(LOWEST / 2.0, 2.0)
+    axes.set_ylim(LOWEST / 20.0, 2.0)
     dress(axes)
-    axes.axhspan(LOWEST / 10.0, resolved, color=PALE, alpha=0.5, linewidth=0.0)
+    axes.axhspan(LOWEST / 20.0, resolved, color=PALE, alpha=0.5, linewidth=0.0)
     axes.text(
         0.985, 0.02, "below what two methods agree on", transform=axes.transAxes, ha="right", fontsize=8, color=INK
     )
@@ -104,9 +104,8 @@ def _join_merged(axes: "Axes", points: pd.DataFrame, column: str) -> None:
         axes.annotate(
             f"g = {g}",
             (last["solve_ms"], last[column]),
-            xytext=(0.0, 6.0),
+            xytext=(-4.0, 6.0),
             textcoords="offset points",
-            ha="center",
             fontsize=8,
             color=INK,
             zorder=5,

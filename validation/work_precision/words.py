@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import pandas as pd
 
+from codend.report.style import number_text
 from validation.work_precision.measuring import QUANTITIES, REFERENCE_TOLERANCE, Measured
 from validation.work_precision.scenes import KINETIC, NEWTON
 
@@ -60,7 +61,7 @@ def text(
     weighed = everything[-1]
     parts = [
         CONTENTS,
-        QUICK if quick else "",
+        *([QUICK] if quick else []),
         "### References and what confirms them\n",
         _references(everything),
         "### Which method for which accuracy, and what is chosen automatically\n",
@@ -101,10 +102,10 @@ def _choices(chosen: pd.DataFrame) -> str:
         "scene": lambda row: row["scene"],
         "error in drag": lambda row: percent(row["accuracy"]),
         "fastest": lambda row: row["fastest"],
-        "ms": lambda row: f"{row['fastest_ms']:.3g}",
+        "ms": lambda row: number_text(row["fastest_ms"], 2),
         "its error": lambda row: f"{row['fastest_error']:.0e}",
         "chosen": lambda row: row["chosen"],
-        "ms ": lambda row: f"{row['chosen_ms']:.3g}",
+        "ms ": lambda row: number_text(row["chosen_ms"], 2),
         "its error ": lambda row: f"{row['chosen_drag_error']:.0e}",
         "time over fastest": lambda row: f"{row['ratio']:.1f}",
     }
