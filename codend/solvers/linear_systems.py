@@ -16,7 +16,7 @@ from codend.mechanics.arrays import Structure
 from codend.mechanics.tangent import Pattern
 from codend.net import Floats, Ints
 
-WIDEST_BAND = 150
+WIDEST_BAND = 100
 """Half-bandwidth beyond which SuperLU is the faster (measured)."""
 
 
