@@ -2,12 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from codend.net import Floats, Ints, Net
 from codend.plan import Netting
+
+Counts = NDArray[np.int64]
 
 HALF_MESH = 0.5
 
@@ -17,7 +20,9 @@ class Lattice:
     """Counts that all index arithmetic rests on."""
 
     sections: list[Netting]
-    columns: int
+    """Section of each band."""
+    columns: Counts
+    """Modelled (merged) meshes round of each band, (bands,)."""
     order: int
     globalisation: int
 
@@ -26,10 +31,55 @@ class Lattice:
         """Bands between the rows."""
         return len(self.sections)
 
-    def wrapped(self, column: NDArray[np.integer]) -> tuple[NDArray[np.integer], NDArray[np.integer]]:
-        """Column inside the modelled part, and image, of a column counted on all round."""
-        image = np.zeros_like(column) if self.order == 1 else column // self.columns
-        return column % self.columns, image
+    @cached_property
+    def square(self) -> NDArray[np.bool_]:
+        """Whether a band is of square mesh, (bands,)."""
+        return np.array([s.mesh == "square" for s in self.sections])
+
+    @cached_property
+    def knots(self) -> Counts:
+        """Knots in the ring of each row, (bands + 1,): where two sections meet, of the one with fewer; 1 codline."""
+        return np.concatenate([self.columns[:1], np.minimum(self.columns[:-1], self.columns[1:]), [1]])
+
+    @cached_property
+    def shift(self) -> Counts:
+        """1 for rows that are shifted by half a mesh, else 0, (bands + 1,)."""
+        return np.concatenate([[0], np.cumsum(~self.square)]) % 2
+
+    @cached_property
+    def phase(self) -> Floats:
+        """Azimuth of column 0 of each band without its shift, rad, (bands,).
+
+        Where knots are taken up unevenly, the sections are turned against each other so that on average none is pulled
+        to either side.
+        """
+        phase = np.zeros(self.bands)
+        for band in range(1, self.bands):
+            ahead, aft = self.columns[band - 1], self.columns[band]
+            wide, narrow = max(ahead, aft), min(ahead, aft)
+            knot = np.arange(wide)
+            lag = 2.0 * np.pi / self.order * np.mean(knot / wide - taken_up(knot, wide, narrow) / narrow)
+            phase[band] = phase[band - 1] + (lag if ahead > aft else -lag)
+        return phase
+
+    def places(self, bands: NDArray[np.integer]) -> tuple[Counts, Counts]:
+        """Band and column of every modelled mesh of some bands, band by band, each (places,)."""
+        counts = self.columns[bands]
+        column = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        return np.repeat(bands, counts), column
+
+    def wrapped(self, column: NDArray[np.integer], columns: NDArray[np.integer]) -> tuple[Counts, Counts]:
+        """Column inside the modelled part, and image, of a column counted on all round where there are ``columns``."""
+        image = np.zeros_like(column) if self.order == 1 else column // columns
+        return column % columns, image
+
+
+def taken_up(knot: NDArray[np.integer], wide: NDArray[np.integer], narrow: NDArray[np.integer]) -> NDArray[np.integer]:
+    """Knot of a ring of ``narrow`` that a knot of ``wide`` is laced to, both counted on all round.
+
+    100 meshes are joined to 60 at the ratio of 5 to 3: of each 5, two pairs are taken up two by two and one is not.
+    """
+    return np.asarray(knot * narrow // wide)
 
 
 @dataclass(frozen=True)
@@ -121,7 +171,7 @@ def assembled(parts: Parts, lattice: Lattice, positions: Floats, node_row: Ints,
         [np.inf if s.axial_stiffness_n is None else g * s.axial_stiffness_n for s in lattice.sections]
     )[band]
     facets, weight = parts.facet_table()
-    around = lattice.columns * lattice.order
+    around = lattice.order * lattice.columns[facets[:, 6]]
     weight *= _polygon_area(g * around) / _polygon_area(around)
     meshes = np.concatenate(parts.meshes)
     count = len(node_row)
@@ -167,13 +217,14 @@ def assembled(parts: Parts, lattice: Lattice, positions: Floats, node_row: Ints,
     )
 
 
-def _polygon_area(corners: int) -> float:
+def _polygon_area(corners: Counts) -> Floats:
     """Area of a regular polygon over that of the circle through its corners.
 
     A globalised net is an inscribed polygon of too few corners; at the same radius, pressure on it falls short in this
-    ratio along the axis and across it, and so does its volume. Its facets are weighted to make up for that.
+    ratio along the axis and across it, and so does its volume. Its facets are weighted to make up for that. Where two
+    sections meet, their weights differ, which leaves an error of the order of what the weights make up for.
     """
-    return float(np.sinc(2.0 / corners))
+    return np.asarray(np.sinc(2.0 / corners))
 
 
 def _bars_of_sides(bars: NDArray, sides: NDArray, images: NDArray) -> Ints:
