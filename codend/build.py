@@ -3,10 +3,12 @@
 import numpy as np
 
 from codend.errors import InputError
-from codend.net import Floats, Net, split_bars
+from codend.knots import knots_of
+from codend.net import Floats, Net, split_bars, twine_bars
 from codend.net_parts import Lattice, RowShape
 from codend.netting import net_of
 from codend.plan import Netting, Plan
+from codend.straps import with_straps
 
 
 def build_net(
@@ -30,16 +32,18 @@ def build_net(
         azimuth_rad: turns the whole net about the axis.
 
     Raises:
-        InputError: the globalisation does not divide the mesh counts, or bending stiffness has no place in the model.
+        InputError: the globalisation does not divide the mesh counts, a strap is too short for its row, or bending
+            stiffness has no place in the model.
     """
     _check_bending(plan)
     lattice = _lattice_of(plan, globalisation, columns)
     x, radius = rows if rows is not None else crude_rows(plan, globalisation)
     shape = RowShape(x, np.concatenate([[plan.entry.radius_m], radius[1:-1], [0.0]]), azimuth_rad)
-    net = net_of(lattice, shape)
+    knots = knots_of(lattice)
+    net = net_of(knots, shape)
     if plan.model.bars_per_side == 2:
-        return split_bars(net, net.bar_drag_diameter > 0.0)
-    return net
+        net = split_bars(net, twine_bars(net))
+    return with_straps(net, plan, knots)
 
 
 def _lattice_of(plan: Plan, globalisation: int, columns: int | None) -> Lattice:
@@ -76,9 +80,7 @@ def _check_bending(plan: Plan) -> None:
 def rows_of(plan: Plan, globalisation: int = 1) -> list[Netting]:
     """Section of each band between two rows, from the entry to the codline."""
     return [
-        section
-        for section in plan.netting
-        for _ in range((1 if section.mesh == "square" else 2) * section.meshes_long // globalisation)
+        section for section in plan.netting for _ in range(section.rows_per_mesh * section.meshes_long // globalisation)
     ]
 
 
@@ -90,6 +92,9 @@ def crude_rows(plan: Plan, globalisation: int = 1) -> tuple[Floats, Floats]:
     from_entry = np.concatenate([[0.0], np.cumsum(side)])
     wanted = 0.55 * np.minimum(np.concatenate([largest[:1], largest]), np.concatenate([largest, largest[-1:]]))
     wanted[0], wanted[-1] = min(wanted[0], plan.entry.radius_m), 0.0
+    for strap, rows in zip(plan.strap, plan.strap_rows, strict=True):
+        row = len(sections) - rows // globalisation
+        wanted[row] = min(wanted[row], 0.9 * strap.length_m / (2.0 * np.pi))
     # no row is wider than the slopes of the bag from any other row allow
     widening = np.minimum.accumulate(wanted - 0.4 * from_entry) + 0.4 * from_entry
     narrowing = np.minimum.accumulate((wanted + 0.6 * from_entry)[::-1])[::-1] - 0.6 * from_entry

@@ -9,7 +9,7 @@ import numpy as np
 
 from catch_models.pressure import PressureLaw
 from codend.mechanics import bars, bending, drag, pressure
-from codend.net import Floats, Net, mesh_corners
+from codend.net import Floats, Net, mesh_corners, real_tensions, twine_bars
 from codend.problem import Problem
 from codend.solvers.outcome import Solution
 
@@ -36,6 +36,8 @@ class Measures:
     opening_ahead_deg: float
     opening_force_ahead_n: float
     max_bar_tension_n: float
+    max_strap_tension_n: float
+    """nan where there is no strap."""
 
     @classmethod
     def unknown(cls) -> "Measures":
@@ -117,8 +119,8 @@ def measure_rows(problem: Problem, solution: Solution, meshes: Meshes) -> Rows:
     radius = np.hypot(solution.positions[:, 1], solution.positions[:, 2])
     x = _mean_by(net.node_row[ring], solution.positions[ring, 0], net.bands + 1)
     r = _mean_by(net.node_row[ring], radius[ring], net.bands + 1)
-    twine = net.bar_drag_diameter > 0.0  # all bars but the knots
-    by_band = _mean_by(net.bar_band[twine], solution.bar_tension[twine] / net.globalisation, net.bands)
+    twine = twine_bars(net)
+    by_band = _mean_by(net.bar_band[twine], real_tensions(net, solution.bar_tension)[twine], net.bands)
     tension = 0.5 * (np.concatenate([by_band[:1], by_band]) + np.concatenate([by_band, by_band[-1:]]))
     slope_sine = np.gradient(r) / np.hypot(np.gradient(x), np.gradient(r))
     filled = 0.5 * (np.concatenate([[0.0], solution.share]) + np.concatenate([solution.share, solution.share[-1:]]))
@@ -152,6 +154,7 @@ def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
     front_x = float(np.interp(front, np.arange(net.bands + 1), rows.x_m))
     ahead = opening_rows_ahead(net, share)
     has_mesh = np.flatnonzero(np.isfinite(rows.opening_deg))
+    tension, straps = real_tensions(net, solution.bar_tension), net.straps
     openings, forces = (
         np.interp(ahead, _meshes_from_entry(net)[has_mesh], values[has_mesh])
         for values in (rows.opening_deg, rows.opening_force_n)
@@ -170,7 +173,8 @@ def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
         entry_reaction_n=float(at_entry),
         opening_ahead_deg=float(np.mean(openings)) if len(ahead) else float("nan"),
         opening_force_ahead_n=float(np.mean(forces)) if len(ahead) else float("nan"),
-        max_bar_tension_n=float(solution.bar_tension.max() / net.globalisation),
+        max_bar_tension_n=float(np.delete(tension, straps).max()),
+        max_strap_tension_n=float(tension[straps].max()) if len(straps) else float("nan"),
     )
 
 
@@ -183,10 +187,16 @@ def measure_all(problem: Problem, solution: Solution) -> tuple[Meshes, Rows, Mea
 
 def opening_rows_ahead(net: Net, share: Floats) -> Floats:
     """Places of the five real mesh rows just ahead of the front, or as many as there are, in meshes from the entry."""
-    to_front = float((1.0 - share) @ net.band_meshes)
-    half = 0.5 if net.band_meshes[0] == 0.5 * net.globalisation else 1.0
-    places = to_front - half * np.arange(1, ROWS_AHEAD + 1)
-    return np.asarray(places[places >= half - 1e-9], dtype=np.float64)
+    place = float((1.0 - share) @ net.band_meshes)
+    from_entry, step = _meshes_from_entry(net), net.band_meshes / net.globalisation
+    places: list[float] = []
+    while len(places) < ROWS_AHEAD:
+        # rows are half a mesh apart, in square mesh a whole one
+        place -= step[max(np.searchsorted(from_entry, place - 1e-9) - 1, 0)]
+        if place < step[0] - 1e-9:
+            break
+        places.append(place)
+    return np.array(places)
 
 
 def _meshes_from_entry(net: Net) -> Floats:

@@ -1,15 +1,14 @@
-"""Netting between the knots: bars, facets, meshes and corners of diamond, T90 and square netting and of their joints."""
+"""Netting between the knots: bars, facets, meshes and corners of diamond, T90 and square netting, and of joints."""
 
 import numpy as np
 
-from codend.knots import LEFT, RIGHT, Knots, knots_of, placed_knots
+from codend.knots import LEFT, RIGHT, Knots, placed_knots
 from codend.net import Net
-from codend.net_parts import Counts, Lattice, Parts, RowShape, assembled
+from codend.net_parts import Counts, Parts, RowShape, assembled
 
 
-def net_of(lattice: Lattice, shape: RowShape) -> Net:
+def net_of(knots: Knots, shape: RowShape) -> Net:
     """Net of all sections, in the shape in which a solver starts."""
-    knots = knots_of(lattice)
     parts = Parts(knots.codline)
     _add_diamond_bands(parts, knots)
     _add_square_bands(parts, knots)
@@ -17,7 +16,7 @@ def net_of(lattice: Lattice, shape: RowShape) -> Net:
     _add_corners(parts, knots)
     _add_diamond_meshes(parts, knots)
     positions, node_row = placed_knots(knots, shape)
-    return assembled(parts, lattice, positions, node_row, entry=np.arange(knots.fore_start[1]))
+    return assembled(parts, knots.lattice, positions, node_row, entry=np.arange(knots.fore_start[1]))
 
 
 def _half_mesh_away(knots: Knots, row: Counts, counted: Counts) -> tuple[Counts, Counts]:
@@ -39,7 +38,7 @@ def _add_diamond_bands(parts: Parts, knots: Knots) -> None:
 
 
 def _add_square_bands(parts: Parts, knots: Knots) -> None:
-    """Meridional bars and rings of bars; a joint has the ring of a square section whose knots are not taken up there."""
+    """Meridional bars and rings of bars; at a joint, the ring of a square section whose knots are not taken up there."""
     lattice = knots.lattice
     band, here = lattice.places(np.flatnonzero(lattice.square))
     a, b = knots.aft(LEFT, band, here), knots.aft(LEFT, band, here + 1)
