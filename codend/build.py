@@ -61,7 +61,7 @@ def _lattice_of(plan: Plan, globalisation: int, columns: int | None) -> Lattice:
     if sectors % columns:
         raise ValueError(f"columns must divide {sectors} equal sectors, not {columns}")
     order = sectors // columns
-    return Lattice(sections, meshes_round // order, order, globalisation)
+    return Lattice(sections, meshes_round // order, columns, order, globalisation)
 
 
 def _check_bending(plan: Plan) -> None:

@@ -23,6 +23,9 @@ from codend.solvers.rigid_bars import RigidBarsSettings
 DIRECT = NewtonSettings(rough_starts=())
 """Newton's method from the start it is given and no other."""
 
+LONGER = NewtonSettings(iterations_allowed=60)
+"""Ahead and behind a joint of different mesh counts every second line of twine is all but slack, which takes longer."""
+
 SMALLEST_STIFFENING = 1e-3
 """Least step in stiffness, as a share of the twine's own, before that start is given up."""
 
@@ -70,7 +73,8 @@ def solve(
     """Equilibrium of one case, helped by the equilibria known of others of the same scene.
 
     ``auto`` tries, in this order: Newton from where the last equilibria lead, Newton from the meridian method's shape
-    (of one sector, set all round for a full net), Newton from rough relaxations of a crude bag, and relaxation alone.
+    or, for full nets of plans that it does not take, from the equilibrium of a sector (either is set all round for a
+    full net), Newton from rough relaxations of a crude bag, and relaxation alone.
     The other methods try what they can of that; rigid bars that lead nowhere try again with bars that go slack. The
     report of what is returned tells every attempt; its time is that of all of them, the guess included.
     """
@@ -96,7 +100,8 @@ def _attempts(
 
     def from_crude() -> Solution:
         dynamic_relaxation.compile_kernels(problem)  # for the rough starts, ahead of Newton's clock
-        return newton.solve(problem, tolerance, None, NewtonSettings(), progress, scene.prepared)
+        joined = len({section.meshes_round for section in scene.plan.netting}) > 1
+        return newton.solve(problem, tolerance, None, LONGER if joined else NewtonSettings(), progress, scene.prepared)
 
     if method in ("auto", "newton"):
         # on a full net a start that leads nowhere costs minutes: there the last equilibria must be near
@@ -108,6 +113,11 @@ def _attempts(
         guess_ms = 1e3 * (perf_counter() - began)
         if guess is not None:
             yield "the meridian method's shape", lambda: _later(_from_limp(problem, guess, from_start), guess_ms)
+        elif scene.columns is None and scene.plan.model.bars_per_side == 1:
+            sector = _sector_equilibrium(scene, case)
+            sector_ms = 1e3 * (perf_counter() - began)
+            if sector is not None:
+                yield "the equilibrium of a sector", lambda: _later(from_start(problem, sector), sector_ms)
         if known and not led:
             yield "where the last equilibria lead", lambda: from_start(problem, _led(case, known))
         yield "a crude bag", from_crude
@@ -182,10 +192,19 @@ def _sector_guess(scene: Scene, case: Case) -> Solution | None:
     return all_round_start(sector, sector.positions, tension, 1 if scene.columns == 1 else sector.order)
 
 
+def _sector_equilibrium(scene: Scene, case: Case) -> Solution | None:
+    """Equilibrium of one sector, set all round for a full net; None where it is not found."""
+    sector = scene_of(scene.plan, scene.globalisation, 1)
+    solution = solve(sector, case, (), None)[1]
+    if not solution.report.outcome.converged:
+        return None
+    return all_round_start(sector.net, solution.positions, solution.bar_tension, sector.net.order)
+
+
 def all_round_start(sector: Net, positions: np.ndarray, tension: np.ndarray, columns: int) -> Solution:
     """A start for the net of ``columns`` sectors, from the shape and tensions of one without hinges.
 
-    Nodes and bars of the wider net are numbered row by row, its columns one after the other within a row.
+    Nodes and bars of the wider net are numbered row by row, and those that differ by whole sectors one after the other.
     """
     turned = rotate(positions[:-1, None], np.arange(columns)[None], sector.order).reshape(-1, 3)
     return Solution(

@@ -46,7 +46,7 @@ def choose(plan: Plan) -> Choice:
     weighed = f"wet weight {weight:.3g} N against {scale:.3g} N of stagnation pressure on the entry's area"
     left_out = f"; it leaves out the wet weight, which here matters ({weighed})" if heavy else ""
     if asked == "sector":
-        why = f"Asked for: one of {sector.order} equal sectors of the real net{left_out}."
+        why = f"Asked for: one of {_sectors(plan, sector.order)} of the real net{left_out}."
         return Choice("sector", 1, 1, why, math.nan if heavy else 0.0)
     if asked == "meridian":
         why = f"Asked for: the netting as a membrane, the same all round{left_out}."
@@ -65,15 +65,25 @@ def choose(plan: Plan) -> Choice:
         )
         return Choice("globalised" if merged > 1 else "full", merged, None, why, error)
     light = "no twine density is given, so wet weight is left out" if weight == 0.0 else f"{weighed} is negligible"
-    why = f"The plan is the same all round and {light}: one of {sector.order} equal sectors of the real net is exact."
+    why = f"The plan is the same all round and {light}: one of {_sectors(plan, sector.order)} of the real net is exact."
     return Choice("sector", 1, 1, why, 0.0)
+
+
+def _sectors(plan: Plan, order: int) -> str:
+    """How many sectors there are, and how many meshes of each section make one if it is not a single one of each."""
+    wide = list(dict.fromkeys(part.meshes_round // order for part in plan.netting))
+    if wide == [1]:
+        return f"{order} equal sectors"
+    *others, last = map(str, wide)
+    meshes = f"{', '.join(others)} and {last}" if others else last
+    return f"{order} equal sectors, {meshes} meshes wide,"
 
 
 def _merged(plan: Plan) -> tuple[int, float]:
     """Most meshes that may be merged each way for the accuracy asked for, and the relative error in drag."""
     cases = sorted(plan.cases(), key=lambda case: case.catch_value)
     for g in sorted(plan.globalisations, reverse=True):
-        if g == 1 or plan.netting[0].meshes_round < FEWEST_MESHES_ROUND * g:
+        if g == 1 or min(part.meshes_round for part in plan.netting) < FEWEST_MESHES_ROUND * g:
             continue
         errors = [discretisation(plan, case, g) for case in (cases[0], cases[-1])]
         if any(np.isnan(error.relative_drag) or error.relative_drag > plan.model.accuracy for error in errors):

@@ -43,26 +43,20 @@ class Knots:
     def ring(self, side: int, row: Counts, counted: Counts, columns: Counts) -> Corner:
         """Nodes of a row's ring that knots counted on all round are laced to, where there are ``columns`` of them."""
         knots = self.lattice.knots[row]
-        inside, image = self.lattice.wrapped(taken_up(counted, columns, knots), knots)
-        return Corner(self.start[row] + inside + side * (self.across[row] * knots), image)
+        number, image = self.lattice.numbered(taken_up(counted, columns, knots), knots)
+        return Corner(self.start[row] + number + side * (self.across[row] * knots), image)
 
     def fore(self, side: int, row: Counts, counted: Counts) -> Corner:
         """Nodes in which the twines of the band ahead end; its columns are counted on all round."""
         columns = self.lattice.columns[row - 1]
         ring = self.ring(side, row, counted, columns)
-        inside, image = self.lattice.wrapped(counted, columns)
+        number, image = self.lattice.numbered(counted, columns)
         own = self.along[row]
-        return Corner(np.where(own, self.fore_start[row] + inside, ring.node), np.where(own, image, ring.image))
+        return Corner(np.where(own, self.fore_start[row] + number, ring.node), np.where(own, image, ring.image))
 
     def aft(self, side: int, row: Counts, counted: Counts) -> Corner:
         """Nodes from which the twines of the band behind start; its columns are counted on all round."""
         return self.ring(side, row, counted, self.lattice.columns[row])
-
-    def rings(self, rows: Counts) -> tuple[Counts, Counts]:
-        """Row and knot of every knot of some rows, row by row, each (places,)."""
-        counts = self.lattice.knots[rows]
-        knot = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-        return np.repeat(rows, counts), knot
 
 
 def knots_of(lattice: Lattice) -> Knots:
@@ -99,7 +93,7 @@ def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
     rows = np.arange(lattice.bands)
     # the band whose columns the row's knots are
     owner = np.where(lattice.columns[np.maximum(rows - 1, 0)] == lattice.knots[:-1], np.maximum(rows - 1, 0), rows)
-    row, knot = knots.rings(rows)
+    row, knot = lattice.rings(rows)
     azimuth = _azimuth(lattice, owner[row], knot, lattice.shift[row])
     half_knot = np.where(knots.across[row], lattice.globalisation * 0.5 * knot_m[owner[row]], 0.0)
     half_angle = np.arcsin(np.clip(half_knot / np.maximum(shape.radius[row], half_knot + 1e-300), 0.0, 1.0))

@@ -192,7 +192,7 @@ def opening_rows_ahead(net: Net, share: Floats) -> Floats:
     places: list[float] = []
     while len(places) < ROWS_AHEAD:
         # rows are half a mesh apart, in square mesh a whole one
-        place -= step[max(np.searchsorted(from_entry, place - 1e-9) - 1, 0)]
+        place -= float(step[max(int(np.searchsorted(from_entry, place - 1e-9)) - 1, 0)])
         if place < step[0] - 1e-9:
             break
         places.append(place)

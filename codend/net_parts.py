@@ -23,6 +23,8 @@ class Lattice:
     """Section of each band."""
     columns: Counts
     """Modelled (merged) meshes round of each band, (bands,)."""
+    abreast: int
+    """Equal sectors that are modelled side by side."""
     order: int
     globalisation: int
 
@@ -64,14 +66,26 @@ class Lattice:
 
     def places(self, bands: NDArray[np.integer]) -> tuple[Counts, Counts]:
         """Band and column of every modelled mesh of some bands, band by band, each (places,)."""
-        counts = self.columns[bands]
-        column = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-        return np.repeat(bands, counts), column
+        return self.counted_out(bands, self.columns[bands])
 
-    def wrapped(self, column: NDArray[np.integer], columns: NDArray[np.integer]) -> tuple[Counts, Counts]:
-        """Column inside the modelled part, and image, of a column counted on all round where there are ``columns``."""
+    def rings(self, rows: NDArray[np.integer]) -> tuple[Counts, Counts]:
+        """Row and column of every knot of the rings of some rows, row by row, each (places,)."""
+        return self.counted_out(rows, self.knots[rows])
+
+    def counted_out(self, lines: NDArray[np.integer], counts: NDArray[np.integer]) -> tuple[Counts, Counts]:
+        """Line and column of every place on lines of so many places, in the order of ``numbered``."""
+        place = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        wide = np.repeat(counts // self.abreast, counts)
+        return np.repeat(lines, counts), place % self.abreast * wide + place // self.abreast
+
+    def numbered(self, column: NDArray[np.integer], columns: NDArray[np.integer]) -> tuple[Counts, Counts]:
+        """Number on its line, and image, of a column counted on all round where there are ``columns``.
+
+        Places that differ by whole sectors follow one another, so that a sector of the net is numbered as all of it.
+        """
         image = np.zeros_like(column) if self.order == 1 else column // columns
-        return column % columns, image
+        inside, wide = column % columns, np.maximum(columns // self.abreast, 1)
+        return inside % wide * self.abreast + inside // wide, image
 
 
 def taken_up(knot: NDArray[np.integer], wide: NDArray[np.integer], narrow: NDArray[np.integer]) -> NDArray[np.integer]:

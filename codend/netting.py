@@ -38,7 +38,7 @@ def _add_diamond_bands(parts: Parts, knots: Knots) -> None:
 
 
 def _add_square_bands(parts: Parts, knots: Knots) -> None:
-    """Meridional bars and rings of bars; at a joint, the ring of a square section whose knots are not taken up there."""
+    """Meridional bars and rings of bars; a joint has the ring of a square section if no knot of it is taken up."""
     lattice = knots.lattice
     band, here = lattice.places(np.flatnonzero(lattice.square))
     a, b = knots.aft(LEFT, band, here), knots.aft(LEFT, band, here + 1)
@@ -47,7 +47,7 @@ def _add_square_bands(parts: Parts, knots: Knots) -> None:
     rows = np.arange(1, lattice.bands)
     ahead, behind = (lattice.square[rows - i] & (lattice.columns[rows - i] == lattice.knots[rows]) for i in (1, 0))
     ringed = ahead | behind
-    row, knot = knots.rings(rows[ringed])
+    row, knot = lattice.rings(rows[ringed])
     ring_band = np.repeat((rows - ahead)[ringed], lattice.knots[rows[ringed]])
     here, after = (knots.ring(LEFT, row, counted, lattice.knots[row]) for counted in (knot, knot + 1))
     parts.add_bars(here, after, ring_band, False)
@@ -65,7 +65,7 @@ def _add_knots(parts: Parts, knots: Knots) -> None:
     parts.add_bars(fore, aft, band, True)
     parts.add_quadrangles(fore, after, aft_after, aft, band)
     # the entry's knots are held at both ends and the codline's are gathered: neither is a bar
-    row, knot = knots.rings(np.flatnonzero(knots.across[1:]) + 1)
+    row, knot = lattice.rings(np.flatnonzero(knots.across[1:]) + 1)
     left, right = (knots.ring(side, row, knot, lattice.knots[row]) for side in (LEFT, RIGHT))
     parts.add_bars(left, right, row - 1, True)
 
@@ -82,7 +82,7 @@ def _add_corners(parts: Parts, knots: Knots) -> None:
     right, left = _half_mesh_away(knots, band + 1, here)
     twines = knots.aft(LEFT, band, right), knots.aft(RIGHT, band, left)
     parts.add_corners(knots.fore(LEFT, band + 1, here), *twines, band, False)
-    row, here = knots.rings(np.flatnonzero(knots.across[1:]) + 1)
+    row, here = lattice.rings(np.flatnonzero(knots.across[1:]) + 1)
     right, left = _half_mesh_away(knots, row, here)
     twines = knots.aft(LEFT, row - 1, right), knots.fore(LEFT, row + 1, right)
     parts.add_corners(knots.aft(RIGHT, row, here), *twines, row, True)
@@ -94,7 +94,7 @@ def _add_diamond_meshes(parts: Parts, knots: Knots) -> None:
     """Meshes whose widest part lies in a row between two bands of diamonds; those closed by the lacing have none."""
     lattice = knots.lattice
     rows = np.arange(1, lattice.bands)
-    row, knot = knots.rings(rows[~lattice.square[rows - 1] & ~lattice.square[rows]])
+    row, knot = lattice.rings(rows[~lattice.square[rows - 1] & ~lattice.square[rows]])
     # of the knots of either band that share one, the last one leads to the next knot of the ring
     ahead, behind = (-(-(knot + 1) * lattice.columns[row - i] // lattice.knots[row]) - 1 for i in (1, 0))
     fore_middle, aft_middle = ahead + lattice.shift[row], behind + lattice.shift[row]

@@ -37,7 +37,7 @@ def with_straps(net: Net, plan: Plan, knots: Knots) -> Net:
 
 def _with_strap(net: Net, strap: Strap, knots: Knots, row: int, across_m: float) -> Net:
     lattice, g = knots.lattice, knots.lattice.globalisation
-    rows, count = knots.rings(np.array([row]))
+    rows, count = lattice.rings(np.array([row]))
     first = knots.ring(RIGHT, rows, count, lattice.knots[rows])
     second = knots.ring(LEFT, rows, count + 1, lattice.knots[rows])
     bars = len(count)
