@@ -49,8 +49,8 @@ def _add_square_bands(parts: Parts, knots: Knots) -> None:
     ringed = ahead | behind
     row, knot = lattice.rings(rows[ringed])
     ring_band = np.repeat((rows - ahead)[ringed], lattice.knots[rows[ringed]])
-    here, after = (knots.ring(LEFT, row, counted, lattice.knots[row]) for counted in (knot, knot + 1))
-    parts.add_bars(here, after, ring_band, False)
+    first, second = (knots.ring(LEFT, row, counted, lattice.knots[row]) for counted in (knot, knot + 1))
+    parts.add_bars(first, second, ring_band, False)
     parts.add_quadrangles(a, b, c, d, band)
     parts.add_meshes([(a, b), (b, c), (c, d), (d, a)], band)
 
