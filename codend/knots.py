@@ -82,8 +82,9 @@ def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
     lattice = knots.lattice
     positions = np.empty((knots.codline + 1, 3))
     node_row = np.full(knots.codline + 1, -1, dtype=np.int32)
-    knot_m = np.array([s.knot_m for s in lattice.sections])
-    knot_share = knot_m / np.array([s.bar_m + s.knot_m for s in lattice.sections])
+    knot_m = lattice.globalisation * np.array([s.knot_m for s in lattice.sections])
+    # a knot keeps its length, however far the rows have closed up
+    knot_share = np.minimum(knot_m / np.hypot(np.diff(shape.x), np.diff(shape.radius)), 0.9)
 
     band, column = lattice.places(np.flatnonzero(knots.along[1:]))
     row = band + 1
@@ -95,7 +96,7 @@ def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
     owner = np.where(lattice.columns[np.maximum(rows - 1, 0)] == lattice.knots[:-1], np.maximum(rows - 1, 0), rows)
     row, knot = lattice.rings(rows)
     azimuth = _azimuth(lattice, owner[row], knot, lattice.shift[row])
-    half_knot = np.where(knots.across[row], lattice.globalisation * 0.5 * knot_m[owner[row]], 0.0)
+    half_knot = np.where(knots.across[row], 0.5 * knot_m[owner[row]], 0.0)
     half_angle = np.arcsin(np.clip(half_knot / np.maximum(shape.radius[row], half_knot + 1e-300), 0.0, 1.0))
     turn = np.minimum(half_angle, 0.4 * np.pi / (lattice.knots[row] * lattice.order))
     for side, sign in ((LEFT, -1.0), (RIGHT, 1.0)):
