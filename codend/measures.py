@@ -143,7 +143,8 @@ def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
     pressure.add_pressure(position, structure, loading, share, catch_load)
     length = np.empty(len(net.bars))
     bars.bar_lengths(position, structure, length)
-    bars.add_bar_forces(position, structure, solution.bar_tension / length, pull)
+    density = np.divide(solution.bar_tension, length, out=np.zeros_like(length), where=length > 0.0)
+    bars.add_bar_forces(position, structure, density, pull)
     bending.add_bending(position, structure, pull)
     held = net.fixed[:, 0]
     at_entry = (pull + twine_load + catch_load + loading.dead)[held, 0].sum() * net.order
