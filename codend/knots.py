@@ -86,16 +86,12 @@ def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
     # a knot keeps its length, however far the rows have closed up
     knot_share = np.minimum(knot_m / np.hypot(np.diff(shape.x), np.diff(shape.radius)), 0.9)
 
-    band, column = lattice.places(np.flatnonzero(knots.along[1:]))
-    row = band + 1
-    azimuth = _azimuth(lattice, band, column, lattice.shift[row])
-    positions[knots.fore(LEFT, row, column).node] = shape.placed(row, azimuth, knot_share[band])
-
+    # the band whose columns a row's knots are
     rows = np.arange(lattice.bands)
-    # the band whose columns the row's knots are
-    owner = np.where(lattice.columns[np.maximum(rows - 1, 0)] == lattice.knots[:-1], np.maximum(rows - 1, 0), rows)
+    ahead = np.maximum(rows - 1, 0)
+    owner = np.where(lattice.columns[ahead] == lattice.knots[:-1], ahead, rows)
     row, knot = lattice.rings(rows)
-    azimuth = _azimuth(lattice, owner[row], knot, lattice.shift[row])
+    azimuth = _azimuth(lattice, owner[row], knot, row)
     half_knot = np.where(knots.across[row], 0.5 * knot_m[owner[row]], 0.0)
     half_angle = np.arcsin(np.clip(half_knot / np.maximum(shape.radius[row], half_knot + 1e-300), 0.0, 1.0))
     turn = np.minimum(half_angle, 0.4 * np.pi / (lattice.knots[row] * lattice.order))
@@ -105,8 +101,21 @@ def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
         node_row[node] = row
     positions[knots.codline] = (shape.x[-1], 0.0, 0.0)
     node_row[knots.codline] = lattice.bands
+
+    band, column = lattice.places(np.flatnonzero(knots.along[1:]))
+    row = band + 1
+    azimuth = _azimuth(lattice, band, column, row)
+    # knots that share a node of the ring lie beside each other, ahead of it
+    shares = (row < lattice.bands) & (lattice.knots[row] < lattice.columns[band])
+    band_shared, row_shared = band[shares], row[shares]
+    laced = taken_up(column[shares], lattice.columns[band_shared], lattice.knots[row_shared])
+    middle = _azimuth(lattice, owner[row_shared], laced, row_shared)
+    reach = 0.5 * knot_m[band_shared] / shape.radius[row_shared]
+    azimuth[shares] = middle + np.clip(azimuth[shares] - middle, -reach, reach)
+    positions[knots.fore(LEFT, row, column).node] = shape.placed(row, azimuth, knot_share[band])
     return positions, node_row
 
 
-def _azimuth(lattice: Lattice, band: Counts, column: Counts, shift: Counts) -> Floats:
-    return lattice.phase[band] + (2 * column + shift) * np.pi / (lattice.columns[band] * lattice.order)
+def _azimuth(lattice: Lattice, band: Counts, column: Counts, row: Counts) -> Floats:
+    """Azimuth of a knot counted in the columns of a band, in a row at either end of it, rad."""
+    return lattice.phase[band] + (2 * column + lattice.shift[row]) * np.pi / (lattice.columns[band] * lattice.order)

@@ -88,12 +88,12 @@ class Lattice:
         return inside % wide * self.abreast + inside // wide, image
 
 
-def taken_up(knot: NDArray[np.integer], wide: NDArray[np.integer], narrow: NDArray[np.integer]) -> NDArray[np.integer]:
+def taken_up(knot: Counts, wide: Counts, narrow: Counts) -> Counts:
     """Knot of a ring of ``narrow`` that a knot of ``wide`` is laced to, both counted on all round.
 
     100 meshes are joined to 60 at the ratio of 5 to 3: of each 5, two pairs are taken up two by two and one is not.
     """
-    return np.asarray(knot * narrow // wide)
+    return knot * narrow // wide
 
 
 @dataclass(frozen=True)

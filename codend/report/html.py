@@ -83,8 +83,8 @@ def notes(study: Study) -> list[str]:
         found.append(f"The pressure outside the catch follows the plan's own Cp curve, {catch.sphere_cp_csv}.")
     if len({section.meshes_round for section in study.plan.netting}) > 1:
         found.append(
-            "Where sections of different mesh counts meet, knots are laced to knots in the ratio of the counts, without "
-            "slack: the joint is no wider than the fewer meshes, of the shorter bar, pulled fully open."
+            "Where sections of different mesh counts meet, knots are laced to knots in the ratio of the counts, "
+            "without slack: the joint is no wider than the fewer meshes, with the shorter bar, pulled fully open."
         )
     if any(section.twine_density_kg_m3 is None for section in study.plan.netting):
         found.append("Twine whose density the plan does not give is taken as neutrally buoyant.")
