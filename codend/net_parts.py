@@ -55,14 +55,14 @@ class Lattice:
         Where knots are taken up unevenly, the sections are turned against each other so that on average none is pulled
         to either side.
         """
-        phase = np.zeros(self.bands)
-        for band in range(1, self.bands):
-            ahead, aft = self.columns[band - 1], self.columns[band]
+        turn = np.zeros(self.bands)
+        for band in np.flatnonzero(np.diff(self.columns)) + 1:
+            ahead, aft = self.columns[band - 1 : band + 1]
             wide, narrow = max(ahead, aft), min(ahead, aft)
             knot = np.arange(wide)
             lag = 2.0 * np.pi / self.order * np.mean(knot / wide - taken_up(knot, wide, narrow) / narrow)
-            phase[band] = phase[band - 1] + (lag if ahead > aft else -lag)
-        return phase
+            turn[band] = lag if ahead > aft else -lag
+        return np.cumsum(turn)
 
     def places(self, bands: NDArray[np.integer]) -> tuple[Counts, Counts]:
         """Band and column of every modelled mesh of some bands, band by band, each (places,)."""
@@ -115,7 +115,7 @@ class RowShape:
 
 @dataclass(frozen=True)
 class Corner:
-    """One node with its image for every (row, column) of a pattern: two arrays of the same shape."""
+    """One node with its image for every place of a pattern: two arrays (places,)."""
 
     node: NDArray[np.integer]
     image: NDArray[np.integer]
@@ -132,29 +132,26 @@ class Parts:
         self.corners: list[NDArray] = []
 
     def add_bars(self, first: Corner, second: Corner, band: NDArray, is_knot: bool) -> None:
-        """Add a bar for every (row, column) of the pattern; knots carry no drag and do not stretch."""
+        """Add a bar for every place of the pattern; knots carry no drag and do not stretch."""
         image = np.where((first.node == self.codline) | (second.node == self.codline), 0, second.image - first.image)
-        knot = np.full(first.node.shape, is_knot)
-        self.bars.append(_columns(first.node, second.node, image, np.broadcast_to(band, knot.shape), knot))
+        self.bars.append(np.stack([first.node, second.node, image, band, np.full_like(band, is_knot)], axis=1))
 
     def add_quadrangles(self, a: Corner, b: Corner, c: Corner, d: Corner, band: NDArray) -> None:
         """Cover a, b, c, d by both divisions into triangles, each at half weight, so that no diagonal is special."""
         for p, q, r in ((a, b, c), (a, c, d), (a, b, d), (b, c, d)):
-            place = np.broadcast_to(band, p.node.shape)
-            self.facets.append(_columns(p.node, q.node, r.node, p.image, q.image, r.image, place))
+            self.facets.append(np.stack([p.node, q.node, r.node, p.image, q.image, r.image, band], axis=1))
 
     def add_meshes(self, sides: Sequence[tuple[Corner, Corner]], row: NDArray) -> None:
-        """Add a mesh for every (row, column), by its four sides in the order of ``Net.mesh_sides``."""
+        """Add a mesh for every place, by its four sides in the order of ``Net.mesh_sides``."""
         nodes = [corner.node for side in sides for corner in side]
         images = [corner.image for side in sides for corner in side]
-        self.meshes.append(_columns(*nodes, *images, np.broadcast_to(row, nodes[0].shape)))
+        self.meshes.append(np.stack([*nodes, *images, row], axis=1))
 
     def add_corners(self, middle: Corner, first: Corner, second: Corner, band: NDArray, across: bool) -> None:
-        """Add a corner between two twines at a knot for every (row, column)."""
+        """Add a corner between two twines at a knot for every place."""
         nodes = (middle.node, first.node, second.node)
         images = [np.where(c.node == self.codline, 0, c.image) for c in (middle, first, second)]
-        place = np.broadcast_to(band, middle.node.shape)
-        self.corners.append(_columns(*nodes, *images, place, np.full(middle.node.shape, across)))
+        self.corners.append(np.stack([*nodes, *images, band, np.full_like(band, across)], axis=1))
 
     def facet_table(self) -> tuple[NDArray, Floats]:
         """Facets without the empty ones, equal ones merged, and their weights."""
@@ -165,10 +162,6 @@ class Parts:
         unique, count = np.unique(table[~np.any(same, axis=0)], axis=0, return_counts=True)
         by_band = np.argsort(unique[:, -1], kind="stable")
         return unique[by_band], np.asarray(0.5 * count[by_band], dtype=np.float64)
-
-
-def _columns(*arrays: NDArray) -> NDArray:
-    return np.stack([np.broadcast_to(a, arrays[0].shape).ravel() for a in arrays], axis=1)
 
 
 def assembled(parts: Parts, lattice: Lattice, positions: Floats, node_row: Ints, entry: NDArray) -> Net:
@@ -192,7 +185,7 @@ def assembled(parts: Parts, lattice: Lattice, positions: Floats, node_row: Ints,
     fixed = np.zeros((count, 3), dtype=bool)
     fixed[entry] = True
     fixed[parts.codline, 1:] = True
-    corners = np.concatenate(parts.corners) if parts.corners else np.zeros((0, 8), dtype=np.int64)
+    corners = np.concatenate(parts.corners)
     clamped = np.array([12.0 * s.bending_stiffness_n_m2 / s.bar_m for s in lattice.sections])[corners[:, 6]]
     # two twines gathered at the codline have no angle between them
     resists = (clamped > 0.0) & ((corners[:, 1] != corners[:, 2]) | (corners[:, 4] != corners[:, 5]))
