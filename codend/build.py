@@ -90,8 +90,10 @@ def crude_rows(plan: Plan, globalisation: int = 1) -> tuple[Floats, Floats]:
     side = np.array([globalisation * (s.bar_m + (s.knot_m if s.mesh == "diamond" else 0.0)) for s in sections])
     largest = np.array([s.stretched_radius_m for s in sections])
     from_entry = np.concatenate([[0.0], np.cumsum(side)])
-    wanted = 0.55 * np.minimum(np.concatenate([largest[:1], largest]), np.concatenate([largest, largest[-1:]]))
-    wanted[0], wanted[-1] = min(wanted[0], plan.entry.radius_m), 0.0
+    bound = np.minimum(np.concatenate([largest[:1], largest]), np.concatenate([largest, largest[-1:]]))
+    from_wide_entry = np.minimum(plan.entry.radius_m - 0.6 * from_entry, 0.9 * bound)
+    wanted = np.maximum(0.55 * bound, from_wide_entry)
+    wanted[0], wanted[-1] = plan.entry.radius_m, 0.0
     for strap, rows in zip(plan.strap, plan.strap_rows, strict=True):
         row = len(sections) - rows // globalisation
         wanted[row] = min(wanted[row], 0.9 * strap.length_m / (2.0 * np.pi))
