@@ -24,7 +24,7 @@ class Choice:
     """``meridian``, ``sector``, ``globalised`` or ``full``."""
     globalisation: int
     columns: int | None
-    """Meshes round that are modelled, None for all."""
+    """Equal sectors that are modelled side by side, None for all."""
     why: str
     drag_error: float
     """Relative error in drag that the choice of model costs; nan where it was the user's and is not known ahead."""
