@@ -1,7 +1,7 @@
 """How far a catch fills the bag: the share of every band of netting, counted from the entry, that lies in the catch.
 
-The front moves continuously: the band it stands in is filled in part, its lid placed in proportion between the two rows
-of knots, so that volume and load do not jump from row to row.
+The front moves continuously: the band it stands in is filled in part and carries its share of the band's loads and of
+its volume, the lid placed in proportion between the two rows of knots, so that nothing jumps from row to row.
 """
 
 import numpy as np
@@ -47,22 +47,36 @@ def fill_to_volume(row_x: Floats, band_area: Floats, band_moment: Floats, volume
         volume: what is to be enclosed between the netting, the codline and a plane lid, m3.
         share: result, (bands,).
 
-    The volume behind a lid at x is (sum of moments) - x (sum of areas), the flux of (x, 0, 0); within a band it is a
-    quadratic of the share.
+    The volumes of the bands add up from the codline; a band filled in part holds its share of its own.
     """
     share[:] = 0.0
     area, enclosed = 0.0, 0.0
     for band in range(len(share) - 1, -1, -1):
-        depth = row_x[band + 1] - row_x[band]
-        linear = band_moment[band] - row_x[band + 1] * band_area[band] + depth * area
-        square = depth * band_area[band]
-        missing = volume - enclosed
-        if linear + square >= missing:
-            # the form of the quadratic's root that keeps its digits when the square term is small
-            root = np.sqrt(max(linear * linear + 4.0 * square * missing, 0.0))
-            share[band] = min(max(2.0 * missing / (linear + root), 0.0), 1.0) if linear + root > 0.0 else 1.0
+        whole = band_volume(row_x, band_area, band_moment, area, band)
+        if enclosed + whole >= volume:
+            share[band] = max(volume - enclosed, 0.0) / whole if whole > 0.0 else 1.0
             return True
         share[band] = 1.0
         area += band_area[band]
-        enclosed += linear + square
+        enclosed += whole
     return False
+
+
+@njit(cache=True)
+def band_volume(row_x: Floats, band_area: Floats, band_moment: Floats, area_aft: float, band: int) -> float:
+    """Volume of a band between the planes of its two rows, m3; ``area_aft`` is the area of all bands aft of it.
+
+    The volume aft of a plane at x is (sum of moments) - x (sum of areas), the flux of (x, 0, 0), over the bands aft.
+    """
+    depth = row_x[band + 1] - row_x[band]
+    return band_moment[band] - row_x[band] * band_area[band] + depth * area_aft
+
+
+@njit(cache=True)
+def enclosed_volume(row_x: Floats, band_area: Floats, band_moment: Floats, share: Floats) -> float:
+    """Volume of the catch, m3: every band's own times its share. Arguments as in ``fill_to_volume``."""
+    area, enclosed = 0.0, 0.0
+    for band in range(len(share) - 1, -1, -1):
+        enclosed += share[band] * band_volume(row_x, band_area, band_moment, area, band)
+        area += band_area[band]
+    return enclosed

@@ -13,7 +13,7 @@ from codend.measures import Measures, measure_all
 from codend.plan import Case, Plan
 from codend.problem import Problem
 from codend.solvers import newton
-from codend.solvers.newton import NewtonSettings
+from codend.solvers.newton import DIRECT
 from codend.solvers.outcome import Solution
 
 POLISHED = 1e-3
@@ -24,7 +24,7 @@ MORE_SUCTION = 0.1
 """Change of the suction outside the catch, relative, that the sensitivity to the pressure curve is told for."""
 NOISE = 1e-8
 """Relative error that is claimed in any case: what a residual of ``FINEST`` may leave."""
-NEARBY = NewtonSettings(rough_starts=(), iterations_allowed=8)
+NEARBY = replace(DIRECT, iterations_allowed=8)
 """From a result it is a step or two; if it is not, there is no estimate."""
 
 
@@ -55,7 +55,7 @@ def estimate(scene: Scene, case: Case, problem: Problem, solution: Solution, mea
     The part of a globalised net is the distance between a sector of it and one of the real net, under the loads that
     are the same all round.
     """
-    prepared = scene.prepared or newton.prepare(problem.structure)
+    prepared = scene.prepared
     finest = max(POLISHED * max(solution.report.residual, solution.report.imbalance), FINEST)
     polished = newton.solve(problem, finest, solution, NEARBY, prepared=prepared)
     if not polished.report.outcome.converged:

@@ -1,12 +1,15 @@
 """The command line: parse, call, print. Heavy libraries are imported where a command uses them: help is quick."""
 
+import atexit
+import gc
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from codend.cli_common import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, check_writable, written_into
+from codend.cli_common import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, SeveralPairs, check_writable, written_into
 from codend.cli_selectivity import fit, selectivity, species
+from codend.cli_sweep import sweep
 from codend.console import shown_progress, text_table
 from codend.errors import InputError
 
@@ -39,6 +42,7 @@ class _OneLineErrors(click.Group):
             _end("interrupted", INTERRUPTED)
 
     def main(self, *args: Any, **kwargs: Any) -> NoReturn:
+        _spare_collecting()
         try:
             status = super().main(*args, **{**kwargs, "standalone_mode": False})
         except click.ClickException as error:
@@ -50,18 +54,13 @@ class _OneLineErrors(click.Group):
         raise SystemExit(status or 0)
 
 
-class _SeveralChanges(click.Command):
-    """A command whose ``--set`` takes one or more KEY=VALUE, up to the next word that is none."""
+def _spare_collecting() -> None:
+    """Hardly look for cycles to free while a command runs, nor at its end: that took a fifth of a run.
 
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        spread: list[str] = []
-        expects_value = may_go_on = False
-        for word in args:
-            goes_on = may_go_on and "=" in word and not word.startswith("-")
-            spread += ["--set", word] if goes_on else [word]
-            may_go_on = goes_on or expects_value or word.startswith("--set=")
-            expects_value = word == "--set"
-        return super().parse_args(ctx, spread)
+    Most of what there is was made by libraries as they were imported, and stays.
+    """
+    gc.set_threshold(50_000)
+    atexit.register(gc.freeze)
 
 
 def _end(message: str, status: int) -> NoReturn:
@@ -90,7 +89,7 @@ def main(ctx: click.Context) -> None:
         click.echo(ctx.get_help())
 
 
-@main.command(cls=_SeveralChanges)
+@main.command(cls=SeveralPairs)
 @click.argument("plan", metavar="PLAN.toml")
 @click.option("--out", "folder", required=True, metavar="DIR", type=click.Path(path_type=Path), help="Where to write.")
 @click.option(
@@ -138,25 +137,38 @@ def _explain_failures(study: "Study") -> None:
 @main.command()
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.argument("table", metavar="TABLE.csv", type=click.Path(path_type=Path))
-def compare(folder: Path, table: Path) -> None:
+@click.option(
+    "--hoop-rod-mm",
+    type=click.FloatRange(0.0, 1000.0, min_open=True),
+    metavar="MM",
+    help="Thickness you assume for the hoop's rod: its drag is computed and added, where TABLE.csv has an empty "
+    "hoop_drag_n column.",
+)
+def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
     """Set the results of a run in DIR beside a flume table.
 
     Rows are matched on the catch and speed columns the table has, interpolated in catch size and never extrapolated.
     Differences are computed minus tabled. Writes comparison.csv (every value), comparison_summary.csv and
     comparison.png into DIR.
     """
+    from codend.comparison import Hoop, read_flume_table, read_results
     from codend.comparison import compare as compare_with
-    from codend.comparison import read_flume_table, read_results
+    from codend.plan import load_plan
     from codend.report.comparison_plot import comparison_figure
     from codend.report.files import whole_file, write_table
+    from codend.report.style import png
 
     results = folder / "results.csv"
-    comparison = compare_with(read_results(results), read_flume_table(table), results)
+    hoop = None
+    if hoop_rod_mm is not None:
+        plan = load_plan(folder / "plan.toml")
+        hoop = Hoop(plan.entry.radius_m, hoop_rod_mm / 1000.0, plan.tow.water_density_kg_m3)
+    comparison = compare_with(read_results(results), read_flume_table(table), results, hoop)
     with written_into(folder):
         write_table(comparison.points, folder / "comparison.csv")
         write_table(comparison.summary, folder / "comparison_summary.csv")
         with whole_file(folder / "comparison.png") as temporary:
-            comparison_figure(comparison).savefig(temporary, format="png", dpi=150)
+            temporary.write_bytes(png(comparison_figure(comparison)))
     _print_comparison(comparison)
 
 
@@ -173,7 +185,7 @@ def _print_comparison(comparison: "Comparison") -> None:
     ]
     click.echo(text_table(["quantity", "points", "bias", "RMS", "largest", "bias %", "RMS %", "largest %"], rows))
     if "hoop_drag_n" in table.columns:
-        click.echo("drag_n: computed drag plus the table's hoop_drag_n, beside the table's drag_n")
+        click.echo(f"drag_n: computed drag plus the hoop's ({table.hoop_origin}), beside the table's drag_n")
     left_out = comparison.points[comparison.points["computed"].isna()]
     for (line, note), points in left_out.groupby(["table_line", "note"], sort=True):
         click.echo(f"not compared, line {line}: {', '.join(points['quantity'])}: {note}")
@@ -192,7 +204,7 @@ def doctor(warm_up: bool) -> int:
     return 1 if any(finding.missing for finding in findings) else 0
 
 
-for _command in (selectivity, species, fit):
+for _command in (sweep, selectivity, species, fit):
     main.add_command(_command)
 
 

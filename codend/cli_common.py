@@ -1,4 +1,4 @@
-"""What the commands share: exit statuses, and folders they write into."""
+"""What the commands share: exit statuses, options of KEY=VALUE, and folders they write into."""
 
 import os
 from collections.abc import Iterator
@@ -6,10 +6,33 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn
 
+import click
+
 from codend.errors import InputError
 
 BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 2, 3, 130
 """Exit statuses; 0 is success."""
+
+
+class SeveralPairs(click.Command):
+    """A command whose options of KEY=VALUE take one or more of them, up to the next word that is none."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Write the option out before each of its values."""
+        spread: list[str] = []
+        option = ""
+        expects_value = may_go_on = False
+        for word in args:
+            goes_on = may_go_on and "=" in word and not word.startswith("-")
+            spread += [option, word] if goes_on else [word]
+            may_go_on = goes_on or expects_value or word.startswith(tuple(f"{name}=" for name in _OF_PAIRS))
+            expects_value = word in _OF_PAIRS
+            if word.startswith(_OF_PAIRS):
+                option = word.partition("=")[0]
+        return super().parse_args(ctx, spread)
+
+
+_OF_PAIRS = ("--set", "--vary")
 
 
 def check_writable(folder: Path) -> None:

@@ -10,8 +10,21 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-REQUIRED = ("numpy", "scipy", "numba", "pandas", "matplotlib", "meshio", "pydantic", "click", "rich", "jinja2")
+REQUIRED = (
+    "numpy",
+    "scipy",
+    "numba",
+    "pandas",
+    "matplotlib",
+    "meshio",
+    "pillow",
+    "pydantic",
+    "click",
+    "rich",
+    "jinja2",
+)
 FOR_TESTS = ("pytest", "hypothesis", "statsmodels", "ruff", "mypy", "import-linter", "pandas-stubs", "scipy-stubs")
+FAST = ("py-mkl-pardiso",)
 
 _WARM_UP_PLAN = {
     "title": "Warm-up",
@@ -48,6 +61,7 @@ def examine() -> list[Finding]:
     ]
     findings += [_package(name, "MISSING", needed=True) for name in REQUIRED]
     findings += [_package(name, "not installed (only tests need it)", needed=False) for name in FOR_TESTS]
+    findings += [_package(name, "not installed (SuperLU does its work, slower)", needed=False) for name in FAST]
     findings.append(Finding("cores", f"{_usable_cores()} usable of {os.cpu_count()}"))
     if any(finding.missing for finding in findings):
         return findings

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from time import perf_counter
 
 import numpy as np
@@ -9,19 +10,21 @@ import numpy as np
 from codend.build import build_net
 from codend.errors import InputError
 from codend.loads import problem_of
-from codend.meridian.plan_case import first_guess, tensions_on
+from codend.mechanics.arrays import structure_of
+from codend.meridian.plan_case import equilibrium_guess, first_guess, tensions_on
+from codend.meridian.problem import MeridianShape
 from codend.net import Net, rotate
 from codend.plan import Case, Plan
 from codend.problem import Problem
 from codend.solvers import dynamic_relaxation, newton, rigid_bars
-from codend.solvers.continuation import predict
+from codend.solvers.continuation import in_steps, predict
 from codend.solvers.dynamic_relaxation import RelaxationSettings
-from codend.solvers.newton import NewtonSettings
+from codend.solvers.newton import DIRECT, NewtonSettings
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 from codend.solvers.rigid_bars import RigidBarsSettings
 
-DIRECT = NewtonSettings(rough_starts=())
-"""Newton's method from the start it is given and no other."""
+BRIEF = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=10)
+"""Newton's method from a start for no longer than a good one needs."""
 
 LONGER = NewtonSettings(iterations_allowed=60)
 """Ahead and behind a joint of different mesh counts every second line of twine is all but slack, which takes longer."""
@@ -35,8 +38,8 @@ FARTHEST_PREDICTION = 1.5
 START = SolverReport("start", Outcome.NOT_IMPROVING, 0, np.inf, np.inf, np.inf, 0.0)
 """Report of a shape that nobody has solved yet."""
 
-Attempt = tuple[str, Callable[[], Solution]]
-"""Where it starts, and the solve."""
+Attempt = tuple[str, Callable[[], Solution | None]]
+"""Where it starts, and the solve; None where there is no such start."""
 
 
 @dataclass(frozen=True)
@@ -47,11 +50,15 @@ class Scene:
     net: Net
     columns: int | None
     globalisation: int
-    prepared: newton.Prepared | None
+
+    @cached_property
+    def prepared(self) -> newton.Prepared:
+        """The unknowns numbered, and room for Newton's method to work in; made when first asked for."""
+        return newton.prepare(structure_of(self.net))
 
 
 def scene_of(plan: Plan, globalisation: int, columns: int | None) -> Scene:
-    """Build the net of a plan, and number its unknowns if Newton's method may be used.
+    """Build the net of a plan.
 
     Raises:
         InputError: the plan asks for rigid bars and gives elastic twine.
@@ -60,11 +67,7 @@ def scene_of(plan: Plan, globalisation: int, columns: int | None) -> Scene:
     if plan.model.method == "rigid-bars" and stretching:
         allowed = 'left out with model.method = "rigid-bars": rigid bars do not stretch'
         raise InputError(file=plan.source, key="netting.axial_stiffness_n", value=stretching[0], allowed=allowed)
-    net = build_net(plan, globalisation=globalisation, columns=columns)
-    uses_newton = plan.model.method in ("auto", "newton")
-    problem = problem_of(net, plan, plan.cases()[0])
-    prepared = newton.prepare(problem.structure) if uses_newton else None
-    return Scene(plan, net, columns, globalisation, prepared)
+    return Scene(plan, build_net(plan, globalisation=globalisation, columns=columns), columns, globalisation)
 
 
 def solve(
@@ -72,17 +75,22 @@ def solve(
 ) -> tuple[Problem, Solution]:
     """Equilibrium of one case, helped by the equilibria known of others of the same scene.
 
-    ``auto`` tries, in this order: Newton from where the last equilibria lead, Newton from the meridian method's shape
-    or, for full nets of plans that it does not take, from the equilibrium of a sector (either is set all round for a
-    full net), Newton from rough relaxations of a crude bag, and relaxation alone.
-    The other methods try what they can of that; rigid bars that lead nowhere try again with bars that go slack. The
-    report of what is returned tells every attempt; its time is that of all of them, the guess included.
+    ``auto`` tries, in this order: Newton from where the last equilibria lead, from the meridian method's shape under
+    uniform pressure without drag (of one sector, set all round for a full net), from its equilibrium under the loads
+    themselves, along a path of catches from the nearest equilibrium, for full nets from the equilibrium of a sector set
+    all round, from rough relaxations of a crude bag; and relaxation alone. Where the catch is not given by its meshes,
+    the meridian method must search for the front and so comes after the crude bag. The other methods try what they can
+    of that; rigid bars that lead nowhere try again with bars that go slack. The report of what is returned tells every
+    attempt; its time is that of all of them, the guesses included.
     """
     problem = problem_of(scene.net, scene.plan, case)
     attempts: list[str] = []
     spent = 0.0
     for start, attempt in _attempts(scene, problem, case, known, progress):
-        solution = attempt()
+        tried = attempt()
+        if tried is None:
+            continue
+        solution = tried
         attempts += [f"from {start}: {line}" for line in solution.report.attempts]
         spent += solution.report.solve_ms
         if solution.report.outcome.converged or solution.report.outcome is Outcome.OVERFULL:
@@ -95,32 +103,58 @@ def _attempts(
 ) -> Iterator[Attempt]:
     method, tolerance = scene.plan.model.method, scene.plan.model.tolerance
 
-    def from_start(problem: Problem, start: Solution) -> Solution:
-        return newton.solve(problem, tolerance, start, DIRECT, progress, scene.prepared)
+    def from_start(problem: Problem, start: Solution, settings: NewtonSettings = DIRECT) -> Solution:
+        return newton.solve(problem, tolerance, start, settings, progress, scene.prepared)
+
+    by_meshes = case.catch_kind == "filled_meshes"
+    # where better starts are left, none is followed for long
+    first_settings = BRIEF if by_meshes and len(scene.net.corners) == 0 else DIRECT
 
     def from_crude() -> Solution:
         dynamic_relaxation.compile_kernels(problem)  # for the rough starts, ahead of Newton's clock
         joined = len({section.meshes_round for section in scene.plan.netting}) > 1
         return newton.solve(problem, tolerance, None, LONGER if joined else NewtonSettings(), progress, scene.prepared)
 
+    def from_the_last() -> Solution:
+        began = perf_counter()
+        start = _led(case, known)
+        led_ms = 1e3 * (perf_counter() - began)
+        return _later(from_start(problem, start, first_settings), led_ms)
+
+    def from_meridian(guess: Callable[[Plan, Case], MeridianShape | None], settings: NewtonSettings) -> Solution | None:
+        began = perf_counter()
+        start = _laid_out(scene, guess(scene.plan, case))
+        guess_ms = 1e3 * (perf_counter() - began)
+        if start is None:
+            return None
+        return _later(_from_limp(problem, start, partial(from_start, settings=settings)), guess_ms)
+
+    def from_sector() -> Solution | None:
+        began = perf_counter()
+        start = _sector_equilibrium(scene, case)
+        sector_ms = 1e3 * (perf_counter() - began)
+        return None if start is None else _later(from_start(problem, start), sector_ms)
+
     if method in ("auto", "newton"):
         # on a full net a start that leads nowhere costs minutes: there the last equilibria must be near
         led = known and (scene.columns == 1 or _near(case, known))
         if led:
-            yield "where the last equilibria lead", lambda: from_start(problem, _led(case, known))
-        began = perf_counter()
-        guess = _sector_guess(scene, case)
-        guess_ms = 1e3 * (perf_counter() - began)
-        if guess is not None:
-            yield "the meridian method's shape", lambda: _later(_from_limp(problem, guess, from_start), guess_ms)
-        elif scene.columns is None and scene.plan.model.bars_per_side == 1:
-            sector = _sector_equilibrium(scene, case)
-            sector_ms = 1e3 * (perf_counter() - began)
-            if sector is not None:
-                yield "the equilibrium of a sector", lambda: _later(from_start(problem, sector), sector_ms)
+            yield "where the last equilibria lead", from_the_last
+        if by_meshes:
+            yield "the meridian method's shape", lambda: from_meridian(first_guess, first_settings)
+            yield "the meridian method's equilibrium", lambda: from_meridian(equilibrium_guess, DIRECT)
         if known and not led:
-            yield "where the last equilibria lead", lambda: from_start(problem, _led(case, known))
+            yield "where the last equilibria lead", from_the_last
+        if path := _at_its_speed(case, known):
+            catch, solution = min(path, key=lambda pair: abs(pair[0] - case.catch_value))
+            # a catch given by its mass is a volume to the net
+            known_catch = catch * problem.loading.catch_value / case.catch_value
+            yield "the nearest equilibrium, in steps", lambda: in_steps(problem, (known_catch, solution), from_start)
+        if scene.columns is None and scene.plan.model.bars_per_side == 1:
+            yield "the equilibrium of a sector", from_sector
         yield "a crude bag", from_crude
+        if not by_meshes:
+            yield "the meridian method's equilibrium", lambda: from_meridian(equilibrium_guess, DIRECT)
     if method in ("auto", "dynamic-relaxation"):
         settings = RelaxationSettings(viscous=scene.plan.model.damping == "viscous")
         yield "a crude bag", lambda: dynamic_relaxation.solve(problem, tolerance, settings=settings, progress=progress)
@@ -141,21 +175,30 @@ def _led(case: Case, known: Sequence[tuple[Case, Solution]]) -> Solution:
     Limp inextensible twine takes the same shape at any speed, under tensions that grow with its square.
     """
     nearest, solution = min(known, key=lambda pair: (abs(pair[0].catch_value - case.catch_value), pair[0].speed_m_s))
-    if nearest.catch_value != case.catch_value and _near(case, known):
-        return predict(_at_its_speed(case, known), case.catch_value)
+    if nearest.catch_value != case.catch_value:
+        path = _at_its_speed(case, known)
+        if _reaches(path, case.catch_value):
+            return predict(path, case.catch_value)
     return replace(solution, bar_tension=(case.speed_m_s / nearest.speed_m_s) ** 2 * solution.bar_tension)
 
 
 def _at_its_speed(case: Case, known: Sequence[tuple[Case, Solution]]) -> list[tuple[float, Solution]]:
-    return [(other.catch_value, solution) for other, solution in known if other.speed_m_s == case.speed_m_s]
+    """Catches known at the case's speed, each once, and their equilibria."""
+    return list({other.catch_value: solution for other, solution in known if other.speed_m_s == case.speed_m_s}.items())
+
+
+def _reaches(path: Sequence[tuple[float, Solution]], catch: float) -> bool:
+    """Whether a polynomial through the last catches of a path can be trusted at another."""
+    if len(path) < 2:
+        return False
+    (before, _), (last, _) = path[-2:]
+    return abs(catch - last) <= FARTHEST_PREDICTION * abs(last - before)
 
 
 def _near(case: Case, known: Sequence[tuple[Case, Solution]]) -> bool:
-    """Whether the same catch is known, or the last ones are near enough to trust a polynomial through them."""
-    if any(other.catch_value == case.catch_value for other, _ in known):
-        return True
-    row = [catch for catch, _ in _at_its_speed(case, known)]
-    return len(row) > 1 and abs(case.catch_value - row[-1]) <= FARTHEST_PREDICTION * abs(row[-1] - row[-2])
+    """Whether the same catch is known, or the last ones lead as far as the case's."""
+    same = any(other.catch_value == case.catch_value for other, _ in known)
+    return same or _reaches(_at_its_speed(case, known), case.catch_value)
 
 
 def _from_limp(problem: Problem, start: Solution, solve: Callable[[Problem, Solution], Solution]) -> Solution:
@@ -178,12 +221,9 @@ def _from_limp(problem: Problem, start: Solution, solve: Callable[[Problem, Solu
     return _later(solution, spent - solution.report.solve_ms)
 
 
-def _sector_guess(scene: Scene, case: Case) -> Solution | None:
-    """Shape and tensions of the meridian method, laid out on the scene's net; None where it does not apply."""
-    if scene.plan.model.bars_per_side > 1:
-        return None
-    shape = first_guess(scene.plan, case)
-    if shape is None:
+def _laid_out(scene: Scene, shape: MeridianShape | None) -> Solution | None:
+    """Shape and tensions of the meridian method on the scene's net; None where there is no shape or it does not fit."""
+    if shape is None or scene.plan.model.bars_per_side > 1:
         return None
     g = scene.globalisation
     rows = (shape.x_m[::g], shape.radius_m[::g])

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from catch_models.filling import enclosed_volume
 from catch_models.pressure import PressureLaw
 from codend.mechanics import bars, bending, drag, pressure
 from codend.net import Floats, Net, mesh_corners, real_tensions, twine_bars
@@ -162,8 +163,7 @@ def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
     )
     return Measures(
         filled_meshes=float(share @ net.band_meshes),
-        # a front within the last band has a lid of no shape: its volume is not known
-        catch_volume_m3=float(share @ moment - front_x * (share @ area)) if share[-1] == 1.0 else float("nan"),
+        catch_volume_m3=enclosed_volume(rows.x_m, area, moment, share),
         front_radius_m=float(np.interp(front, np.arange(net.bands + 1), rows.radius_m)),
         front_from_codline_m=float(rows.x_m[-1] - front_x),
         max_radius_m=float(np.hypot(position[:, 1], position[:, 2]).max()),

@@ -29,7 +29,7 @@ def apply_overrides(data: Mapping[str, Any], overrides: Sequence[str], file: str
         InputError: an override is not KEY=VALUE, or its key leads into something that is no table or list.
     """
     changed = deepcopy(dict(data))
-    wanted = [_parsed(override, file) for override in overrides]
+    wanted = [parsed_override(override, file) for override in overrides]
     overridden = {key for key, _ in wanted}
     for key, value in wanted:
         *parents, last = key
@@ -49,7 +49,12 @@ def apply_overrides(data: Mapping[str, Any], overrides: Sequence[str], file: str
     return changed
 
 
-def _parsed(override: str, file: str | Path) -> tuple[tuple[str, ...], Any]:
+def parsed_override(override: str, file: str | Path) -> tuple[tuple[str, ...], Any]:
+    """Parts of the key, and the value, of a ``dotted.key=value``.
+
+    Raises:
+        InputError: it has no key or no "=".
+    """
     dotted, equals, text = override.partition("=")
     key = tuple(part.strip() for part in dotted.split("."))
     if not equals or not all(key):

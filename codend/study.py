@@ -16,6 +16,7 @@ from codend.meridian import plan_case
 from codend.net import Floats, Net, real_tensions
 from codend.plan import Case, Plan
 from codend.problem import Problem
+from codend.solvers import newton
 from codend.solvers.outcome import Outcome, Solution, SolverReport
 
 if TYPE_CHECKING:
@@ -35,6 +36,8 @@ class CaseResult:
     measures: Measures
     errors: Errors
     """How far the measures may be off."""
+    negative_pivots: int | None
+    """Of the tangent at the equilibrium, 0 where it is stable; None where there is no such tangent."""
     rows: Rows | None
     """None where the case was not solved."""
     meshes: Meshes | None
@@ -134,7 +137,8 @@ def solve(plan: Plan, progress: StudyProgress | None = None) -> Study:
         if result.converged:
             known.append((case, solution))
             errors = accuracy.estimate(scene, case, problem, solution, result.measures)
-            result = replace(result, errors=errors)
+            pivots = newton.negative_pivots(problem, solution, scene.prepared)
+            result = replace(result, errors=errors, negative_pivots=pivots)
         results[case.number] = result
     if progress is not None:
         progress(len(cases), len(cases), "done")
@@ -143,9 +147,9 @@ def solve(plan: Plan, progress: StudyProgress | None = None) -> Study:
 
 def _measured(case: Case, problem: Problem, solution: Solution) -> CaseResult:
     if not solution.report.outcome.converged:
-        return CaseResult(case, problem, solution, Measures.unknown(), Errors.unknown(), None, None)
+        return CaseResult(case, problem, solution, Measures.unknown(), Errors.unknown(), None, None, None)
     meshes, rows, measures = measure_all(problem, solution)
-    return CaseResult(case, problem, solution, measures, Errors.unknown(), rows, meshes)
+    return CaseResult(case, problem, solution, measures, Errors.unknown(), None, rows, meshes)
 
 
 def _solve_meridian(plan: Plan, progress: StudyProgress | None) -> Iterator[CaseResult]:

@@ -35,6 +35,7 @@ RESULT_COLUMNS = [
     "max_radius_error_m",
     "opening_ahead_error_deg",
     "drag_change_with_suction",
+    "negative_pivots",
 ]
 
 STRAP_COLUMNS = ["max_strap_tension_n"]
@@ -65,6 +66,7 @@ def _result_row(study: Study, result: CaseResult) -> dict[str, object]:
         "residual": result.report.residual,
         "converged": result.converged,
         "solve_ms": result.report.solve_ms,
+        "negative_pivots": float("nan") if result.negative_pivots is None else result.negative_pivots,
     }
 
 

@@ -284,6 +284,18 @@ def test_compare_prints_differences_and_the_tables_source_and_writes_both_and_a_
     assert (folder / "comparison.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_compare_computes_the_hoops_drag_for_an_assumed_rod(ran, tmp_path):
+    (tmp_path / "flume.csv").write_text(FLUME.replace(",10,", ",,"), encoding="utf-8")
+    result = codend_cli("compare", ran[0], tmp_path / "flume.csv", "--hoop-rod-mm", "8")
+    assert result.exit_code == 0
+    assert "drag_n: computed drag plus the hoop's (computed, rod of 8 mm ASSUMED)" in result.stdout
+    points = pd.read_csv(ran[0] / "comparison.csv").set_index(["quantity", "table_line"])
+    plan = codend.load_plan(ran[0] / "plan.toml")
+    expected = 0.5 * plan.tow.water_density_kg_m3 * 1.2 * 0.008 * 2 * np.pi * plan.entry.radius_m
+    assert points.loc[("drag_n", 3), "hoop_drag_n"] == pytest.approx(expected)
+    assert points.loc[("drag_n", 3), "hoop_origin"] == "computed, rod of 8 mm ASSUMED"
+
+
 def test_compare_with_a_bad_table_writes_nothing(ran, tmp_path):
     folder = tmp_path / "results"
     folder.mkdir()
@@ -376,6 +388,7 @@ def test_doctor_looks_at_every_package_the_project_declares():
 
     assert list(doctor.REQUIRED) == names(project["dependencies"])
     assert list(doctor.FOR_TESTS) == names(project["optional-dependencies"]["test"])
+    assert list(doctor.FAST) == names(project["optional-dependencies"]["fast"])
 
 
 def test_doctor_warms_up_and_names_versions_and_caches():

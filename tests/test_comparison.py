@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 import codend
-from codend.comparison import compare, read_flume_table, read_results
+from codend.comparison import Hoop, compare, read_flume_table, read_results
 from codend.errors import InputError
 from codend.report.comparison_plot import comparison_figure
 from validation.make_flume_table import TABLE, table_text
@@ -254,6 +254,40 @@ def test_the_hoops_drag_is_a_term_of_its_own_added_to_the_computed_drag(write):
 def test_drag_with_a_hoop_of_unknown_drag_is_not_compared(write):
     table = read_flume_table(write("filled_meshes,speed_m_s,drag_n,hoop_drag_n,length_m\n10,1,150,,5\n"))
     assert compare(RESULTS, table).summary["quantity"].tolist() == ["length_m"]
+
+
+HOOP = Hoop(radius_m=0.30, rod_m=0.010, water_density_kg_m3=1000.0)
+
+
+def test_the_hoops_drag_is_that_of_a_straight_rod_of_its_length():
+    assert HOOP.drag_n(np.array([0.0, 1.0, 2.0])) == pytest.approx(
+        0.5 * 1000.0 * 1.2 * 0.01 * 0.6 * np.pi * np.array([0, 1, 4])
+    )
+
+
+def test_a_computed_hoop_fills_an_empty_column_and_is_called_assumed_wherever_it_shows(write):
+    table = read_flume_table(write("filled_meshes,speed_m_s,drag_n,hoop_drag_n\n10,1,150,\n10,1.5,290,\n"))
+    comparison = compare(RESULTS, table, hoop=HOOP)
+    for line, speed in ((2, 1.0), (3, 1.5)):
+        hoop = value(comparison, "drag_n", line, "hoop_drag_n")
+        assert hoop == pytest.approx(HOOP.drag_n(np.array(speed)))
+        bare = float(RESULTS[(RESULTS["speed_m_s"] == speed) & (RESULTS["filled_meshes"] == 10.0)]["drag_n"].iloc[0])
+        assert value(comparison, "drag_n", line, "computed") == pytest.approx(bare + hoop)
+        assert value(comparison, "drag_n", line, "hoop_origin") == "computed, rod of 10 mm ASSUMED"
+    labels = comparison_figure(comparison).axes[0].get_legend_handles_labels()[1]
+    assert "hoop, computed, rod of 10 mm ASSUMED at 1 m/s" in labels
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ("filled_meshes,speed_m_s,drag_n\n10,1,150\n", "hoop_drag_n is missing, so drag_n includes no hoop's"),
+        ("filled_meshes,speed_m_s,drag_n,hoop_drag_n\n10,1,150,20\n20,1,170,\n", "hoop_drag_n has numbers of its own"),
+    ],
+)
+def test_no_hoop_is_computed_for_drag_without_one_or_with_a_known_one(write, table, said):
+    with pytest.raises(InputError, match=said):
+        compare(RESULTS, read_flume_table(write(table)), hoop=HOOP)
 
 
 def test_the_tables_own_word_on_its_source_goes_wherever_its_numbers_go(write):

@@ -6,7 +6,7 @@ import pytest
 from codend.measures import mesh_openings
 from codend.study import solve
 from tests.plans import make_plan, uniform_plan
-from tests.reference import residual
+from validation.reference import residual
 
 SECTOR = {"fidelity": "sector", "method": "dynamic-relaxation", "tolerance": 1e-7}
 
@@ -128,8 +128,13 @@ def test_openings_of_a_flat_panel_are_those_it_was_laid_with(uniform):
     assert 2 * uniform.net.bar_length[0] * np.sin(phi[:-2]) == pytest.approx(2 * spacing[:-2], rel=2e-3)
 
 
-def test_a_catch_within_the_last_band_of_the_bag_has_no_volume_rather_than_a_wrong_one():
-    tiny, small = (solve(make_plan(24, 20, filled=filled, model=SECTOR)).cases[0] for filled in (0.05, 0.5))
-    assert tiny.converged
-    assert np.isnan(tiny.measures.catch_volume_m3)
-    assert small.measures.catch_volume_m3 > 0.0
+def test_a_catch_within_the_last_band_has_its_share_of_the_volume_and_is_found_by_it():
+    filled = [0.05, 0.2, 0.4, 0.5]
+    by_meshes = solve(make_plan(24, 20, filled=filled, model=SECTOR)).table
+    volume = by_meshes["catch_volume_m3"].to_numpy()
+    assert np.all(np.diff(volume) > 0.0)
+    assert volume[0] > 0.0
+    by_volume = solve(make_plan(24, 20, catch={"volume_m3": volume.tolist()}, model=SECTOR)).table
+    assert by_volume["converged"].all()
+    assert by_volume["filled_meshes"].to_numpy() == pytest.approx(filled, rel=1e-4)
+    assert by_volume["drag_n"].to_numpy() == pytest.approx(by_meshes["drag_n"].to_numpy(), rel=1e-4)

@@ -15,7 +15,7 @@ from codend.net_parts import taken_up
 from codend.plan import Plan
 from codend.study import CaseResult, solve
 from tests.plans import NO_DRAG, UNIFORM, joined_plan
-from tests.reference import residual
+from validation.reference import residual
 
 KNOT = {"knot_mm": 5.0}
 STIFF = {"bending_stiffness_n_m2": 2e-6, "rest_opening_deg": 30.0}
@@ -181,7 +181,8 @@ def test_a_full_net_of_joined_sections_starts_from_a_sector_and_is_there_at_once
     result = solve(joined_plan(*USUAL["100 to 60"], model={"fidelity": "full"})).cases[0]
     check(result, 1e-6)
     (attempt,) = result.report.attempts
-    assert attempt.startswith("from the equilibrium of a sector: newton, switch 0.1: 0 iterations")
+    assert attempt.startswith("from the equilibrium of a sector: newton")
+    assert ": 0 iterations" in attempt
 
 
 def halved_aft(meshes_round: int) -> tuple[CaseResult, CaseResult]:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from catch_models.filling import fill_by_meshes, fill_to_plane, fill_to_volume
+from catch_models.filling import enclosed_volume, fill_by_meshes, fill_to_plane, fill_to_volume
 from codend.build import build_net
 from codend.loads import problem_of
 from codend.mechanics import bars, pressure
@@ -15,7 +15,7 @@ from codend.mechanics.arrays import structure_of
 from codend.mechanics.relaxation import add_loads
 from codend.net import rotate
 from tests.plans import NO_DRAG, UNIFORM, make_plan
-from tests.reference import nodal_loads
+from validation.reference import nodal_loads
 
 KINDS = st.sampled_from([("diamond", 0.0), ("diamond", 6.0), ("t90", 6.0), ("square", 0.0)])
 
@@ -178,11 +178,9 @@ def test_filling_to_a_volume_encloses_that_volume(radii, part):
     band_moment = cones - (row_x[1:] * np.pi * inner**2 - row_x[:-1] * np.pi * outer**2)
     share = np.zeros(len(cones))
     assert fill_to_volume(row_x, band_area, band_moment, part * cones.sum(), share)
-    front = (1 - share).sum()
-    whole = int(np.ceil(front))
-    area, moment = share @ band_area, share @ band_moment
-    assert moment - front * area == pytest.approx(part * cones.sum(), rel=1e-9)
-    assert np.all(share[whole:] == 1.0)
+    assert share @ cones == pytest.approx(part * cones.sum(), rel=1e-9)
+    assert enclosed_volume(row_x, band_area, band_moment, share) == pytest.approx(part * cones.sum(), rel=1e-9)
+    assert np.all(share[int(np.ceil((1 - share).sum())) :] == 1.0)
     assert not fill_to_volume(row_x, band_area, band_moment, 1.01 * cones.sum(), share)
 
 

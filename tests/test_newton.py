@@ -65,7 +65,7 @@ def test_a_rough_start_leads_to_an_equilibrium_without_compression(name):
     assert report.outcome is Outcome.CONVERGED, report.attempts
     assert max(report.residual, report.imbalance) <= 1e-8
     assert report.length_error <= 1e-6
-    assert report.negative_pivots == 0
+    assert newton.negative_pivots(problem, solution, newton.prepare(problem.structure)) == 0
     assert solution.bar_tension.min() >= 0.0
     length = np.linalg.norm(bar_vectors(problem.net, solution.positions), axis=1)
     law = problem.net.bar_length * (1.0 + solution.bar_tension * problem.net.bar_flexibility)
@@ -200,6 +200,7 @@ def test_band_and_sparse_factors_solve_the_dense_system_and_pivots_count_eigenva
     negative = banded.factorise(blocks)
     assert negative == np.count_nonzero(np.linalg.eigvalsh(matrix) < 0.0)
     sparse.factorise(blocks)
+    assert banded.negative_pivots() == sparse.negative_pivots() == negative
     free = unknown >= 0
     expected = np.zeros_like(right)
     for side in range(2):
@@ -211,14 +212,33 @@ def test_band_and_sparse_factors_solve_the_dense_system_and_pivots_count_eigenva
     np.testing.assert_allclose(sparse.solve(right), expected, atol=1e-7 * scale)
 
 
-def test_catches_in_a_row_are_the_same_as_each_from_scratch():
+def test_a_path_in_steps_ends_where_a_solve_from_scratch_does():
     problem = _problem(knot_mm=5.0)
-    values = [4.0, 6.0, 8.0, 10.5, 20.0]
-    along = continuation.solve_along(problem, values, 1e-9)
-    for value, solution in zip(values, along, strict=True):
-        alone = newton.solve(continuation.with_catch(problem, value), 1e-9)
-        assert solution.report.outcome is Outcome.CONVERGED
-        np.testing.assert_allclose(solution.positions, alone.positions, atol=1e-6)
+    first = newton.solve(continuation.with_catch(problem, 2.0), 1e-9)
+    wanted = continuation.with_catch(problem, 20.0)
+    prepared = newton.prepare(problem.structure)
+    tried = []
+
+    def short_of_breath(step, start):
+        tried.append(step.loading.catch_value)
+        settings = NewtonSettings(rough_starts=(), switches=(0.1,), iterations_allowed=5)
+        return newton.solve(step, 1e-9, start, settings, prepared=prepared)
+
+    solution = continuation.in_steps(wanted, (2.0, first), short_of_breath)
+    assert solution.report.outcome is Outcome.CONVERGED
+    assert len(tried) > 2
+    assert tried[-1] == 20.0
+    np.testing.assert_allclose(solution.positions, newton.solve(wanted, 1e-9).positions, atol=1e-6)
+
+
+def test_a_path_that_leads_nowhere_is_given_up_honestly():
+    problem = _problem(knot_mm=5.0)
+    first = newton.solve(continuation.with_catch(problem, 2.0), 1e-9)
+    beyond = continuation.with_catch(problem, 31.0)
+    direct = NewtonSettings(rough_starts=(), switches=(0.1,))
+    solution = continuation.in_steps(beyond, (2.0, first), lambda step, at: newton.solve(step, 1e-9, at, direct))
+    assert not solution.report.outcome.converged
+    assert np.all(np.isnan(solution.positions))
 
 
 def test_prediction_is_exact_for_quadratics():

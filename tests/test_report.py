@@ -210,7 +210,7 @@ def test_a_writer_that_fails_midway_leaves_no_half_file_and_the_old_one_untouche
     assert [(found.name, found.read_text()) for found in tmp_path.iterdir()] == [("table.csv", "old")]
 
 
-@pytest.mark.parametrize("broken", ["to_csv", "page_html", "net_mesh", "savefig"])
+@pytest.mark.parametrize("broken", ["to_csv", "page_html", "net_mesh", "save"])
 def test_a_report_that_breaks_off_leaves_only_whole_files(
     study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, broken: str
 ):
@@ -224,7 +224,7 @@ def test_a_report_that_breaks_off_leaves_only_whole_files(
         "to_csv": "pandas.DataFrame.to_csv",
         "page_html": "codend.report.page.page_html",
         "net_mesh": "meshio.Mesh.write",
-        "savefig": "matplotlib.figure.Figure.savefig",
+        "save": "PIL.Image.Image.save",
     }[broken]
     monkeypatch.setattr(owner, half_then_fail)
     with pytest.raises(OSError, match="No space"):

@@ -9,7 +9,7 @@ from scipy.special import ellipk, jn_zeros
 from codend import study
 from codend.build import build_net
 from codend.errors import InputError
-from codend.loads import problem_of
+from codend.loads import GRAVITY_M_S2, problem_of
 from codend.measures import measure_all
 from codend.mechanics.drag import add_drag, add_moving_drag
 from codend.net import rotate
@@ -18,9 +18,10 @@ from codend.solvers.outcome import Outcome
 from codend.solvers.rigid_bars import RigidBarsSettings
 from codend.solvers.rigid_motion import simulate
 from codend.solvers.tension_system import TensionSystem
-from tests.chains import DENSITY_KG_M3, DIAMETER_M, GRAVITY_M_S2, MASS_PER_METRE, chain, hanging, pendulum, small_swings
+from tests.chains import hanging, pendulum, small_swings
 from tests.plans import make_plan, uniform_plan
-from tests.reference import residual
+from validation.chains import DENSITY_KG_M3, DIAMETER_M, MASS_PER_METRE, chain
+from validation.reference import residual
 
 LARGE = 2.0
 
@@ -125,12 +126,12 @@ def test_a_bar_let_go_in_water_starts_with_its_added_mass_across_and_without_it_
     for axis, expected in ((0, weight / (1 + water / DENSITY_KG_M3)), (2, weight)):
         positions = np.zeros((2, 3))
         positions[1, axis] = -1.0
-        history = simulate(chain(positions, held=0, water=water), positions, np.zeros((2, 3)), 1e-4, 1)
+        history = simulate(chain(positions, held=(), water=water), positions, np.zeros((2, 3)), 1e-4, 1)
         assert history.velocities[1, :, 2] == pytest.approx(-1e-4 * expected, rel=1e-12)
 
 
 def test_a_level_bar_sinks_at_the_speed_at_which_drag_is_its_weight():
-    problem = chain(np.array([[0.0, 0, 0], [1.0, 0, 0]]), held=0, water=1000.0, normal=1.36)
+    problem = chain(np.array([[0.0, 0, 0], [1.0, 0, 0]]), held=(), water=1000.0, normal=1.36)
     weight = MASS_PER_METRE * (1 - 1000.0 / DENSITY_KG_M3) * GRAVITY_M_S2
     history = motion(problem, 1e-3, 2.0)
     assert history.velocities[-1, :, 2] == pytest.approx(-np.sqrt(weight / (500.0 * DIAMETER_M * 1.36)), rel=1e-6)

@@ -15,7 +15,7 @@ from codend.net import bar_vectors
 from codend.study import CaseResult, solve
 from codend.tables import RESULT_COLUMNS
 from tests.plans import joined_plan
-from tests.reference import bar_pulls, nodal_loads, residual
+from validation.reference import bar_pulls, nodal_loads, residual
 
 ROUND, LONG = 60, 40
 KINDS: dict[str, tuple[str, dict[str, Any]]] = {

@@ -1,185 +1,258 @@
-"""The tangent of each load alone against central differences, on sectors, full nets and distorted shapes."""
+"""The tangent of each load alone, and of all together, against complex steps of the same forces in plain numpy."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from catch_models.pressure import sphere_law
 from codend.build import build_net
 from codend.loads import problem_of
-from codend.mechanics import arrays
-from codend.mechanics.arrays import Loading, Structure
+from codend.mechanics import newton_step
+from codend.mechanics.arrays import Structure, structure_of
 from codend.mechanics.bars import add_bar_forces, bar_lengths
+from codend.mechanics.bending import add_bending
 from codend.mechanics.drag import add_drag
 from codend.mechanics.pressure import add_pressure, fill
 from codend.mechanics.tangent import Pattern, add_bar_tangent, pattern_of
+from codend.mechanics.tangent_bending import add_bending_tangent
 from codend.mechanics.tangent_front import front_band, load_by_share, share_gradient
 from codend.mechanics.tangent_loads import add_drag_tangent, add_pressure_tangent
-from codend.plan import plan_from_dict
+from codend.net import Floats, bar_vectors
+from codend.problem import Problem
+from tests import complex_loads
+from tests.complex_loads import derivative
+from tests.plans import UNIFORM, make_plan
 
 MESHES = ["diamond", "knotted", "t90", "square"]
 COLUMNS = [1, 2, None]
+LAWS = ["le-bris-1999", "bessonneau-1997"]
+PLANE, VOLUME = {"front_from_codline_m": 0.3}, {"volume_m3": 1.5e-3}
+ROUND_OFF = 1e-11
 
 
-def _case(mesh, columns, distortion=0.1, **loading):
-    section = {
-        "mesh": "diamond" if mesh == "knotted" else mesh,
-        "meshes_round": 8,
-        "meshes_long": 4,
-        "bar_mm": 100.0,
-        "knot_mm": 0.0 if mesh in {"diamond", "square"} else 20.0,
-        "twine_mm": 4.0,
-    }
-    plan = plan_from_dict(
-        {
-            "title": "small",
-            "tow": {"speed_m_s": 1.3, "water_density_kg_m3": 1000.0},
-            "entry": {"radius_m": 0.1},
-            "netting": [section],
-            "catch": {"filled_meshes": 2.3, "pressure": "sphere"},
-        }
+def distorted(
+    mesh: str, columns: int | None, *, catch: dict | None = None, law: str = LAWS[0], shake: float = 0.01, seed: int = 7
+) -> Problem:
+    """A small elastic net away from its built shape, every other bar slack, stiff in bending where that has a place."""
+    netting = {"twine_mm": 4.0, "axial_stiffness_n": 50.0, "knot_mm": 20.0 if mesh in {"knotted", "t90"} else 0.0}
+    if mesh != "square":
+        netting["bending_stiffness_n_m2"] = 1e-3
+    plan = make_plan(
+        6,
+        4,
+        0.4,
+        mesh="diamond" if mesh == "knotted" else mesh,
+        bar_mm=100.0,
+        netting=netting,
+        catch=catch or {"filled_meshes": 2.3},
+        drag={"law": law, "tangential": 0.1},
+        speed=1.3,
     )
     net = build_net(plan, columns=columns)
-    problem = problem_of(net, plan, plan.cases()[0])
-    rng = np.random.default_rng(7)
-    position = net.positions + distortion * 0.1 * rng.normal(size=net.positions.shape)
-    return problem.structure, problem.loading._replace(**loading), position
+    rng = np.random.default_rng(seed)
+    positions = net.positions + shake * rng.normal(size=net.positions.shape)
+    bars = np.arange(len(net.bars))
+    length = np.linalg.norm(bar_vectors(net, positions), axis=1)
+    net = replace(
+        net,
+        positions=positions,
+        bar_length=length * np.where(bars % 2, 1.1, 0.9) * rng.uniform(0.95, 1.05, len(bars)),
+        bar_flexibility=rng.uniform(0.01, 0.1, len(bars)),
+    )
+    return problem_of(net, plan, plan.cases()[0])
 
 
-def _dense(pattern: Pattern, blocks: np.ndarray, nodes: int) -> np.ndarray:
+def shares(problem: Problem) -> Floats:
+    share = np.zeros(problem.net.bands)
+    fill(problem.net.positions, problem.structure, problem.loading, share)
+    return share
+
+
+def laid_out(structure: Structure) -> tuple[Pattern, Floats]:
+    pattern = pattern_of(structure)
+    return pattern, np.zeros((len(pattern.row), 3, 3))
+
+
+def dense(pattern: Pattern, blocks: Floats, nodes: int) -> Floats:
     matrix = np.zeros((nodes, 3, nodes, 3))
     for row, column, block in zip(pattern.row, pattern.column, blocks, strict=True):
         matrix[row, :, column] += block
     return matrix.reshape(3 * nodes, 3 * nodes)
 
 
-def _differences(force, position, step=1e-6):
-    columns = []
-    for i in range(position.size):
-        move = np.zeros(position.size)
-        move[i] = step
-        move = move.reshape(position.shape)
-        columns.append((force(position - move) - force(position + move)).ravel() / (2.0 * step))
-    return np.stack(columns, axis=1)
+def assert_same(found: Floats, expected: Floats) -> None:
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=ROUND_OFF * np.abs(expected).max())
 
 
-def _shares(structure: Structure, loading: Loading, position: np.ndarray) -> np.ndarray:
-    share = np.zeros_like(structure.band_meshes)
-    fill(position, structure, loading, share)
-    return share
+def check(problem: Problem, kernel, tangent, plain) -> None:  # type: ignore[no-untyped-def]
+    """The kernel's forces are the plain ones, and its tangent is minus their derivative."""
+    position = problem.net.positions
+    force = np.zeros_like(position)
+    kernel(position, force)
+    assert_same(force, plain(position).real)
+    pattern, blocks = laid_out(problem.structure)
+    tangent(position, pattern, blocks)
+    assert_same(dense(pattern, blocks, len(position)), -derivative(plain, position))
 
 
-def _blocks(structure):
-    pattern = pattern_of(structure)
-    return pattern, np.zeros((len(pattern.row), 3, 3))
+def check_bars(problem: Problem) -> None:
+    net, structure = problem.net, problem.structure
+    length = np.zeros(len(net.bars))
+    bar_lengths(net.positions, structure, length)
+    taut = length > net.bar_length
+    density = np.where(taut, (1.0 / net.bar_length - 1.0 / length) / net.bar_flexibility, 0.0)
+    hardening = np.where(taut, 1.0 / (net.bar_flexibility * length**3), 0.0)
+    check(
+        problem,
+        lambda at, force: add_bar_forces(at, structure, density, force),
+        lambda at, pattern, blocks: add_bar_tangent(at, structure, pattern, density, hardening, blocks),
+        lambda at: complex_loads.elastic_pull(net, at),
+    )
+
+
+def check_drag(problem: Problem) -> None:
+    structure, loading, share = problem.structure, problem.loading, shares(problem)
+    check(
+        problem,
+        lambda at, force: add_drag(at, structure, loading, share, force),
+        lambda at, pattern, blocks: add_drag_tangent(at, structure, loading, pattern, share, blocks),
+        lambda at: complex_loads.twine_drag(problem, at, share),
+    )
+
+
+def check_pressure(problem: Problem) -> None:
+    structure, loading, share = problem.structure, problem.loading, shares(problem)
+    check(
+        problem,
+        lambda at, force: add_pressure(at, structure, loading, share, force),
+        lambda at, pattern, blocks: add_pressure_tangent(at, structure, loading, pattern, share, blocks),
+        lambda at: complex_loads.catch_pressure(problem, at, share),
+    )
+
+
+def check_bending(problem: Problem) -> None:
+    net, structure = problem.net, problem.structure
+    check(
+        problem,
+        lambda at, force: add_bending(at, structure, force),
+        lambda at, pattern, blocks: add_bending_tangent(at, structure, pattern, blocks),
+        lambda at: complex_loads.bending_resistance(net, at),
+    )
 
 
 @pytest.mark.parametrize("columns", COLUMNS)
 @pytest.mark.parametrize("mesh", MESHES)
-def test_tangent_of_elastic_bars_is_the_derivative_of_their_pull(mesh, columns):
-    structure, _, position = _case(mesh, columns)
-    stiffness = 50.0
-
-    def force(at):
-        length = np.zeros(len(structure.first))
-        bar_lengths(at, structure, length)
-        result = np.zeros_like(at)
-        add_bar_forces(at, structure, stiffness * (1.0 / structure.length - 1.0 / length), result)
-        return result
-
-    pattern, blocks = _blocks(structure)
-    length = np.zeros(len(structure.first))
-    bar_lengths(position, structure, length)
-    density = stiffness * (1.0 / structure.length - 1.0 / length)
-    add_bar_tangent(position, structure, pattern, density, stiffness / length**3, blocks)
-    expected = _differences(force, position)
-    np.testing.assert_allclose(_dense(pattern, blocks, len(position)), expected, atol=1e-6 * np.abs(expected).max())
+def test_tangent_of_taut_and_slack_elastic_bars_is_the_derivative_of_their_pull(mesh, columns):
+    check_bars(distorted(mesh, columns))
 
 
-@pytest.mark.parametrize("law", [arrays.LE_BRIS_1999, arrays.BESSONNEAU_1997])
+@pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("columns", COLUMNS)
 @pytest.mark.parametrize("mesh", ["diamond", "t90"])
 def test_tangent_of_the_drag_is_its_derivative_at_given_shares(mesh, columns, law):
-    structure, loading, position = _case(mesh, columns, drag_law=law, tangential=0.1)
-    share = _shares(structure, loading, position)
-
-    def force(at):
-        result = np.zeros_like(at)
-        add_drag(at, structure, loading, share, result)
-        return result
-
-    pattern, blocks = _blocks(structure)
-    add_drag_tangent(position, structure, loading, pattern, share, blocks)
-    expected = _differences(force, position)
-    np.testing.assert_allclose(_dense(pattern, blocks, len(position)), expected, atol=1e-6 * np.abs(expected).max())
+    check_drag(distorted(mesh, columns, law=law))
 
 
+@pytest.mark.parametrize("catch", [{}, UNIFORM], ids=["sphere", "uniform"])
 @pytest.mark.parametrize("columns", COLUMNS)
 @pytest.mark.parametrize("mesh", MESHES)
-def test_tangent_of_the_pressure_is_its_derivative_at_given_shares(mesh, columns):
-    structure, loading, position = _case(mesh, columns)
-    share = _shares(structure, loading, position)
-
-    def force(at):
-        result = np.zeros_like(at)
-        add_pressure(at, structure, loading, share, result)
-        return result
-
-    pattern, blocks = _blocks(structure)
-    add_pressure_tangent(position, structure, loading, pattern, share, blocks)
-    expected = _differences(force, position)
-    np.testing.assert_allclose(_dense(pattern, blocks, len(position)), expected, atol=2e-6 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("turn", [0.0, np.pi])
-def test_pressure_tangent_is_finite_on_facets_square_to_the_flow(turn):
-    structure, loading, position = _case("diamond", None, distortion=0.0)
-    flat = position.copy()
-    flat[:, 0] = 0.0
-    flat[:, 1] *= np.cos(turn)
-    pattern, blocks = _blocks(structure)
-    add_pressure_tangent(flat, structure, loading, pattern, np.ones_like(structure.band_meshes), blocks)
-    assert np.all(np.isfinite(blocks))
-    # just off the axis of the flow the derivative is as large, and differs by the order of the law's slope there
-    near = np.zeros_like(blocks)
-    add_pressure_tangent(
-        flat + 1e-9 * np.random.default_rng(1).normal(size=flat.shape),
-        structure,
-        loading,
-        pattern,
-        np.ones_like(structure.band_meshes),
-        near,
-    )
-    slope = np.abs(sphere_law().derivative([0.0, np.pi])).max()
-    assert np.abs(near - blocks).max() <= 5.0 * slope * np.abs(blocks).max()
+def test_tangent_of_the_pressure_is_its_derivative_at_given_shares(mesh, columns, catch):
+    check_pressure(distorted(mesh, columns, catch={"filled_meshes": 2.3, **catch}))
 
 
 @pytest.mark.parametrize("columns", COLUMNS)
 @pytest.mark.parametrize("mesh", ["diamond", "knotted", "t90"])
-@pytest.mark.parametrize(("kind", "value"), [(arrays.FRONT_FROM_CODLINE, 0.3), (arrays.VOLUME, 5e-3)])
-def test_moving_front_adds_the_product_of_load_by_share_and_share_by_position(mesh, columns, kind, value):
-    structure, loading, position = _case(mesh, columns, distortion=0.03, catch_kind=kind, catch_value=value)
+def test_tangent_of_stiff_twine_is_the_derivative_of_its_resistance(mesh, columns):
+    check_bending(distorted(mesh, columns))
 
-    def force(at):
-        share = _shares(structure, loading, at)
-        result = np.zeros_like(at)
-        add_drag(at, structure, loading, share, result)
-        add_pressure(at, structure, loading, share, result)
-        return result
 
-    share = _shares(structure, loading, position)
-    band = front_band(loading, share)
-    assert 0 < band < len(share) - 1
-    pattern, blocks = _blocks(structure)
-    add_drag_tangent(position, structure, loading, pattern, share, blocks)
-    add_pressure_tangent(position, structure, loading, pattern, share, blocks)
-    gradient, load = np.zeros_like(position), np.zeros_like(position)
-    share_gradient(position, structure, loading, share, band, gradient)
-    load_by_share(position, structure, loading, band, load)
-    expected = _differences(force, position, 1e-7)
-    found = _dense(pattern, blocks, len(position)) - np.outer(load.ravel(), gradient.ravel())
-    np.testing.assert_allclose(found, expected, atol=1e-5 * np.abs(expected).max())
+@settings(max_examples=12)
+@given(
+    st.sampled_from(MESHES),
+    st.sampled_from(COLUMNS[:2]),
+    st.sampled_from(LAWS),
+    st.floats(0.3, 4.0),
+    st.floats(0.002, 0.03),
+    st.integers(0, 2**32 - 1),
+)
+def test_tangents_are_the_derivatives_on_random_nets(mesh, columns, law, filled, shake, seed):
+    problem = distorted(mesh, columns, catch={"filled_meshes": filled}, law=law, shake=shake, seed=seed)
+    check_bars(problem)
+    check_drag(problem)
+    check_pressure(problem)
+    if mesh != "square":
+        check_bending(problem)
+
+
+@pytest.mark.parametrize("columns", COLUMNS)
+@pytest.mark.parametrize("mesh", ["diamond", "knotted", "t90"])
+@pytest.mark.parametrize("catch", [PLANE, VOLUME], ids=["plane", "volume"])
+def test_the_share_of_the_fronts_band_follows_the_net_by_its_gradient(mesh, columns, catch):
+    problem = distorted(mesh, columns, catch=catch, shake=0.003)
+    net, share = problem.net, shares(problem)
+    band = front_band(problem.loading, share)
+    assert 0 < band < net.bands - 1
+    np.testing.assert_allclose(share, complex_loads.shares(problem, net.positions).real, rtol=0.0, atol=1e-12)
+    gradient = np.zeros_like(net.positions)
+    share_gradient(net.positions, problem.structure, problem.loading, share, band, gradient)
+    by_node = derivative(lambda at: complex_loads.shares(problem, at)[band], net.positions)
+    assert_same(gradient.ravel(), by_node[0])
+
+
+@pytest.mark.parametrize("columns", COLUMNS)
+@pytest.mark.parametrize("mesh", MESHES)
+@pytest.mark.parametrize("catch", [None, PLANE, VOLUME], ids=["meshes", "plane", "volume"])
+def test_newtons_linearisation_is_the_derivative_of_all_that_is_out_of_balance(mesh, columns, catch):
+    """Of elastic nets, their force densities eliminated; a moving front adds the product of two vectors."""
+    problem = distorted(mesh, columns, catch=catch, shake=0.003)
+    net, structure, loading, position = problem.net, problem.structure, problem.loading, problem.net.positions
+    pattern = pattern_of(structure)
+    state, step = newton_step.empty_state(structure), newton_step.empty_step(structure, pattern)
+    state.position[:] = position
+    bar_lengths(position, structure, state.length)
+    stretch = 1.0 / net.bar_length - 1.0 / state.length
+    state.density[:] = np.maximum(stretch, 0.0) / net.bar_flexibility
+    newton_step.measure(structure, loading, 1.0, 1.0, state)
+    sides = newton_step.linearise(structure, loading, pattern, 1.0, 0.0, state, step)
+    assert sides == (1 if catch is None else 2)
+
+    def out_of_balance(at):
+        share = complex_loads.shares(problem, at)
+        outside = complex_loads.twine_drag(problem, at, share) + complex_loads.catch_pressure(problem, at, share)
+        return outside + complex_loads.elastic_pull(net, at) + complex_loads.bending_resistance(net, at)
+
+    assert_same(state.force, out_of_balance(position).real)
+    found = dense(pattern, step.blocks, len(position))
+    if sides == 2:
+        load = np.zeros_like(position)
+        load_by_share(position, structure, loading, front_band(loading, state.share), load)
+        assert_same(step.right[1], load)
+        found -= np.outer(load.ravel(), step.gradient.ravel())
+    assert_same(found, -derivative(out_of_balance, position))
 
 
 def test_filled_meshes_leave_the_shares_where_they_are():
-    structure, loading, position = _case("diamond", 1)
-    assert front_band(loading, _shares(structure, loading, position)) == -1
+    problem = distorted("diamond", 1)
+    assert front_band(problem.loading, shares(problem)) == -1
+
+
+@pytest.mark.parametrize("turn", [0.0, np.pi])
+def test_pressure_tangent_is_finite_on_facets_square_to_the_flow(turn):
+    problem = distorted("diamond", None, shake=0.0)
+    structure = structure_of(problem.net)
+    flat = problem.net.positions.copy()
+    flat[:, 0] = 0.0
+    flat[:, 1] *= np.cos(turn)
+    whole = np.ones(problem.net.bands)
+    pattern, blocks = laid_out(structure)
+    add_pressure_tangent(flat, structure, problem.loading, pattern, whole, blocks)
+    assert np.all(np.isfinite(blocks))
+    # just off the axis of the flow the derivative is as large, and differs by the order of the law's slope there
+    near = np.zeros_like(blocks)
+    shaken = flat + 1e-9 * np.random.default_rng(1).normal(size=flat.shape)
+    add_pressure_tangent(shaken, structure, problem.loading, pattern, whole, near)
+    slope = np.abs(sphere_law().derivative([0.0, np.pi])).max()
+    assert np.abs(near - blocks).max() <= 5.0 * slope * np.abs(blocks).max()

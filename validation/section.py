@@ -18,7 +18,7 @@ class Picture:
     """A figure of the report and what a reader should see in it."""
 
     name: str
-    """Stem of its file."""
+    """Stem of its file; the picture goes where the section's text has the line ``![name]``, else after the text."""
     figure: "Figure"
     caption: str
 

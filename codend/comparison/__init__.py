@@ -2,5 +2,6 @@
 
 from codend.comparison.compare import Comparison, compare, read_results
 from codend.comparison.flume_table import FlumeTable, read_flume_table
+from codend.comparison.hoop import Hoop
 
-__all__ = ["Comparison", "FlumeTable", "compare", "read_flume_table", "read_results"]
+__all__ = ["Comparison", "FlumeTable", "Hoop", "compare", "read_flume_table", "read_results"]

@@ -1,12 +1,13 @@
 """Match the rows of a flume table with computed cases, and the differences of every quantity."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from codend.comparison.flume_table import CATCH_COLUMNS, HOOP_COLUMN, MEASURED_COLUMNS, SPEED_COLUMN, Floats, FlumeTable
+from codend.comparison.hoop import Hoop
 from codend.errors import InputError
 
 SAME = 1e-6
@@ -26,10 +27,11 @@ class Comparison:
     """The catch column along which the computed cases were interpolated; None: matched on speed alone."""
     points: pd.DataFrame
     """``comparison.csv``: a row a quantity of a row of the table: ``table_line, speed_m_s``, the catch column matched
-    on, ``quantity, tabled, computed, hoop_drag_n, difference, relative_difference, interpolated, note, source``.
+    on, ``quantity, tabled, computed, hoop_drag_n, hoop_origin, difference, relative_difference, interpolated, note,
+    source``.
 
     ``computed`` is nan where ``note`` says why there is nothing to compare with. For ``drag_n`` it includes the hoop's
-    drag, which the table gives and ``hoop_drag_n`` repeats.
+    drag, which ``hoop_drag_n`` repeats; ``hoop_origin`` says whether the table gives it or it was computed.
     """
 
     @property
@@ -69,7 +71,9 @@ def read_results(path: str | Path) -> pd.DataFrame:
         raise InputError(path, "", None, "the results.csv of a run", f"cannot be read: {reason}") from None
 
 
-def compare(results: pd.DataFrame, table: FlumeTable, source: str | Path = "results") -> Comparison:
+def compare(
+    results: pd.DataFrame, table: FlumeTable, source: str | Path = "results", hoop: Hoop | None = None
+) -> Comparison:
     """Set the converged cases of a run beside a table.
 
     A row of the table is matched with the cases of its speed. Along the catch size, cases are interpolated by monotone
@@ -80,12 +84,17 @@ def compare(results: pd.DataFrame, table: FlumeTable, source: str | Path = "resu
         results: ``Study.table``, or as ``read_results`` returns it.
         table: as ``read_flume_table`` returns it.
         source: where the results are from, for messages.
+        hoop: whose drag is added to the computed drag, for a table that has the column ``hoop_drag_n``, and so drag
+            that includes a hoop's, but no number in it.
 
     Raises:
-        InputError: the results lack a column or a converged case, or no row of the table can be matched with them.
+        InputError: the results lack a column or a converged case, no row of the table can be matched with them, or a
+            hoop is given for a table whose drag includes none or that gives the hoop's drag itself.
     """
     computed = _computed(results, source)
     speeds = _speeds(computed, table)
+    if hoop is not None:
+        table = _with_hoop(table, hoop, speeds)
     best = max(
         (_match(computed, table, speeds, name) for name in table.catch_columns or (None,)),
         key=lambda match: (match.found, match.exact),
@@ -136,6 +145,17 @@ def _speeds(computed: pd.DataFrame, table: FlumeTable) -> Floats:
     if not np.allclose(computed[SPEED_COLUMN], one, rtol=SAME, atol=0.0):
         raise InputError(table.path, SPEED_COLUMN, None, "that column, as several speeds were computed", "is missing")
     return np.full(len(table.lines), float(one))
+
+
+def _with_hoop(table: FlumeTable, hoop: Hoop, speeds: Floats) -> FlumeTable:
+    """The table with the hoop's drag where it has an empty column for it."""
+    if HOOP_COLUMN not in table.columns:
+        allowed = "an empty column of that name where it does, or no hoop to be computed"
+        raise InputError(table.path, HOOP_COLUMN, None, allowed, "is missing, so drag_n includes no hoop's")
+    if not np.isnan(table.columns[HOOP_COLUMN]).all():
+        allowed = "an empty column, or no hoop to be computed"
+        raise InputError(table.path, HOOP_COLUMN, None, allowed, "has numbers of its own")
+    return replace(table, columns=table.columns | {HOOP_COLUMN: hoop.drag_n(speeds)}, hoop_origin=hoop.origin)
 
 
 def _match(computed: pd.DataFrame, table: FlumeTable, speeds: Floats, on: str | None) -> _Match:
@@ -210,6 +230,7 @@ def _points(table: FlumeTable, speeds: Floats, match: _Match, quantity: str) -> 
         tabled=tabled,
         computed=computed,
         hoop_drag_n=hoop,
+        hoop_origin=np.where(np.isnan(hoop), "", table.hoop_origin),
         difference=difference,
         relative_difference=relative,
         interpolated=match.interpolated,

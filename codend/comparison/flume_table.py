@@ -32,6 +32,8 @@ class FlumeTable:
     """(R,) each, nan where a cell is empty; only columns that hold a number."""
     lines: NDArray[np.int64]
     """(R,) line of each row in the file, from 1."""
+    hoop_origin: str = "of the table"
+    """Where ``hoop_drag_n`` is from."""
 
     @property
     def origin(self) -> str:

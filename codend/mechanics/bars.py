@@ -11,8 +11,8 @@ multiplier: c is then taken as infinite, which gives the elastic law itself.
 """
 
 import numpy as np
-from numba import njit
 
+from codend.compiled import njit
 from codend.mechanics.arrays import Structure
 from codend.mechanics.images import add_turned_back, turned
 from codend.net import Floats

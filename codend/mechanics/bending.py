@@ -9,8 +9,8 @@ pi - 2 phi beside a knot that lies across, so a corner holds half the energy of 
 """
 
 import numpy as np
-from numba import njit
 
+from codend.compiled import njit
 from codend.mechanics.arrays import Structure
 from codend.mechanics.images import add_turned_back, turned
 from codend.net import Floats
@@ -29,17 +29,23 @@ def corner_vectors(position: Floats, structure: Structure, corner: int, u: Float
 
 
 @njit(cache=True)
+def dot(u: Floats, v: Floats) -> float:
+    """Scalar product of two vectors in space."""
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+
+
+@njit(cache=True)
 def corner_slopes(u: Floats, v: Floats, along_u: Floats, along_v: Floats) -> float:
     """Angle psi between two vectors, and its gradients with respect to them; gradients 0 where they are parallel."""
-    uu, vv, uv = u @ u, v @ v, u @ v
-    cross = float(np.sqrt(np.maximum(uu * vv - uv * uv, 0.0)))
+    uu, vv, uv = dot(u, u), dot(v, v), dot(u, v)
+    cross = np.sqrt(max(uu * vv - uv * uv, 0.0))
     along_u[:] = 0.0
     along_v[:] = 0.0
     if cross > 1e-12 * uu + 1e-12 * vv:
         for i in range(3):
             along_u[i] = (uv / uu * u[i] - v[i]) / cross
             along_v[i] = (uv / vv * v[i] - u[i]) / cross
-    return float(np.arctan2(cross, uv))
+    return np.arctan2(cross, uv)
 
 
 @njit(cache=True)
@@ -52,11 +58,11 @@ def add_bending(position: Floats, structure: Structure, force: Floats) -> None:
         corner_vectors(position, structure, corner, u, v)
         psi = corner_slopes(u, v, along_u, along_v)
         moment = -0.25 * stiffness[corner] * (psi - rest[corner])
-        a, b = moment * along_u, moment * along_v
-        add_turned_back(force, corners[corner, 1], a[0], a[1], a[2], images[corner, 1], rotations)
-        add_turned_back(force, corners[corner, 2], b[0], b[1], b[2], images[corner, 2], rotations)
-        m = -a - b
-        add_turned_back(force, corners[corner, 0], m[0], m[1], m[2], images[corner, 0], rotations)
+        ax, ay, az = moment * along_u[0], moment * along_u[1], moment * along_u[2]
+        bx, by, bz = moment * along_v[0], moment * along_v[1], moment * along_v[2]
+        add_turned_back(force, corners[corner, 1], ax, ay, az, images[corner, 1], rotations)
+        add_turned_back(force, corners[corner, 2], bx, by, bz, images[corner, 2], rotations)
+        add_turned_back(force, corners[corner, 0], -ax - bx, -ay - by, -az - bz, images[corner, 0], rotations)
 
 
 @njit(cache=True)
@@ -66,10 +72,10 @@ def add_bending_bound(position: Floats, structure: Structure, bound: Floats) -> 
     u, v = np.empty(3), np.empty(3)
     for corner in range(len(stiffness)):
         corner_vectors(position, structure, corner, u, v)
-        uu, vv = float(u @ u), float(v @ v)
+        uu, vv = dot(u, u), dot(v, v)
         shorter = min(uu, vv)
         # 2/l for the angle's gradient at the middle; its own derivative weighs with the moment that is there
-        angle = np.arccos(min(max(float(u @ v) / np.sqrt(uu * vv), -1.0), 1.0))
+        angle = np.arccos(min(max(dot(u, v) / np.sqrt(uu * vv), -1.0), 1.0))
         turning = 0.25 * stiffness[corner] * (4.0 + 4.0 * abs(angle - rest[corner]) / max(np.sin(angle), 0.05))
         for end in range(3):
             bound[corners[corner, end]] += turning / shorter

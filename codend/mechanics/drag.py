@@ -1,8 +1,8 @@
 """Drag of the twine (Landweber-Richtmyer): kernels."""
 
 import numpy as np
-from numba import njit
 
+from codend.compiled import njit
 from codend.mechanics.arrays import LE_BRIS_1999, Loading, Structure
 from codend.mechanics.bars import bar_vector
 from codend.mechanics.images import add_turned_back, turned

@@ -1,7 +1,6 @@
 """Turning points and forces between the images of a rotational sector, for kernels."""
 
-from numba import njit
-
+from codend.compiled import njit
 from codend.net import Floats
 
 

@@ -11,8 +11,8 @@ lengths themselves are held exactly, since each step corrects the gap that is le
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from codend.compiled import njit
 from codend.mechanics.arrays import Loading, Structure
 from codend.mechanics.bars import add_bar_forces, bar_vector
 from codend.mechanics.images import add_turned_back
@@ -55,8 +55,12 @@ class Step(NamedTuple):
     """Right side, and the loads by the share of the front's band, (2, n, 3)."""
     gradient: Floats
     """Derivative of that share, (n, 3)."""
+    solved: Floats
+    """Solutions for the right sides, (2, n, 3)."""
     move: Floats
     """Change of the positions, (n, 3)."""
+    simplified: Floats
+    """The move that the old tangent asks for at a new state, (n, 3)."""
     change: Floats
     """Change of the force densities, (m,)."""
     hardening: Floats
@@ -84,6 +88,8 @@ def empty_step(structure: Structure, pattern: Pattern) -> Step:
     nodes, bars = len(structure.free), len(structure.first)
     return Step(
         np.zeros((len(pattern.row), 3, 3)),
+        np.zeros((2, nodes, 3)),
+        np.zeros((nodes, 3)),
         np.zeros((2, nodes, 3)),
         np.zeros((nodes, 3)),
         np.zeros((nodes, 3)),
@@ -127,7 +133,9 @@ def measure(structure: Structure, loading: Loading, tension: float, switch: floa
     fits = fill(position, structure, loading, state.share)
     load[:] = 0.0
     add_loads(position, structure, loading, state.share, load)
-    force[:] = load
+    for node in range(len(force)):
+        for i in range(3):
+            force[node, i] = load[node, i]
     add_bar_forces(position, structure, density, force)
     for node in range(len(force)):
         for i in range(3):
@@ -142,7 +150,10 @@ def right_side(structure: Structure, here: State, there: State, step: Step) -> N
     """Write the first right side: what is out of balance in ``there``, by the linearisation in ``here``."""
     firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
     right, hardening, gaps, lengths, position = step.right[0], step.hardening, there.gap, here.length, here.position
-    right[:] = there.force
+    left_over = there.force
+    for node in range(len(right)):
+        for i in range(3):
+            right[node, i] = left_over[node, i]
     for bar in range(len(gaps)):
         if hardening[bar] == 0.0 or gaps[bar] == 0.0:
             continue
@@ -199,7 +210,9 @@ def combine(solved: Floats, step: Step, move: Floats) -> float:
     Returns:
         the factor 1 - v . K^-1 u by which the moving front changes the tangent's determinant.
     """
-    move[:] = solved[0]
+    for node in range(len(move)):
+        for i in range(3):
+            move[node, i] = solved[0, node, i]
     if len(solved) == 1:
         return 1.0
     gradient = step.gradient
@@ -208,7 +221,9 @@ def combine(solved: Floats, step: Step, move: Floats) -> float:
         for i in range(3):
             along += gradient[node, i] * solved[0, node, i]
             determinant -= gradient[node, i] * solved[1, node, i]
-    move += (along / determinant) * solved[1]
+    for node in range(len(move)):
+        for i in range(3):
+            move[node, i] += along / determinant * solved[1, node, i]
     return determinant
 
 
@@ -249,14 +264,14 @@ def norm(values: Floats) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def simplified_move(solved: Floats, size: float, step: Step, move: Floats) -> tuple[float, float]:
+def simplified_move(solved: Floats, size: float, step: Step) -> tuple[float, float]:
     """Write the move that the old tangent asks for at the new state.
 
     Returns:
         its norm, and the norm of its difference from the (1 - size) of the step that is left.
     """
+    move, whole = step.simplified, step.move
     combine(solved, step, move)
-    whole = step.move
     squares, differences = 0.0, 0.0
     for node in range(len(move)):
         for i in range(3):
@@ -278,7 +293,12 @@ def take(
     new: State,
 ) -> None:
     """Write the state a fraction ``size`` of the step away from ``there``, and its right side by ``here``'s tangent."""
-    new.position[:] = there.position + size * step.move
-    new.density[:] = there.density + size * step.change
+    position, density = new.position, new.density
+    last_position, last_density, move, change = there.position, there.density, step.move, step.change
+    for node in range(len(position)):
+        for i in range(3):
+            position[node, i] = last_position[node, i] + size * move[node, i]
+    for bar in range(len(density)):
+        density[bar] = last_density[bar] + size * change[bar]
     measure(structure, loading, tension, switch, new)
     right_side(structure, here, new, step)

@@ -1,9 +1,9 @@
 """Pressure of the catch on the facets, and how far the catch fills the net: kernels."""
 
 import numpy as np
-from numba import njit
 
 from catch_models.filling import fill_by_meshes, fill_to_plane, fill_to_volume
+from codend.compiled import njit
 from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, Loading, Structure
 from codend.mechanics.images import add_turned_back, turned
 from codend.net import Floats, Ints
@@ -39,6 +39,12 @@ def pressure_coefficient(theta: float, angles: Floats, coefficients: Floats) -> 
 
 
 @njit(cache=True)
+def is_uniform(angles: Floats, coefficients: Floats) -> bool:
+    """Whether a pressure law is one constant."""
+    return len(angles) == 2 and coefficients[0, 0] == 0.0 and coefficients[1, 0] == 0.0 and coefficients[2, 0] == 0.0
+
+
+@njit(cache=True)
 def add_pressure(position: Floats, structure: Structure, loading: Loading, share: Floats, force: Floats) -> None:
     """Add the catch's pressure on every facet to the nodal forces, a third to each corner.
 
@@ -46,7 +52,7 @@ def add_pressure(position: Floats, structure: Structure, loading: Loading, share
     direction and the outward normal (Le Bris et al. 1999, section 5). Nothing acts at the front, which is open.
     """
     angles, coefficients = loading.angles, loading.coefficients
-    uniform = len(angles) == 2 and not np.any(coefficients[:3] != 0.0)
+    uniform = is_uniform(angles, coefficients)
     facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
     bands, weights = structure.facet_band, structure.facet_weight
     for facet in range(len(bands)):

@@ -14,8 +14,8 @@ the last of which is their condition on the lengths without its term in dt^2. It
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from codend.compiled import njit
 from codend.mechanics.arrays import Loading, Structure
 from codend.mechanics.bars import bar_vector
 from codend.mechanics.images import add_turned_back

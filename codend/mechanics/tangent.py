@@ -8,8 +8,8 @@ the node shows at the image as R dx, so a block enters as R_i^T H R_j.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from codend.compiled import njit
 from codend.mechanics.arrays import Structure
 from codend.mechanics.bars import bar_vector
 from codend.net import Floats, Ints
@@ -58,7 +58,7 @@ def pattern_of(structure: Structure) -> Pattern:
     )
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def add_turned_block(
     blocks: Floats, slot: int, sign: float, h: Floats, row_image: int, column_image: int, rotations: Floats
 ) -> None:

@@ -1,10 +1,10 @@
 """Exact tangent of the stiff twine's resistance to opening: kernels."""
 
 import numpy as np
-from numba import njit
 
+from codend.compiled import njit
 from codend.mechanics.arrays import Structure
-from codend.mechanics.bending import corner_slopes, corner_vectors
+from codend.mechanics.bending import corner_slopes, corner_vectors, dot
 from codend.mechanics.tangent import Pattern, add_turned_block
 from codend.net import Floats
 
@@ -17,7 +17,7 @@ def angle_curvatures(u: Floats, v: Floats, along_u: Floats, along_v: Floats, cur
 
         dg = (d(u.v / u.u) u + (u.v / u.u) du - dv - g dc) / c,   c dc = v.v u.du + u.u v.dv - u.v (v.du + u.dv)
     """
-    uu, vv, uv = u @ u, v @ v, u @ v
+    uu, vv, uv = dot(u, u), dot(v, v), dot(u, v)
     square = uu * vv - uv * uv
     cross = np.sqrt(square)
     for i in range(3):
@@ -42,7 +42,7 @@ def add_bending_tangent(position: Floats, structure: Structure, pattern: Pattern
     for corner in range(len(stiffness)):
         corner_vectors(position, structure, corner, u, v)
         psi = corner_slopes(u, v, along_u, along_v)
-        if not np.any(along_u != 0.0):
+        if along_u[0] == 0.0 and along_u[1] == 0.0 and along_u[2] == 0.0:
             continue
         angle_curvatures(u, v, along_u, along_v, curvature)
         quarter = 0.25 * stiffness[corner]
@@ -63,6 +63,8 @@ def add_bending_tangent(position: Floats, structure: Structure, pattern: Pattern
                 whole[i, j] = -whole[i, 3 + j] - whole[i, 6 + j]
         for a in range(3):
             for b in range(3):
-                h[:, :] = whole[3 * a : 3 * a + 3, 3 * b : 3 * b + 3]
+                for i in range(3):
+                    for j in range(3):
+                        h[i, j] = whole[3 * a + i, 3 * b + j]
                 slot = slots[corner, a, b]
                 add_turned_block(blocks, slot, 1.0, h, images[corner, a], images[corner, b], rotations)

@@ -6,8 +6,8 @@ with u = dF/ds and v = ds/dx.
 """
 
 import numpy as np
-from numba import njit
 
+from codend.compiled import njit
 from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, Loading, Structure
 from codend.mechanics.drag import add_drag
 from codend.mechanics.images import add_turned_back
@@ -32,19 +32,20 @@ def share_gradient(
 ) -> None:
     """Write the derivative of the front band's share with respect to the nodes of the sector, 1/m, (n, 3).
 
-    With the lid at x_L = (1 - s) x_(b+1) + s x_b, in the front's band b: the distance x_codline - x_L, or the volume
-    sum_k s_k (M_k - x_L A_k), is given; A and M are the bands' projected areas and their moments (``fill_to_volume``).
+    With the lid at x_L = (1 - s) x_(b+1) + s x_b, in the front's band b, what is given is the distance x_codline - x_L
+    or the volume s (M_b - x_b A_b) + sum_(k > b) (M_k - x_L A_k); A and M are the bands' projected areas and their
+    moments (``fill_to_volume``).
     """
     gradient[:] = 0.0
     row_x = np.empty(len(share) + 1)
     row_positions(position, structure, row_x)
     s, depth = share[band], row_x[band + 1] - row_x[band]
     lid = row_x[band + 1] - s * depth
-    # g(s, x) is given; dg/ds, and dg by the lid, by the codline
+    # g(s, x) is given; dg/ds, and dg by the two rows of the front's band and by the codline
     if loading.catch_kind == FRONT_FROM_CODLINE:
-        by_share, by_lid, by_codline = depth, -1.0, 1.0
+        by_share, by_fore, by_aft, by_codline = depth, -s, s - 1.0, 1.0
     else:
-        area, in_band, by_codline = 0.0, 0.0, 0.0
+        area, area_of_band, volume_of_band = 0.0, 0.0, 0.0
         facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
         bands, weights = structure.facet_band, structure.facet_weight
         for facet in range(len(bands)):
@@ -55,10 +56,13 @@ def share_gradient(
             ax, ay, az, bx, by, bz, cx, cy, cz = corners
             weight = weights[facet] * structure.order
             projected = _area_vector(corners)[0] * weight
-            depth_behind = (ax + bx + cx) / 3.0 - lid
-            area += share[place] * projected
+            plane = row_x[band] if place == band else lid
+            depth_behind = (ax + bx + cx) / 3.0 - plane
             if place == band:
-                in_band += projected * depth_behind
+                area_of_band += projected
+                volume_of_band += projected * depth_behind
+            else:
+                area += projected
             weight *= 0.5 * share[place] * depth_behind
             third = share[place] * projected / 3.0
             for corner in range(3):
@@ -77,19 +81,23 @@ def share_gradient(
                     images[facet, corner],
                     rotations,
                 )
-        by_share, by_lid = in_band + depth * area, -area
+        by_share = volume_of_band + depth * area
+        by_fore, by_aft, by_codline = -s * (area + area_of_band), (s - 1.0) * area, 0.0
     rows, sizes = structure.node_row, structure.row_size
     for node in range(len(rows)):
         row = rows[node]
         if row < 0:
             continue
         if row == band:
-            gradient[node, 0] += by_lid * s / sizes[row]
+            gradient[node, 0] += by_fore / sizes[row]
         if row == band + 1:
-            gradient[node, 0] += by_lid * (1.0 - s) / sizes[row]
+            gradient[node, 0] += by_aft / sizes[row]
         if row == len(share):
             gradient[node, 0] += by_codline / sizes[row]
-    gradient *= -1.0 / by_share
+    scale = -1.0 / by_share
+    for node in range(len(rows)):
+        for i in range(3):
+            gradient[node, i] *= scale
 
 
 @njit(cache=True, error_model="numpy")
@@ -100,7 +108,9 @@ def load_by_share(position: Floats, structure: Structure, loading: Loading, band
     share = np.ones(len(structure.band_meshes))
     share[band] = 0.0
     add_drag(position, structure, loading, share, load)
-    load *= -1.0
+    for node in range(len(load)):
+        for i in range(3):
+            load[node, i] *= -1.0
     share[:] = 0.0
     share[band] = 1.0
     add_pressure(position, structure, loading, share, load)

@@ -4,11 +4,11 @@ Both add -dF/dx to the blocks laid out in ``tangent``. How the shares follow the
 """
 
 import numpy as np
-from numba import njit
 
+from codend.compiled import njit
 from codend.mechanics.arrays import LE_BRIS_1999, Loading, Structure
 from codend.mechanics.bars import bar_vector
-from codend.mechanics.pressure import _area_vector, _corners
+from codend.mechanics.pressure import _area_vector, _corners, is_uniform
 from codend.mechanics.tangent import Pattern, add_turned_block
 from codend.net import Floats
 
@@ -96,7 +96,7 @@ def add_pressure_tangent(
     law's slope counts as 0.
     """
     angles, coefficients = loading.angles, loading.coefficients
-    uniform = len(angles) == 2 and not np.any(coefficients[:3] != 0.0)
+    uniform = is_uniform(angles, coefficients)
     facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
     bands, weights, slots = structure.facet_band, structure.facet_weight, pattern.facet_slot
     h, b = np.empty((3, 3)), np.empty((3, 3))

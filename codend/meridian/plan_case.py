@@ -40,6 +40,11 @@ def solve_case(plan: Plan, case: Case) -> MeridianShape:
         raise InputError(
             file=plan.source, key="model.fidelity", value="meridian", allowed=f"another fidelity; {reason}"
         )
+    return _under_its_loads(plan, case)
+
+
+def _under_its_loads(plan: Plan, case: Case) -> MeridianShape:
+    """Shape of a case whose twine is taken as limp."""
     if case.catch_kind == "filled_meshes":
         return solve_meridian(_problem(plan, case, _rows(plan) - 2.0 * case.catch_value))
     wanted = case.catch_value / (plan.catch_density_kg_m3 if case.catch_kind == "mass_kg" else 1.0)
@@ -74,6 +79,20 @@ def first_guess(plan: Plan, case: Case) -> MeridianShape | None:
     try:
         shape = uniform_pressure_shape(_problem(plan, case, _rows(plan) - 2.0 * case.catch_value), coefficient)
     except ValueError:
+        return None
+    return shape if shape.converged and _within_straps(plan, shape) else None
+
+
+def equilibrium_guess(plan: Plan, case: Case) -> MeridianShape | None:
+    """Shape of limp twine under the loads of the case; None where the method does not apply or finds none.
+
+    It knows no straps, and none is given where one would be tight.
+    """
+    if why_not(plan):
+        return None
+    try:
+        shape = _under_its_loads(plan, case)
+    except (InputError, RuntimeError):
         return None
     return shape if shape.converged and _within_straps(plan, shape) else None
 

@@ -32,12 +32,14 @@ Colour = tuple[float, float, float, float]
 
 _PER_ROW = 3
 _DENSE = 100
+_HANDLE_IN, _LETTER_IN = 0.7, 0.095
+"""Room that an entry of the legend takes, beside its text and for each letter."""
 
 
 def comparison_figure(comparison: Comparison) -> "Figure":
     """Lines through the computed cases, a colour a speed, and the table's points; the table's origin is in the title.
 
-    Where the table gives the hoop's drag, it is drawn as a term of its own, and computed drag with it beside without.
+    Where the hoop's drag is known, it is drawn as a term of its own, and computed drag with it beside without.
     """
     quantities = list(dict.fromkeys(comparison.points["quantity"]))
     columns = min(_PER_ROW, len(quantities))
@@ -53,7 +55,9 @@ def comparison_figure(comparison: Comparison) -> "Figure":
         for axis in axes[: len(quantities)]
         for handle, label in zip(*axis.get_legend_handles_labels(), strict=True)
     }
-    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=3, frameon=False)
+    longest = _HANDLE_IN + _LETTER_IN * max(map(len, handles))
+    abreast = min(3, max(1, int(figure.get_figwidth() / longest)))
+    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=abreast, frameon=False)
     width = int(16.0 * figure.get_figwidth())
     title = textwrap.fill(f"Computed codend beside {comparison.table.path.name}", width)
     figure.suptitle(f"{title}\n{textwrap.fill(comparison.table.origin, width)}", fontsize="medium")
@@ -75,8 +79,9 @@ def _panel(axis: "Axes", comparison: Comparison, quantity: str) -> None:
         axis.plot(here[across], here["tabled"], "o", color=colour, mfc="none", ms=7, label=f"table{at_speed}")
         if here["hoop_drag_n"].notna().any():
             label = f"computed codend + hoop{at_speed}"
-            axis.plot(here[across], here["computed"], "--+", color=colour, lw=1.2, label=label)
-            axis.plot(here[across], here["hoop_drag_n"], "^", color=colour, ms=4, label=f"hoop, of the table{at_speed}")
+            axis.plot(here[across], here["computed"], "+", color=colour, ms=9, label=label)
+            label = f"hoop, {comparison.table.hoop_origin}{at_speed}"
+            axis.plot(here[across], here["hoop_drag_n"], "^", color=colour, ms=4, label=label)
     if comparison.matched_on:
         elsewhere = points[~np.isclose(points[SPEED_COLUMN].to_numpy()[:, None], known).any(axis=1)]
         if not elsewhere.empty:

@@ -2,9 +2,9 @@
 
 import re
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,14 +14,12 @@ from codend.report.html import PageFigure, page_html
 from codend.report.picture import net_picture
 from codend.report.plan_copy import plan_toml
 from codend.report.plots import catch_text, opening_force_plot, opening_plot, profiles_plot, solved, tension_plot
-from codend.report.style import number_text
+from codend.report.style import number_text, png
 from codend.report.vtk import write_vtu
 from codend.study import CaseResult, Study, StudyProgress
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-DOTS_PER_INCH = 150
 
 
 @dataclass(frozen=True)
@@ -109,26 +107,27 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
     }
     if not study.meshes.empty:
         writers[folder / "meshes.csv"] = partial(write_table, study.meshes)
-    writers |= {folder / f"net_{result.case.number}.vtu": partial(write_vtu, result) for result in solved(study)}
     if solved(study):
         writers |= {folder / "plots" / f"{plot.name}.png": partial(write_plot, plot) for plot in PLOTS}
-    writers[folder / "report.html"] = write_page
 
     folder.mkdir(parents=True, exist_ok=True)
-    for done, (path, write) in enumerate(writers.items()):
-        if progress is not None:
-            progress(done, len(writers), f"writing {path.name}")
-        path.parent.mkdir(exist_ok=True)
-        write(path)
+    nets = {folder / f"net_{result.case.number}.vtu": result for result in solved(study)}
+    # most of a VTK file's time is compression, which lets another thread draw the plots
+    with ThreadPoolExecutor(1) as beside:
+        for path, result in nets.items():
+            writers[path] = partial(_wait_for, beside.submit(write_vtu, result, path))
+        writers[folder / "report.html"] = write_page
+        for done, (path, write) in enumerate(writers.items()):
+            if progress is not None:
+                progress(done, len(writers), f"writing {path.name}")
+            path.parent.mkdir(exist_ok=True)
+            write(path)
     _remove_leftovers(folder, set(writers))
     return list(writers)
 
 
-def png(figure: "Figure") -> bytes:
-    """A figure as a PNG picture."""
-    drawn = BytesIO()
-    figure.savefig(drawn, format="png", dpi=DOTS_PER_INCH, bbox_inches="tight", pad_inches=0.1)
-    return drawn.getvalue()
+def _wait_for(writing: "Future[None]", _: Path) -> None:
+    writing.result()
 
 
 def _write_bytes(content: bytes, path: Path) -> None:

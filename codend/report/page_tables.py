@@ -57,6 +57,8 @@ RESULT_HEADS = {
     "max_strap_tension_n": Head("Largest strap tension", "N"),
 }
 
+_STABLE = {True: "yes", False: "NO"}
+
 DIGITS = {"speed_m_s": 3, "filled_meshes": 3}
 """Of the largest value in the column; 4 elsewhere."""
 
@@ -95,6 +97,7 @@ def solving_table(study: Study) -> PageTable:
         column_text(drag, digits=6),
         [_small(difference) for difference in reaction - drag],
         [_small(report.length_error) for report in reports],
+        [_STABLE[result.negative_pivots == 0] if result.negative_pivots is not None else "" for result in study.cases],
     ]
     heads = (
         Head("Case"),
@@ -106,11 +109,12 @@ def solving_table(study: Study) -> PageTable:
         Head("Drag", "N"),
         Head("Pull less drag", "N"),
         Head("Length error"),
+        Head("Stable", words=True),
     )
     remark = (
         "Residual: largest force out of balance on a free node, over the resultant of the loads. Pull at the entry: "
         "the axial reaction, which must equal the drag. Length error: largest departure of a bar from the law of its "
-        "twine, over its length."
+        "twine, over its length. Stable: whether all pivots of the tangent are positive at the equilibrium."
     )
     return PageTable(heads, _rows(study, cells), (remark,))
 

@@ -39,7 +39,8 @@ def net_picture(result: CaseResult) -> "Figure":
 
     if result.meshes is None:
         raise ValueError(f"case {result.case.number} was not solved: there is no shape to draw")
-    whole = joined_on_axis(all_round(result.net, result.positions))
+    sectors = all_round(result.net, result.positions)
+    whole = joined_on_axis(sectors)
     flat = whole.positions @ _screen_axes()
     span = np.ptp(flat[:, :2], axis=0)
     height_in = float(np.clip(WIDTH_IN * 0.9 * span[1] / span[0] + 0.9, 3.0, 9.0))
@@ -53,7 +54,7 @@ def net_picture(result: CaseResult) -> "Figure":
     opening = np.tile(result.meshes.opening_deg, result.net.order)
     in_catch = np.tile(result.meshes.pressure_pa > 0.0, result.net.order)
     front = float(np.sum(1.0 - result.solution.share))
-    entry_ring, front_ring = (_ring(result, row) @ _screen_axes() for row in (0, round(front)))
+    entry_ring, front_ring = (_ring(result, sectors, row) @ _screen_axes() for row in (0, round(front)))
     _draw_meshes(axes, whole, flat, colours.to_rgba(opening), in_catch)
     axes.plot(entry_ring[:, 0], entry_ring[:, 1], color=INK, linewidth=1.8)
     _draw_front(axes, front_ring)
@@ -79,15 +80,17 @@ def _draw_meshes(axes: "Axes", whole: WholeNet, flat: Floats, colour: Floats, in
     from matplotlib.collections import PolyCollection
 
     light = np.array([-0.35, 0.65, 0.67])
-    outlines: list[Floats] = []
-    depth, facing, lit, numbers = [], [], [], []
-    for which, corners in mesh_polygons(whole):
+    outlines, depth, facing, lit, numbers = [], [], [], [], []
+    polygons = mesh_polygons(whole)
+    most = max(corners.shape[1] for _, corners in polygons)
+    for which, corners in polygons:
         points = flat[corners]
         # Newell: twice the polygon's area vector, outward as meshes are walked anticlockwise seen from outside
         area = np.cross(points, np.roll(points, -1, axis=1)).sum(axis=1)
         with np.errstate(invalid="ignore"):
             normal = np.nan_to_num(area / np.linalg.norm(area, axis=1, keepdims=True))
-        outlines.extend(points[:, :, :2])
+        # as many corners each, the last repeated: one array is drawn many times as fast as a list of polygons
+        outlines.append(np.pad(points[:, :, :2], ((0, 0), (0, most - corners.shape[1]), (0, 0)), mode="edge"))
         depth.append(points[:, :, 2].mean(axis=1))
         facing.append(normal[:, 2])
         lit.append(np.abs(normal @ light))
@@ -102,18 +105,19 @@ def _draw_meshes(axes: "Axes", whole: WholeNet, flat: Floats, colour: Floats, in
     edge[:, :3] *= 0.45
     order = np.argsort(np.concatenate(depth), kind="stable")
     thin = float(np.clip(40.0 / np.sqrt(len(order)), 0.12, 0.6))
-    axes.add_collection(
-        PolyCollection(
-            [outlines[i] for i in order], facecolors=face[order], edgecolors=edge[order], linewidths=thin, zorder=2
-        )
+    drawn = PolyCollection(
+        np.concatenate(outlines)[order],  # type: ignore[arg-type] # one array is taken as well
+        facecolors=face[order],
+        edgecolors=edge[order],
+        linewidths=thin,
+        zorder=2,
     )
-    axes.autoscale_view()
+    axes.add_collection(drawn, autolim=False)
 
 
-def _ring(result: CaseResult, row: int) -> Floats:
+def _ring(result: CaseResult, sectors: WholeNet, row: int) -> Floats:
     """Nodes of a row of knots in order round the axis, the first one again at the end, (k + 1, 3)."""
-    whole = all_round(result.net, result.positions).positions
-    ring = whole[np.tile(result.net.node_row, result.net.order) == row]
+    ring = sectors.positions[np.tile(result.net.node_row, result.net.order) == row]
     y, z = ring[:, 1] - ring[:, 1].mean(), ring[:, 2] - ring[:, 2].mean()
     return ring[np.append(order := np.argsort(np.arctan2(z, y)), order[0])]
 

@@ -13,7 +13,7 @@ def plan_toml(plan: Plan) -> str:
     if plan.sphere_cp_path is not None:
         tables["catch"]["sphere_cp_csv"] = str(plan.sphere_cp_path.absolute())
     lines = ["# The plan as it was solved: changes made on the command line and defaults included."]
-    lines += [f"{key} = {_value(value)}" for key, value in tables.items() if not isinstance(value, dict | list)]
+    lines += [f"{key} = {toml_value(value)}" for key, value in tables.items() if not isinstance(value, dict | list)]
     for name, table in tables.items():
         if isinstance(table, dict):
             lines += ["", f"[{name}]", *_entries(table)]
@@ -24,11 +24,11 @@ def plan_toml(plan: Plan) -> str:
 
 
 def _entries(table: Mapping[str, Any]) -> list[str]:
-    return [f"{key} = {_value(value)}" for key, value in table.items()]
+    return [f"{key} = {toml_value(value)}" for key, value in table.items()]
 
 
-def _value(value: Any) -> str:
+def toml_value(value: Any) -> str:
     """A number, text, truth value or list of them: spelled as in JSON, but that TOML takes no DEL as it is."""
     if isinstance(value, list):
-        return "[" + ", ".join(map(_value, value)) + "]"
+        return "[" + ", ".join(map(toml_value, value)) + "]"
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

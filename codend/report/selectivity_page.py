@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 from codend.report.files import whole_file, write_table
 from codend.report.html import PageFigure
-from codend.report.page import png
 from codend.report.selectivity_plots import catch_plot, history_plot, mesh_plot, retention_plot, sensitivity_plot
-from codend.report.style import column_text
+from codend.report.style import column_text, png
 from codend.report.together_plot import together_plot
 from codend.selectivity.predict import Prediction
 from codend.selectivity.species import species_toml

@@ -16,10 +16,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from catch_models.fish import PARAMETERS, Species
+from codend.compiled import njit
 from codend.selectivity.catches import Catch
 from codend.selectivity.retention import (
     Crowd,

@@ -6,8 +6,9 @@ import math
 from typing import Final, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from codend.compiled import njit
 
 Sides = tuple[float, float, float, float, float, float]
 """Angle of the normal and distance from the centre, of three pairs of sides in turn."""

@@ -21,11 +21,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtri
 
 from catch_models.fish import PARAMETERS
+from codend.compiled import njit
 from codend.selectivity.passage import (
     IDEALS,
     SQUARE,

@@ -11,6 +11,7 @@ import numpy as np
 
 from codend.mechanics import relaxation
 from codend.mechanics.bars import augmented_law, bar_lengths, length_error
+from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.relaxation import Workspace
 from codend.net import Floats
 from codend.problem import Problem
@@ -59,9 +60,9 @@ def solve(
 ) -> Solution:
     """Equilibrium of a net, from the positions it was built with or from a solution of the same net nearby.
 
-    A net that balloons or loses its footing is restarted from the same shape with a penalty four times as stiff, one
-    that makes no headway with masses twice as large; every attempt is in the report. A solve that fails returns nan
-    positions and tensions.
+    A net that balloons, loses its footing or passes through itself is restarted from the same shape with a penalty four
+    times as stiff, one that makes no headway with masses twice as large; every attempt is in the report. A solve that
+    fails returns nan positions and tensions.
     """
     compile_kernels(problem)
     started = perf_counter()
@@ -72,6 +73,8 @@ def solve(
         work = relaxation.workspace(problem.structure, problem.net.positions if start is None else start.positions)
         run = _Run(problem, work, settings, penalty, mass_factor, settings.steps_allowed - steps, progress)
         outcome = run.to_equilibrium(tolerance, start)
+        if outcome.converged and passed_through_itself(work.position, problem.structure):
+            outcome = Outcome.PASSED_THROUGH
         steps += run.steps
         damping = "viscous" if settings.viscous else "kinetic"
         attempts.append(
@@ -80,7 +83,7 @@ def solve(
         )
         if outcome in (Outcome.CONVERGED, Outcome.OVERFULL) or steps >= settings.steps_allowed:
             break
-        if outcome in (Outcome.OVERSTRETCHED, Outcome.NOT_FINITE):
+        if outcome in (Outcome.OVERSTRETCHED, Outcome.NOT_FINITE, Outcome.PASSED_THROUGH):
             penalty *= 4.0
         mass_factor *= 2.0
     report = SolverReport(
@@ -106,6 +109,42 @@ def compile_kernels(problem: Problem) -> None:
     relaxation.relax(work, problem.structure, problem.loading, 1.0, 1.0, False, 0)
 
 
+def rough_shape(
+    problem: Problem, rough_residual: float, penalty: float, steps_allowed: int = 20_000
+) -> tuple[Solution, str]:
+    """Shape and tensions of a net relaxed just enough for Newton's method to start from, and what was done.
+
+    Inextensible bars are given a stiffness of ``penalty`` times the reference tension, four times as much if the net
+    balloons. The solution's report tells the residual; it is no equilibrium.
+    """
+    started = perf_counter()
+    structure = problem.structure
+    steps = 0
+    while True:
+        work = relaxation.workspace(structure, problem.net.positions)
+        augmented_law(structure, penalty * reference_tension(problem), work.relief, work.gain)
+        code, spent, _, residual, imbalance = relaxation.relax(
+            work, structure, problem.loading, rough_residual, 1.5, False, steps_allowed
+        )
+        steps += spent
+        if code not in (relaxation.OVERSTRETCHED, relaxation.NOT_FINITE) or penalty > 1e4:
+            break
+        penalty *= 4.0
+    note = f"rough relaxation, penalty {penalty:g}: {steps} steps, residual {residual:.1e}."
+    report = SolverReport(
+        "rough relaxation",
+        Outcome.STEPS_SPENT,
+        steps,
+        residual,
+        imbalance,
+        np.inf,
+        1e3 * (perf_counter() - started),
+        (note,),
+    )
+    positions = work.state[:, :3].copy()
+    return Solution(positions, work.density * work.length, work.share.copy(), report), note
+
+
 class _Run:
     """One relaxation with one penalty, from the start to wherever it gets."""
 
@@ -129,7 +168,7 @@ class _Run:
     def to_equilibrium(self, tolerance: float, start: Solution | None) -> Outcome:
         work, structure = self.work, self.problem.structure
         if start is None:
-            self._set_law(_reference_tension(self.problem))
+            self._set_law(reference_tension(self.problem))
             inner = ROUGH
         else:
             self._set_law(float(np.mean(start.bar_tension)))
@@ -180,7 +219,7 @@ class _Run:
         augmented_law(self.problem.structure, self.penalty * tension, self.work.relief, self.work.gain)
 
 
-def _reference_tension(problem: Problem) -> float:
+def reference_tension(problem: Problem) -> float:
     """Mean tension that the loads on the start shape ask for, N: their resultant over the bars of a band."""
     structure, loading = problem.structure, problem.loading
     force: Floats = np.zeros_like(problem.net.positions)

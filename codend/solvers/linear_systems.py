@@ -6,12 +6,12 @@ and not as zeros on the diagonal, so near a stable equilibrium the matrix is clo
 and elsewhere the solver adds a shift until it is. The signs of the pivots tell whether the equilibrium is stable.
 """
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
-from numba import njit
 from scipy.sparse import csr_array
 
+from codend.compiled import njit
 from codend.mechanics.arrays import Structure
 from codend.mechanics.tangent import Pattern
 from codend.net import Floats, Ints
@@ -26,26 +26,35 @@ class LinearSystem(Protocol):
     worthwhile_gain: float
     """Fall of the merit at which one more step with the same factors costs less than it saves."""
 
-    def factorise(self, blocks: Floats) -> int | None:
+    def factorise(self, blocks: Floats) -> int:
         """Factorise the tangent ``blocks`` (b, 3, 3).
 
         Returns:
-            the number of negative pivots, -1 if the tangent is singular, None if the pivots are not looked at.
+            the number of negative pivots where that costs nothing, else 0; -1 if the tangent is singular.
         """
 
     def solve(self, right: Floats) -> Floats:
         """Solutions for right sides (k, n, 3), of the same shape."""
 
+    def negative_pivots(self) -> int:
+        """Number of negative pivots of the last factorisation: of a symmetric tangent, of its negative eigenvalues."""
+
 
 def linear_system(structure: Structure, pattern: Pattern) -> LinearSystem:
-    """The system that suits a net: banded if its numbering by reverse Cuthill-McKee is narrow, else sparse."""
+    """The system that suits a net: banded if its numbering by reverse Cuthill-McKee is narrow, else sparse.
+
+    Sparse ones are factorised by PARDISO where it is installed, else by SuperLU.
+    """
+    from codend.solvers import pardiso_system
+
     unknown = _band_numbering(structure, pattern)
     row, column = _scalar_places(pattern, unknown)
     used = (row >= 0) & (column >= 0)
     half_band = int(np.abs(row - column)[used].max(initial=0))
     if half_band <= WIDEST_BAND:
         return BandedSystem(unknown, row, column, half_band)
-    return SparseSystem(unknown, row, column)
+    wide = pardiso_system.PardisoSystem if pardiso_system.installed() else SparseSystem
+    return wide(unknown, row, column)
 
 
 def _band_numbering(structure: Structure, pattern: Pattern) -> Ints:
@@ -70,28 +79,43 @@ def _scalar_places(pattern: Pattern, unknown: Ints) -> tuple[Ints, Ints]:
     return row, column
 
 
+class Band(NamedTuple):
+    """A banded matrix as kernels see it."""
+
+    rows: Floats
+    """Entry (i, j) in ``rows[i, half_band + j - i]``, or the factors, (size, 2 half_band + 1)."""
+    place: Ints
+    """Where each entry of the matrix goes in the flattened rows, -1 for held coordinates."""
+    unknown: Ints
+    """Number of the unknown of every coordinate, -1 for held ones, (n, 3)."""
+
+
 class BandedSystem:
     """Band LU without pivoting."""
 
     worthwhile_gain = 0.05
 
     def __init__(self, unknown: Ints, row: Ints, column: Ints, half_band: int) -> None:
-        self.unknown, self.half_band = unknown, half_band
         size = int(unknown.max(initial=-1)) + 1
         width = 2 * half_band + 1
         used = (row >= 0) & (column >= 0)
-        self.place = np.where(used, row.astype(np.int64) * width + column - row + half_band, -1).ravel()
-        self.band = np.zeros((size, width))
+        place = np.where(used, row.astype(np.int64) * width + column - row + half_band, -1).ravel()
+        self.arrays = Band(np.zeros((size, width)), place, unknown)
 
-    def factorise(self, blocks: Floats) -> int | None:
+    def factorise(self, blocks: Floats) -> int:
         """See ``LinearSystem``."""
-        return int(factorise_band(blocks.reshape(-1), self.place, self.band))
+        return int(factorise_band(blocks.reshape(-1), self.arrays.place, self.arrays.rows))
 
     def solve(self, right: Floats) -> Floats:
         """See ``LinearSystem``."""
         solution = np.zeros_like(right)
-        solve_band(self.band, self.unknown, right, solution)
+        solve_band(self.arrays.rows, self.arrays.unknown, right, solution)
         return solution
+
+    def negative_pivots(self) -> int:
+        """See ``LinearSystem``."""
+        rows = self.arrays.rows
+        return int(np.count_nonzero(rows[:, rows.shape[1] // 2] < 0.0))
 
 
 @njit(cache=True, fastmath={"contract", "reassoc", "nsz"}, error_model="numpy")
@@ -174,7 +198,7 @@ class SparseSystem:
         self._indices = self._row[order].astype(np.int32)
         self._starts = np.searchsorted(self._column[order], np.arange(self.size + 1)).astype(np.int32)
 
-    def factorise(self, blocks: Floats) -> int | None:
+    def factorise(self, blocks: Floats) -> int:
         """See ``LinearSystem``."""
         from scipy.sparse import csc_array
         from scipy.sparse.linalg import splu
@@ -192,7 +216,7 @@ class SparseSystem:
             )
         except RuntimeError:
             return -1
-        return None
+        return 0
 
     def solve(self, right: Floats) -> Floats:
         """See ``LinearSystem``."""
@@ -202,3 +226,7 @@ class SparseSystem:
         solution = np.zeros_like(right)
         solution[:, self._free] = solved[self._number].T
         return solution
+
+    def negative_pivots(self) -> int:
+        """See ``LinearSystem``; the factor must be copied out of SuperLU, which takes about half a factorisation."""
+        return int(np.count_nonzero(self._factors.U.diagonal() < 0.0))

@@ -12,16 +12,18 @@ from time import perf_counter
 import numpy as np
 
 from codend.mechanics import newton_step as kernels
-from codend.mechanics import relaxation
 from codend.mechanics.arrays import Structure
-from codend.mechanics.bars import augmented_law, bar_lengths
+from codend.mechanics.bars import bar_lengths
+from codend.mechanics.compiling import compile_kernel
+from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.newton_step import State, Step
 from codend.mechanics.tangent import Pattern, pattern_of
-from codend.net import Floats
 from codend.problem import Problem
-from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, _reference_tension
-from codend.solvers.linear_systems import LinearSystem, linear_system
+from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension, rough_shape
+from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
+from codend.solvers.newton_advance import FAILED, IN_FIRST, IN_SECOND, Limits, advance, advance_banded
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.pardiso_system import library_for_wide_nets
 
 METHOD = "newton"
 CLEAR_GAIN = 0.1
@@ -50,14 +52,16 @@ class NewtonSettings:
     rough_steps: int = 20_000
 
 
+DIRECT = NewtonSettings(rough_starts=())
+"""Newton's method from the start it is given and no other."""
+
+
 @dataclass(frozen=True)
 class NewtonReport(SolverReport):
     """What Newton's method did."""
 
     history: tuple[float, ...] = ()
     """The larger of residual and axial imbalance before the first and after every iteration."""
-    negative_pivots: int | None = None
-    """Negative pivots of the last tangent, 0 at a stable equilibrium; None where the factorisation does not tell."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +72,6 @@ class Prepared:
     system: LinearSystem
     states: tuple[State, State, State]
     step: Step
-    move: Floats
 
 
 def prepare(structure: Structure) -> Prepared:
@@ -79,7 +82,6 @@ def prepare(structure: Structure) -> Prepared:
         system=linear_system(structure, pattern),
         states=(kernels.empty_state(structure), kernels.empty_state(structure), kernels.empty_state(structure)),
         step=kernels.empty_step(structure, pattern),
-        move=np.zeros_like(structure.free),
     )
 
 
@@ -101,13 +103,9 @@ def solve(
         progress: told the residual of every iteration.
         prepared: what ``prepare`` returned for this structure, to save that work.
     """
-    if not kernels.take.signatures:
-        # have the kernels compiled or read from the cache, so that the time of a solve is that of the solve alone
-        if settings.rough_starts:
-            rough_shape(problem, np.inf, 30.0, 0)
-        _Run(problem, prepare(problem.structure), settings, None).to_equilibrium(np.inf, None, 1.0)
     started = perf_counter()
     prepared = prepare(problem.structure) if prepared is None else prepared
+    started += _seconds_to_compile(problem, prepared, settings)
     run = _Run(problem, prepared, settings, progress)
     attempts: list[str] = []
     switches = settings.switches[:1] if start is not None and settings.rough_starts else settings.switches
@@ -131,7 +129,6 @@ def solve(
         solve_ms=1e3 * (perf_counter() - started),
         attempts=tuple(attempts),
         history=tuple(run.history),
-        negative_pivots=run.negative_pivots,
     )
     state = run.state
     if not outcome.converged:
@@ -140,40 +137,44 @@ def solve(
     return Solution(state.position.copy(), state.density * state.length, state.share.copy(), report)
 
 
-def rough_shape(
-    problem: Problem, rough_residual: float, penalty: float, steps_allowed: int = 20_000
-) -> tuple[Solution, str]:
-    """Shape and tensions of a net relaxed just enough for Newton's method to start from, and what was done.
+def negative_pivots(problem: Problem, solution: Solution, prepared: Prepared) -> int:
+    """Negative pivots of the tangent at an equilibrium: 0 where it is stable, -1 if the tangent is singular.
 
-    Inextensible bars are given a stiffness of ``penalty`` times the reference tension, four times as much if the net
-    balloons. The solution's report tells the residual; it is no equilibrium.
+    Loads that follow the net make the tangent slightly unsymmetric, so this is a sign of stability and no proof.
     """
+    run = _Run(problem, prepared, DIRECT, None)
+    run._set_start(solution, DIRECT.switches[0])
+    step, system = prepared.step, prepared.system
+    sides = kernels.linearise(problem.structure, problem.loading, prepared.pattern, run.tension, 0.0, run.state, step)
+    if system.factorise(step.blocks) == -1:
+        return -1
+    # a front that follows the net adds a product to the tangent, and with it the sign of one more factor
+    turned = kernels.combine(system.solve(step.right[:sides]), step, step.move) <= 0.0
+    return system.negative_pivots() + int(turned)
+
+
+def _seconds_to_compile(problem: Problem, prepared: Prepared, settings: NewtonSettings) -> float:
+    """Have the kernels compiled or read from the cache, and tell the time, which is no part of a solve's."""
+    system = prepared.system
+    if (advance_banded if isinstance(system, BandedSystem) else kernels.take).overloads:
+        return 0.0
     started = perf_counter()
-    structure = problem.structure
-    steps = 0
-    while True:
-        work = relaxation.workspace(structure, problem.net.positions)
-        augmented_law(structure, penalty * _reference_tension(problem), work.relief, work.gain)
-        code, spent, _, residual, imbalance = relaxation.relax(
-            work, structure, problem.loading, rough_residual, 1.5, False, steps_allowed
-        )
-        steps += spent
-        if code not in (relaxation.OVERSTRETCHED, relaxation.NOT_FINITE) or penalty > 1e4:
-            break
-        penalty *= 4.0
-    note = f"rough relaxation, penalty {penalty:g}: {steps} steps, residual {residual:.1e}."
-    report = SolverReport(
-        "rough relaxation",
-        Outcome.STEPS_SPENT,
-        steps,
-        residual,
-        imbalance,
-        np.inf,
-        1e3 * (perf_counter() - started),
-        (note,),
-    )
-    positions = work.state[:, :3].copy()
-    return Solution(positions, work.density * work.length, work.share.copy(), report), note
+    if settings.rough_starts:
+        rough_shape(problem, np.inf, 30.0, 0)
+    run = _Run(problem, prepared, settings, None)
+    run.tension = run.switch = 1.0
+    structure, loading, state, step = run.structure, run.loading, run.state, prepared.step
+    solved = step.solved[:1]
+    compile_kernel(kernels.measure, structure, loading, 1.0, 1.0, state)
+    compile_kernel(passed_through_itself, state.position, structure)
+    if isinstance(system, BandedSystem):
+        compile_kernel(advance_banded, system.arrays, *run.arguments(0.0, 0.0))
+    else:
+        compile_kernel(kernels.linearise, structure, loading, prepared.pattern, 1.0, 0.0, state, step)
+        compile_kernel(kernels.finish_step, structure, state, state, solved, step)
+        compile_kernel(kernels.simplified_move, solved, 1.0, step)
+        compile_kernel(kernels.take, structure, loading, 1.0, 1.0, 1.0, state, state, step, state)
+    return perf_counter() - started
 
 
 class _Run:
@@ -184,21 +185,21 @@ class _Run:
     ) -> None:
         self.problem, self.structure, self.loading = problem, problem.structure, problem.loading
         self.prepared, self.settings, self.progress = prepared, settings, progress
-        self.state, self.trial, self.spare = prepared.states
-        self.step = prepared.step
+        self.state, self.first, self.second = prepared.states
         self.iterations = 0
-        self.negative_pivots: int | None = None
+        self.singular = False
         self.history: list[float] = []
 
     def from_start(
         self, start: Solution, tolerance: float, switches: tuple[float, ...], attempts: list[str]
     ) -> Outcome:
         """Try the weights of the test for taut bars in order, and note each attempt."""
+        library = "a band LU" if isinstance(self.prepared.system, BandedSystem) else library_for_wide_nets()
         for switch in switches:
             before = self.iterations
             outcome = self.to_equilibrium(tolerance, start, switch)
             attempts.append(
-                f"{METHOD}, switch {switch:g}: {self.iterations - before} iterations, "
+                f"{METHOD} with {library}, switch {switch:g}: {self.iterations - before} iterations, "
                 f"residual {self.state.marks[1]:.1e}. {outcome.value}"
             )
             if outcome in (Outcome.CONVERGED, Outcome.OVERFULL, Outcome.NOT_FINITE):
@@ -214,24 +215,27 @@ class _Run:
         settings, shift = self.settings, 0.0
         last = self.iterations + settings.iterations_allowed
         while True:
-            merit, residual, imbalance, _, fits = self.state.marks
+            merit, residual, imbalance, length_error, fits = self.state.marks
             error = float(max(residual, imbalance))
             if not np.isfinite(merit) or not np.isfinite(error):
                 return Outcome.NOT_FINITE
             self.history.append(error)
             if self.progress is not None:
                 self.progress(METHOD, error)
-            if _within(self.state, tolerance):
+            if error <= tolerance and length_error <= LENGTH_TOLERANCE:
                 if fits == 0.0:
                     return Outcome.OVERFULL
-                return Outcome.COMPRESSED if self.state.density.min(initial=0.0) < 0.0 else Outcome.CONVERGED
+                if self.state.density.min(initial=0.0) < 0.0:
+                    return Outcome.COMPRESSED
+                through = passed_through_itself(self.state.position, self.structure)
+                return Outcome.PASSED_THROUGH if through else Outcome.CONVERGED
             if self.iterations >= last:
                 return Outcome.STEPS_SPENT
             self.iterations += 1
             while not self._advance(shift, tolerance):
                 shift = max(10.0 * shift, settings.first_shift)
                 if shift > settings.largest_shift:
-                    return Outcome.SINGULAR if self.negative_pivots == -1 else Outcome.NOT_IMPROVING
+                    return Outcome.SINGULAR if self.singular else Outcome.NOT_IMPROVING
             shift = 0.1 * shift if shift > settings.first_shift else 0.0
 
     def _set_start(self, start: Solution | None, switch: float) -> None:
@@ -247,60 +251,34 @@ class _Run:
             np.divide(start.bar_tension, state.length, out=state.density, where=state.length > 0.0)
         self.tension = float(start.bar_tension.mean()) if start is not None else 0.0
         if self.tension == 0.0:
-            self.tension = _reference_tension(self.problem)
+            self.tension = reference_tension(self.problem)
             state.density[:] = self.tension / structure.length
         kernels.measure(structure, self.loading, self.tension, switch, state)
 
+    def arguments(self, shift: float, tolerance: float) -> tuple:
+        """What ``advance`` takes after the linear system."""
+        settings = self.settings
+        limits = Limits(
+            settings.largest_turn,
+            settings.shortest_step,
+            CLEAR_GAIN,
+            self.prepared.system.worthwhile_gain,
+            tolerance,
+            LENGTH_TOLERANCE,
+        )
+        fixed = self.structure, self.loading, self.prepared.pattern, self.tension, self.switch
+        return *fixed, shift, limits, self.state, self.first, self.second, self.prepared.step
+
     def _advance(self, shift: float, tolerance: float) -> bool:
         """Take one step with the tangent shifted; False if no good one was found."""
-        structure, loading, step, settings = self.structure, self.loading, self.step, self.settings
-        system, state, trial, tension = self.prepared.system, self.state, self.trial, self.tension
-        sides = kernels.linearise(structure, loading, self.prepared.pattern, tension, shift, state, step)
-        self.negative_pivots = system.factorise(step.blocks)
-        if self.negative_pivots:
-            return False
-        solved = system.solve(step.right[:sides])
-        length, turn, determinant = kernels.finish_step(structure, state, state, solved, step)
-        if not determinant > 0.0 or not np.isfinite(turn):
-            self.negative_pivots = 1
-            return False
-        size = min(1.0, settings.largest_turn / turn) if turn > 0.0 else 1.0
-        while True:
-            kernels.take(structure, loading, tension, self.switch, size, state, state, step, trial)
-            if trial.marks[0] <= CLEAR_GAIN * state.marks[0]:
-                break
-            solved[:1] = system.solve(step.right[:1])
-            left, bend = kernels.simplified_move(solved, size, step, self.prepared.move)
-            # a shifted step leaves what the shift took, so there only growth is refused
-            if left <= ((1.0 - 0.25 * size) if shift == 0.0 else 2.0) * length:
-                break
-            size = min(0.5 * size, 0.5 * size * size * length / bend)
-            if size < settings.shortest_step:
-                return False
-        gain = trial.marks[0] / state.marks[0]
-        if shift == 0.0 and size == 1.0 and gain <= system.worthwhile_gain and not _within(trial, tolerance):
-            self._reuse(solved, tolerance)
+        system = self.prepared.system
+        if isinstance(system, BandedSystem):
+            where, negative = advance_banded(system.arrays, *self.arguments(shift, tolerance))
         else:
-            self.state, self.trial = trial, state
-        return True
-
-    def _reuse(self, solved: Floats, tolerance: float) -> None:
-        """Go on from the trial with the old tangent as long as that is worth its while (Shamanskii's method)."""
-        here, there, new = self.state, self.trial, self.spare
-        system, step = self.prepared.system, self.step
-        while True:
-            solved[:1] = system.solve(step.right[:1])
-            kernels.finish_step(self.structure, here, there, solved, step)
-            kernels.take(self.structure, self.loading, self.tension, self.switch, 1.0, here, there, step, new)
-            gain = new.marks[0] / there.marks[0]
-            if gain < 1.0:
-                there, new = new, there
-            if not gain <= system.worthwhile_gain or _within(there, tolerance):
-                break
-        self.state, self.trial, self.spare = there, new, here
-
-
-def _within(state: State, tolerance: float) -> bool:
-    """Whether a state is an equilibrium to the tolerances."""
-    _, residual, imbalance, length_error, _ = state.marks
-    return bool(max(residual, imbalance) <= tolerance and length_error <= LENGTH_TOLERANCE)
+            where, negative = advance(system, *self.arguments(shift, tolerance))
+        self.singular = negative == -1
+        if where == IN_FIRST:
+            self.state, self.first = self.first, self.state
+        elif where == IN_SECOND:
+            self.state, self.second = self.second, self.state
+        return bool(where != FAILED)

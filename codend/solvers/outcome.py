@@ -20,6 +20,7 @@ class Outcome(Enum):
     OVERFULL = "The catch does not fit into the net: give a smaller one."
     SINGULAR = "The tangent could not be factorised: the net is a mechanism at this shape."
     NOT_IMPROVING = "No step lowered the residual further: start nearer to the equilibrium."
+    PASSED_THROUGH = "The net has passed through itself at its axis, which twine cannot: start from another shape."
     COMPRESSED = "The only solution found has bars in compression, which twine cannot carry: it was refused."
 
     @property

@@ -16,6 +16,7 @@ from time import perf_counter
 import numpy as np
 
 from codend.mechanics.bars import add_bar_forces, bar_lengths, length_error
+from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.relaxation import out_of_balance
 from codend.net import Floats
 from codend.problem import Problem
@@ -196,6 +197,8 @@ class _Run:
             self.tension = carried * length
             if max(self.residual, self.imbalance) > tolerance:
                 outcome = Outcome.COMPRESSED
+            elif passed_through_itself(motion.position, structure):
+                outcome = Outcome.PASSED_THROUGH
             elif self.length_error <= LENGTH_TOLERANCE:
                 outcome = Outcome.CONVERGED if motion.fits else Outcome.OVERFULL
         if outcome is None:

@@ -1,0 +1,120 @@
+"""One step of Newton's method on any net, written once: plain Python for sparse systems, compiled for banded ones.
+
+A sector's step takes about as long as a call from Python into compiled code, so for banded systems all of it is one
+kernel. ``advance`` is that kernel's source and runs as it stands where the system is factorised by a library.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba.extending import overload
+
+from codend.compiled import njit
+from codend.mechanics.arrays import Loading, Structure
+from codend.mechanics.newton_step import State, Step, finish_step, linearise, simplified_move, take
+from codend.mechanics.tangent import Pattern
+from codend.net import Floats
+from codend.solvers.linear_systems import Band, LinearSystem, factorise_band, solve_band
+
+FAILED, IN_FIRST, IN_SECOND = range(3)
+"""Where the new state is: nowhere, or in the first or second of the spare states."""
+
+
+class Limits(NamedTuple):
+    """Bounds of a step, and when it is good enough."""
+
+    largest_turn: float
+    shortest_step: float
+    clear_gain: float
+    """Fall of the merit at which a step is taken without the test of monotonicity."""
+    worthwhile_gain: float
+    """Fall of the merit at which one more step with the same factors costs less than it saves."""
+    tolerance: float
+    length_tolerance: float
+
+
+def factorise(system: LinearSystem | Band, blocks: Floats) -> int:
+    """Factorise the tangent; number of negative pivots (0 where the factorisation does not tell), -1 if singular."""
+    return system.factorise(blocks)  # type: ignore[union-attr]
+
+
+def solve(system: LinearSystem | Band, right: Floats, solution: Floats) -> None:
+    """Write the solutions for right sides (k, n, 3)."""
+    solution[:] = system.solve(right)  # type: ignore[union-attr]
+
+
+@overload(factorise)
+def _factorise_compiled(system, blocks):  # type: ignore[no-untyped-def]
+    return lambda system, blocks: factorise_band(blocks.reshape(-1), system.place, system.rows)
+
+
+@overload(solve)
+def _solve_compiled(system, right, solution):  # type: ignore[no-untyped-def]
+    return lambda system, right, solution: solve_band(system.rows, system.unknown, right, solution)
+
+
+@njit(cache=True, error_model="numpy")
+def within(state: State, limits: Limits) -> bool:
+    """Whether a state is an equilibrium to the tolerances."""
+    marks = state.marks
+    return max(marks[1], marks[2]) <= limits.tolerance and marks[3] <= limits.length_tolerance
+
+
+def advance(
+    system: LinearSystem | Band,
+    structure: Structure,
+    loading: Loading,
+    pattern: Pattern,
+    tension: float,
+    switch: float,
+    shift: float,
+    limits: Limits,
+    state: State,
+    first: State,
+    second: State,
+    step: Step,
+) -> tuple[int, int]:
+    """Take a step from ``state`` with the tangent shifted, shortened as far as need be.
+
+    While a whole step with the unshifted tangent does well, more follow with the same factors (Shamanskii's method).
+
+    Returns:
+        where the new state is, and the number of negative pivots, -1 if the tangent was singular.
+    """
+    sides = linearise(structure, loading, pattern, tension, shift, state, step)
+    right, solved = step.right, step.solved[:sides]
+    negative = factorise(system, step.blocks)
+    if negative != 0:
+        return FAILED, negative
+    solve(system, right[:sides], solved)
+    length, turn, determinant = finish_step(structure, state, state, solved, step)
+    if not determinant > 0.0 or not np.isfinite(turn):
+        return FAILED, 1
+    size = min(1.0, limits.largest_turn / turn) if turn > 0.0 else 1.0
+    while True:
+        take(structure, loading, tension, switch, size, state, state, step, first)
+        if first.marks[0] <= limits.clear_gain * state.marks[0]:
+            break
+        solve(system, right[:1], solved[:1])
+        left, bend = simplified_move(solved, size, step)
+        # a shifted step leaves what the shift took, so there only growth is refused
+        if left <= ((1.0 - 0.25 * size) if shift == 0.0 else 2.0) * length:
+            break
+        size = min(0.5 * size, 0.5 * size * size * length / bend)
+        if size < limits.shortest_step:
+            return FAILED, 0
+    gain = first.marks[0] / state.marks[0]
+    if shift > 0.0 or size < 1.0:
+        return IN_FIRST, 0
+    there, new, where = first, second, IN_FIRST
+    while gain <= limits.worthwhile_gain and not within(there, limits):
+        solve(system, right[:1], solved[:1])
+        finish_step(structure, state, there, solved, step)
+        take(structure, loading, tension, switch, 1.0, state, there, step, new)
+        gain = new.marks[0] / there.marks[0]
+        if gain < 1.0:
+            there, new, where = new, there, IN_FIRST + IN_SECOND - where
+    return where, 0
+
+
+advance_banded = njit(cache=True, error_model="numpy")(advance)

@@ -1,0 +1,164 @@
+"""Forces on a net in plain numpy, apart from the project's kernels and analytic in the positions.
+
+A complex step x + ih in one coordinate then gives a column of the derivative to round-off (Squire and Trapp 1998, SIAM
+Review 40, 110-112): there is no difference to cancel. So norms are roots of sums of products, nothing is made absolute
+or conjugate, and cases (pieces of the pressure law, taut and slack twine, the front's band) are told by real parts.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, LE_BRIS_1999
+from codend.net import Net, facet_corners, rotate
+from codend.problem import Problem
+
+STEP = 1e-30
+
+
+def derivative(function: Callable[[np.ndarray], np.ndarray], position: np.ndarray) -> np.ndarray:
+    """Derivative of a function of positions by all of their coordinates, (values, 3 n)."""
+    columns = []
+    for coordinate in range(position.size):
+        moved = position.astype(complex)
+        moved.reshape(-1)[coordinate] += 1j * STEP
+        columns.append(np.ravel(function(moved)).imag / STEP)
+    return np.stack(columns, axis=1)
+
+
+def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return (a * b).sum(axis=-1)
+
+
+def norm(a: np.ndarray) -> np.ndarray:
+    return np.sqrt(dot(a, a))
+
+
+def gathered(net: Net, *parts: tuple[np.ndarray, np.ndarray, np.ndarray]) -> np.ndarray:
+    """Forces on nodes, (n, 3), from parts (node, image, force on that image)."""
+    force = np.zeros((len(net.positions), 3), dtype=complex)
+    for node, image, load in parts:
+        np.add.at(force, node, rotate(load, -image, net.order))
+    return force
+
+
+def vectors(net: Net, position: np.ndarray) -> np.ndarray:
+    return rotate(position[net.bars[:, 1]], net.bar_image, net.order) - position[net.bars[:, 0]]
+
+
+def on_both_ends(net: Net, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    return gathered(net, (net.bars[:, 0], 0 * net.bar_image, first), (net.bars[:, 1], net.bar_image, second))
+
+
+def elastic_pull(net: Net, position: np.ndarray) -> np.ndarray:
+    """T = EA (l - l0) / l0 along every bar that is longer than without load, nothing in the others."""
+    vector = vectors(net, position)
+    length = norm(vector)
+    tension = (length / net.bar_length - 1.0) / net.bar_flexibility
+    tension = np.where(tension.real > 0.0, tension, 0.0)
+    pull = (tension / length)[:, None] * vector
+    return on_both_ends(net, pull, -pull)
+
+
+def twine_drag(problem: Problem, position: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Le Bris et al. 1999, equations 4 and 5; Bessonneau and Marichal 1997, equations 2 and 3."""
+    net, loading = problem.net, problem.loading
+    vector = vectors(net, position)
+    length = norm(vector)[:, None]
+    flow = np.array([loading.speed, 0.0, 0.0])
+    along = dot(flow, vector / length)[:, None] * vector / length
+    across = flow - along
+    if loading.drag_law == LE_BRIS_1999:
+        speed_across, speed_along = norm(across), norm(along)
+        coefficient_along = loading.tangential * loading.normal
+    else:
+        speed_across = speed_along = loading.speed * np.ones(len(vector))
+        coefficient_along = loading.tangential
+    law = loading.normal * speed_across[:, None] * across + coefficient_along * speed_along[:, None] * along
+    exposed = (1.0 - share[net.bar_band]) * net.bar_drag_diameter
+    half = 0.25 * loading.density * exposed[:, None] * length * law
+    return on_both_ends(net, half, half)
+
+
+def catch_pressure(problem: Problem, position: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """q (1 - Cp(theta)) on every facet's area vector, a third to each corner (Le Bris et al. 1999, section 5)."""
+    net, loading = problem.net, problem.loading
+    corners = facet_corners(net, position)
+    area = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    theta = np.arccos(-area[:, 0] / norm(area))
+    piece = np.clip(np.searchsorted(loading.angles, theta.real, side="right") - 1, 0, len(loading.angles) - 2)
+    c, t = loading.coefficients[:, piece], theta - loading.angles[piece]
+    coefficient = c[0] * t**3 + c[1] * t**2 + c[2] * t + c[3]
+    filled = share[net.facet_band] * net.facet_weight
+    third = (filled * loading.stagnation_pressure * coefficient / 3.0)[:, None] * area
+    return gathered(net, *((net.facets[:, i], net.facet_image[:, i], third) for i in range(3)))
+
+
+def corner_twines(net: Net, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Vectors from the middle of every corner along its two twines."""
+    middle, first, second = np.moveaxis(rotate(position[net.corners], net.corner_image, net.order), 1, 0)
+    return first - middle, second - middle
+
+
+def bending_energy(net: Net, position: np.ndarray) -> np.ndarray:
+    """k (psi - psi0)^2 / 8 of all corners: half the energy of the two twines that meet there."""
+    u, v = corner_twines(net, position)
+    psi = np.arccos(dot(u, v) / norm(u) / norm(v))
+    return (net.corner_stiffness * (psi - net.corner_rest) ** 2).sum() / 8.0
+
+
+def bending_resistance(net: Net, position: np.ndarray) -> np.ndarray:
+    """Minus the gradient of that energy: the angle grows fastest as each twine turns away from the other."""
+    u, v = corner_twines(net, position)
+    lu, lv = norm(u)[:, None], norm(v)[:, None]
+    cosine = (dot(u, v) / norm(u) / norm(v))[:, None]
+    sine = np.sqrt(1.0 - cosine**2)
+    moment = 0.25 * (net.corner_stiffness * (np.arccos(cosine[:, 0]) - net.corner_rest))[:, None]
+    first = moment * (v / lv - cosine * u / lu) / (sine * lu)
+    second = moment * (u / lu - cosine * v / lv) / (sine * lv)
+    parts = zip((-first - second, first, second), net.corners.T, net.corner_image.T, strict=True)
+    return gathered(net, *((node, image, load) for load, node, image in parts))
+
+
+def shares(problem: Problem, position: np.ndarray) -> np.ndarray:
+    """Share of every band within the catch: the bands aft of the front, and the part of its own that the front fills.
+
+    A front given by a plane or by the volume is found by Newton's method on the place of the lid.
+    """
+    net, loading = problem.net, problem.loading
+    if loading.catch_kind == FILLED_MESHES:
+        aft = np.cumsum(net.band_meshes[::-1])[::-1] - net.band_meshes
+        return np.clip((loading.catch_value - aft) / net.band_meshes, 0.0, 1.0)
+    bag = _bag(net, position)
+    real = [part.real for part in bag]
+    measured = _to_plane if loading.catch_kind == FRONT_FROM_CODLINE else _volume
+    whole = np.array([measured(*real, band, 1.0) for band in range(net.bands)])
+    band = int(np.flatnonzero(whole >= loading.catch_value)[-1])
+    filled = 0.5 + 0.0j
+    for _ in range(12):
+        slope = measured(*real, band, filled.real + 1j * STEP).imag / STEP
+        filled -= (measured(*bag, band, filled) - loading.catch_value) / slope
+    place = np.arange(net.bands)
+    return np.where(place > band, 1.0, np.where(place == band, filled, 0.0))
+
+
+def _bag(net: Net, position: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Mean axial position of every row; axial projection of every band's facets all round, and its moment in x."""
+    rows = np.array([position[net.node_row == row, 0].mean() for row in range(net.bands + 1)])
+    a, b, c = np.moveaxis(facet_corners(net, position), 1, 0)
+    projected = 0.5 * np.cross(b - a, c - a)[:, 0] * net.facet_weight * net.order
+    area, moment = np.zeros(net.bands, dtype=complex), np.zeros(net.bands, dtype=complex)
+    np.add.at(area, net.facet_band, projected)
+    np.add.at(moment, net.facet_band, projected * (a + b + c)[:, 0] / 3.0)
+    return rows, area, moment
+
+
+def _to_plane(rows: np.ndarray, _area: np.ndarray, _moment: np.ndarray, band: int, filled: complex) -> complex:
+    return rows[-1] - filled * rows[band] - (1.0 - filled) * rows[band + 1]
+
+
+def _volume(rows: np.ndarray, area: np.ndarray, moment: np.ndarray, band: int, filled: complex) -> complex:
+    """Flux of (x - lid, 0, 0) out of the filled bands."""
+    lid = filled * rows[band] + (1.0 - filled) * rows[band + 1]
+    flux = moment - lid * area
+    return filled * flux[band] + flux[band + 1 :].sum()

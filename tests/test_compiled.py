@@ -1,0 +1,75 @@
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from codend.compiled import modules_behind
+
+ROOT = Path(__file__).parent.parent
+# a bar from the axis to a point one metre away along y, turned by a quarter circle: a kernel in bars.py that calls one
+# in images.py
+WHERE_A_BAR_ENDS = """
+import numpy as np
+from codend.mechanics.bars import bar_vector
+
+rotations = np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
+print(*bar_vector(np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), 0, 1, 1, rotations))
+print(sum(bar_vector.stats.cache_hits.values()))
+"""
+
+
+def said_by_a_new_process(project: Path, environment: dict[str, str]) -> list[str]:
+    result = subprocess.run(
+        [sys.executable, "-c", WHERE_A_BAR_ENDS],
+        env={**os.environ, "PYTHONPATH": str(project), **environment},
+        cwd=project,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return result.stdout.splitlines()
+
+
+@pytest.mark.parametrize("own_cache_folder", [False, True])
+def test_a_change_in_a_called_kernels_file_changes_the_answer_of_the_next_run(tmp_path: Path, own_cache_folder: bool):
+    for room in ("codend", "catch_models"):
+        shutil.copytree(ROOT / room, tmp_path / room, ignore=shutil.ignore_patterns("__pycache__"))
+    environment = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")} if own_cache_folder else {}
+    assert said_by_a_new_process(tmp_path, environment) == ["0.0 0.0 1.0", "0"]
+    assert said_by_a_new_process(tmp_path, environment) == ["0.0 0.0 1.0", "1"]
+    called = tmp_path / "codend" / "mechanics" / "images.py"
+    source = called.read_text(encoding="utf-8")
+    changed = source.replace(", sine * y + cosine * z", ", 2.0 * (sine * y + cosine * z)", 1)
+    called.write_text(changed, encoding="utf-8")
+    assert said_by_a_new_process(tmp_path, environment) == ["0.0 0.0 2.0", "0"]
+    (caches,) = {path.parent for path in tmp_path.rglob("bars.bar_vector*.nbc")}
+    assert len(list(caches.glob("bars.bar_vector*"))) == 2, "an index and one compiled function: nothing is left behind"
+
+
+def test_all_cached_kernels_but_those_that_take_from_no_other_file_are_compiled_in_the_one_way():
+    for room in ("codend", "catch_models"):
+        for path in (ROOT / room).rglob("*.py"):
+            source = path.read_text(encoding="utf-8")
+            if path.name != "compiled.py" and re.search(
+                r"^from numba import .*njit|^import numba", source, re.MULTILINE
+            ):
+                assert not re.search(r"^(from|import) +\.*(codend|catch_models)", source, re.MULTILINE), path
+
+
+def test_files_with_kernels_import_this_project_in_the_form_that_is_followed():
+    for path in (ROOT / "codend").rglob("*.py"):
+        source = path.read_text(encoding="utf-8")
+        if "@njit" in source:
+            assert not re.search(r"^import +(codend|catch_models)|^from +\.", source, re.MULTILINE), path
+
+
+def test_sources_are_followed_through_other_files_and_other_rooms():
+    import codend.mechanics.newton_step  # noqa: F401 loads what is looked at
+
+    behind = modules_behind("codend.mechanics.newton_step")
+    assert {"codend.mechanics.images", "codend.mechanics.arrays", "catch_models.filling"} <= behind
+    assert "codend.mechanics.newton_step" not in modules_behind("codend.mechanics.images")

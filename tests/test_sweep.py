@@ -1,0 +1,116 @@
+"""Sweeps: every combination, the numbers of a run by itself, nothing solved twice, mistakes found before the work."""
+
+import pandas as pd
+import pytest
+
+import codend.sweep
+from codend.errors import InputError
+from codend.plan import load_plan
+from codend.report.plan_copy import plan_toml
+from codend.study import solve
+from codend.sweep import runs_of, solve_runs
+from tests.test_cli import TINY_PLAN, assert_refused, codend_cli
+
+VARY = ["netting.0.bar_mm=[40.0, 50.0]", "catch.filled_meshes=[[4], [4, 8]]"]
+
+
+@pytest.fixture
+def plan(tmp_path):
+    path = tmp_path / "plan.toml"
+    path.write_text(TINY_PLAN, encoding="utf-8")
+    return path
+
+
+def test_every_combination_is_run_and_has_the_numbers_of_a_run_by_itself(plan, tmp_path):
+    table = solve_runs(runs_of(plan, VARY), tmp_path / "sweep")
+    assert table["run"].tolist() == [1, 2, 2, 3, 4, 4]
+    assert table["netting.0.bar_mm"].tolist() == [40.0, 40.0, 40.0, 50.0, 50.0, 50.0]
+    assert table["catch.filled_meshes"].tolist() == ["[4]", "[4, 8]", "[4, 8]", "[4]", "[4, 8]", "[4, 8]"]
+    alone = solve(load_plan(plan, ["netting.0.bar_mm=50.0"])).table
+    last = table[table["run"] == 4]
+    for quantity in ("drag_n", "catch_volume_m3", "opening_ahead_deg"):
+        assert last[quantity].to_numpy() == pytest.approx(alone[quantity].to_numpy(), rel=1e-6)
+
+
+def test_two_processes_find_what_one_does(plan, tmp_path):
+    runs = runs_of(plan, VARY[:1])
+    one, two = (solve_runs(runs, tmp_path / str(count), count) for count in (1, 2))
+    pd.testing.assert_frame_equal(one.drop(columns="solve_ms"), two.drop(columns="solve_ms"))
+
+
+def test_a_sweep_goes_on_where_it_stopped(plan, tmp_path, monkeypatch):
+    runs = runs_of(plan, VARY[:1])
+    solved = []
+
+    def watched(plan):
+        if len(solved) == 1:
+            raise KeyboardInterrupt
+        solved.append(plan)
+        return solve(plan)
+
+    monkeypatch.setattr(codend.sweep, "solve", watched)
+    with pytest.raises(KeyboardInterrupt):
+        solve_runs(runs, tmp_path)
+    monkeypatch.setattr(codend.sweep, "solve", solve)
+    first = tmp_path / "runs" / "001" / "results.csv"
+    before = first.stat().st_mtime_ns
+    table = solve_runs(runs, tmp_path)
+    assert table["run"].tolist() == [1, 1, 2, 2]
+    assert first.stat().st_mtime_ns == before
+    # a run of another plan is done again
+    solve_runs(runs_of(plan, VARY[:1], ["tow.speed_m_s=2.0"]), tmp_path)
+    assert first.stat().st_mtime_ns != before
+
+
+def test_the_plan_beside_a_run_is_the_one_that_was_solved(plan, tmp_path):
+    runs = runs_of(plan, VARY[:1])
+    solve_runs(runs, tmp_path)
+    for run in runs:
+        copy = tmp_path / "runs" / f"{run.number:03d}" / "plan.toml"
+        assert copy.read_text(encoding="utf-8") == plan_toml(run.plan)
+
+
+@pytest.mark.parametrize(
+    ("vary", "named"),
+    [
+        ("netting.0.bar_mm=25", "netting.0.bar_mm"),
+        ("netting.0.bar_mm=[]", "netting.0.bar_mm"),
+        ("netting.0.bar_mm=[25, -1]", "netting.0.bar_mm"),
+        ("netting.0.bar=[25]", "netting.0.bar"),
+        ("bar_mm", "bar_mm"),
+    ],
+)
+def test_what_cannot_vary_is_refused_before_anything_is_solved(vary, named, plan, tmp_path):
+    with pytest.raises(InputError, match=named):
+        runs_of(plan, [vary])
+    assert_refused(codend_cli("sweep", plan, "--vary", vary, "--out", tmp_path / "sweep"), named)
+    assert not (tmp_path / "sweep").exists()
+
+
+def test_a_key_varies_once(plan):
+    with pytest.raises(InputError, match="twice"):
+        runs_of(plan, ["entry.radius_m=[0.1]", "entry.radius_m=[0.2]"])
+
+
+def test_the_command_writes_table_and_picture_and_feeds_selectivity(plan, tmp_path):
+    folder = tmp_path / "sweep"
+    result = codend_cli("sweep", plan, "--vary", VARY[0], "entry.radius_m=[0.1,0.12]", "--out", folder)
+    assert result.exit_code == 0, result.stderr
+    assert "4 runs, 8 cases" in result.stdout
+    assert len(pd.read_csv(folder / "sweep.csv")) == 8
+    assert (folder / "sweep.png").stat().st_size > 10_000
+    species = tmp_path / "fish.toml"
+    species.write_text(codend_cli("species").stdout, encoding="utf-8")
+    chosen = codend_cli("selectivity", folder / "runs" / "002", "--species", species)
+    assert chosen.exit_code == 0, chosen.stderr
+
+
+def test_a_case_that_is_not_solved_gives_status_3(plan, tmp_path):
+    # more than the bag holds, though not more than a cylinder of the netting stretched both ways would
+    too_much = ["catch.volume_m3=[[0.05], [0.2]]"]
+    result = codend_cli("sweep", plan, "--vary", *too_much, "--out", tmp_path / "sweep")
+    assert result.exit_code == 3, result.output
+    assert "was not solved" in result.stderr
+    table = pd.read_csv(tmp_path / "sweep" / "sweep.csv")
+    assert table["converged"].tolist() == [True, False]
+    assert table["drag_n"].isna().tolist() == [False, True]
