@@ -1,6 +1,7 @@
-"""How far the numbers of a result may be off: the solver's tolerance, merged meshes, and the pressure curve.
+"""How far the numbers of a result may be off: the solver's tolerance, merged meshes or none, and the pressure curve.
 
-The number of meshes of the real net is real, not an error: a sector of the unglobalised net is exact in that respect.
+The number of meshes of the real net is real, not an error: a sector of the unglobalised net is exact in that respect,
+and the membrane of the meridian method, which has meshes without number, is off by its distance to that sector.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -48,10 +49,14 @@ class Errors:
 _QUANTITIES = ("drag_n", "catch_volume_m3", "max_radius_m", "opening_ahead_deg")
 
 
-def estimate(scene: Scene, case: Case, problem: Problem, solution: Solution, measures: Measures) -> Errors:
+def estimate(
+    scene: Scene, case: Case, problem: Problem, solution: Solution, measures: Measures, weight_left_out: float = 0.0
+) -> Errors:
     """Error estimates of one solved case.
 
     The solver's part is the distance to an answer that Newton's method finds from the result at a far smaller residual.
+    With measures of the meridian method beside the solution of a sector, that distance is the membrane's error.
+    ``weight_left_out`` is the relative error of a model that knows no weight, in drag and, all round, in the others.
     The part of a globalised net is the distance between a sector of it and one of the real net, under the loads that
     are the same all round.
     """
@@ -61,33 +66,23 @@ def estimate(scene: Scene, case: Case, problem: Problem, solution: Solution, mea
     if not polished.report.outcome.converged:
         return Errors.unknown()
     solver = _distance(measures, measure_all(problem, polished)[2])
-    merged = discretisation(scene.plan, case, scene.globalisation).distance
-    errors = SAFETY * (solver + merged) + NOISE * np.abs([getattr(measures, name) for name in _QUANTITIES])
+    merged = np.zeros(len(_QUANTITIES))
+    if scene.globalisation > 1:
+        merged = _distance(*(sector_measures(scene.plan, case, g) for g in (1, scene.globalisation)))
+    sizes = np.abs([getattr(measures, name) for name in _QUANTITIES])
+    errors = SAFETY * (solver + merged) + (NOISE + weight_left_out) * sizes
     drag, volume, radius, opening = map(float, errors)
     return Errors(drag, volume, radius, opening, _change_with_suction(problem, polished, prepared, measures.drag_n))
 
 
-@dataclass(frozen=True)
-class Discretisation:
-    """What merging meshes changes, between sectors under the loads that are the same all round."""
+def sector_measures(plan: Plan, case: Case, globalisation: int) -> Measures:
+    """Measures of one sector of the merged net, under the loads that are the same all round; nan if it is not solved.
 
-    distance: np.ndarray
-    """In drag, volume, largest radius and opening ahead of the catch; nan where a sector was not solved."""
-    relative_drag: float
-
-
-def discretisation(plan: Plan, case: Case, globalisation: int) -> Discretisation:
-    """Distance between a sector of the globalised net and one of the real net."""
-    if globalisation == 1:
-        return Discretisation(np.zeros(len(_QUANTITIES)), 0.0)
-    found = []
+    The difference that merging makes there stands for the difference it makes in the full net.
+    """
     quickly = plan.model_copy(update={"model": plan.model.model_copy(update={"method": "auto"})})
-    for g in (1, globalisation):
-        problem, solution = equilibrium.solve(equilibrium.scene_of(quickly, g, 1), case, (), None)
-        if not solution.report.outcome.converged:
-            return Discretisation(np.full(len(_QUANTITIES), np.nan), float("nan"))
-        found.append(measure_all(problem, solution)[2])
-    return Discretisation(_distance(*found), abs(found[1].drag_n / found[0].drag_n - 1.0))
+    problem, solution = equilibrium.solve(equilibrium.scene_of(quickly, globalisation, 1), case, (), None)
+    return measure_all(problem, solution)[2] if solution.report.outcome.converged else Measures.unknown()
 
 
 def _distance(first: Measures, second: Measures) -> np.ndarray:

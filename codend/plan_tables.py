@@ -230,7 +230,7 @@ class Model(Table):
     tolerance: Annotated[Number, Ge(1e-12), Le(0.1)] = 1e-6
     """Largest nodal residual over the total load."""
     accuracy: Annotated[Number, Gt(0), Le(0.5)] = 0.01
-    """Relative error in drag that ``fidelity = "auto"`` may cost by merging meshes."""
+    """What ``fidelity = "auto"`` may cost: in drag by merging meshes, in openings by leaving weight out; relative."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -118,7 +118,7 @@ def solve(plan: Plan, progress: StudyProgress | None = None) -> Study:
     """
     choice = fidelity.choose(plan)
     if choice.fidelity == "meridian":
-        return Study(plan, choice, tuple(_solve_meridian(plan, progress)))
+        return Study(plan, choice, tuple(_solve_meridian(plan, choice, progress)))
     scene = equilibrium.scene_of(plan, choice.globalisation, choice.columns)
     cases = plan.cases()
     known: list[tuple[Case, Solution]] = []
@@ -136,7 +136,7 @@ def solve(plan: Plan, progress: StudyProgress | None = None) -> Study:
         result = _measured(case, problem, solution)
         if result.converged:
             known.append((case, solution))
-            errors = accuracy.estimate(scene, case, problem, solution, result.measures)
+            errors = accuracy.estimate(scene, case, problem, solution, result.measures, choice.weight_left_out)
             pivots = newton.negative_pivots(problem, solution, scene.prepared)
             result = replace(result, errors=errors, negative_pivots=pivots)
         results[case.number] = result
@@ -152,9 +152,14 @@ def _measured(case: Case, problem: Problem, solution: Solution) -> CaseResult:
     return CaseResult(case, problem, solution, measures, Errors.unknown(), None, rows, meshes)
 
 
-def _solve_meridian(plan: Plan, progress: StudyProgress | None) -> Iterator[CaseResult]:
-    """Cases by the meridian method: its own drag and sizes; openings on a sector net laid out along its shape."""
+def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) -> Iterator[CaseResult]:
+    """Cases by the meridian method: its own drag and sizes; openings on a sector net laid out along its shape.
+
+    What the membrane leaves out of the real net is estimated by the equilibrium of a sector that starts from it.
+    """
     cases = plan.cases()
+    any_method = plan.model_copy(update={"model": plan.model.model_copy(update={"method": "auto"})})
+    sector = equilibrium.scene_of(any_method, 1, 1)
     for case in cases:
         if progress is not None:
             progress(case.number - 1, len(cases), f"case {case.number}: meridian method")
@@ -191,6 +196,8 @@ def _solve_meridian(plan: Plan, progress: StudyProgress | None) -> Iterator[Case
             twine_drag_n=shape.twine_drag_n,
             entry_reaction_n=shape.entry_reaction_n,
         )
-        yield replace(result, measures=own)
+        _, of_bars = equilibrium.solve(sector, case, [(case, solution)], None)
+        errors = accuracy.estimate(sector, case, problem, of_bars, own, choice.weight_left_out)
+        yield replace(result, measures=own, errors=errors)
     if progress is not None:
         progress(len(cases), len(cases), "done")

@@ -158,7 +158,6 @@ def _to_plane(rows: np.ndarray, _area: np.ndarray, _moment: np.ndarray, band: in
 
 
 def _volume(rows: np.ndarray, area: np.ndarray, moment: np.ndarray, band: int, filled: complex) -> complex:
-    """Flux of (x - lid, 0, 0) out of the filled bands."""
-    lid = filled * rows[band] + (1.0 - filled) * rows[band + 1]
-    flux = moment - lid * area
-    return filled * flux[band] + flux[band + 1 :].sum()
+    """Volumes behind the planes of the band's two rows, in proportion: fluxes of (x - plane, 0, 0) out of the bands."""
+    fore, aft = (moment - rows[row] * area for row in (band, band + 1))
+    return filled * fore[band:].sum() + (1.0 - filled) * aft[band + 1 :].sum()

@@ -50,6 +50,22 @@ def test_error_of_merged_meshes_is_covered(scene, g):
     assert table["drag_error_n"] < 0.5 * table["drag_n"]
 
 
+def test_error_of_the_membrane_is_covered(scene):
+    options, exact = scene
+    table = solve(make_plan(24, 20, **options, model={"fidelity": "meridian"})).table.iloc[0]
+    assert_covered(table, exact)
+    assert table["drag_error_n"] < 0.03 * table["drag_n"]
+
+
+def test_openings_of_the_membrane_are_those_of_the_net_where_knots_lie_along_it():
+    options = {"filled": 15.0, "netting": {"knot_mm": 6.0}}
+    opening = [
+        solve(make_plan(100, 60, **options, model={"fidelity": fidelity})).table["opening_ahead_deg"].iloc[0]
+        for fidelity in ("meridian", "sector")
+    ]
+    assert opening[0] == pytest.approx(opening[1], abs=0.2)
+
+
 def test_the_tight_answer_claims_little_error(scene):
     _, exact = scene
     assert exact["drag_error_n"] < 1e-6 * exact["drag_n"]

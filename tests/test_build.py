@@ -118,3 +118,11 @@ def test_sections_follow_one_another():
     assert len(rows_of(joined)) == net.bands == 22
     assert np.unique(net.bar_length[net.bar_band >= 16]) == pytest.approx([0.020])
     assert np.unique(net.bar_length[net.bar_band < 16]) == pytest.approx([0.040])
+
+
+def test_knots_keep_their_length_on_rows_that_close_up():
+    plan = make_plan(12, 8, netting={"knot_mm": 8.0})
+    x, radius = np.linspace(0.0, 0.4, 17), np.full(17, 0.05)
+    net = build_net(plan, columns=1, rows=(x, radius))
+    knot = bar_vectors(net, net.positions)[net.bar_drag_diameter == 0.0]
+    assert np.linalg.norm(knot[1:-1], axis=1) == pytest.approx(0.008, rel=1e-12)

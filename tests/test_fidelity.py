@@ -8,7 +8,7 @@ import pytest
 
 from codend import fidelity
 from codend.build import build_net
-from codend.loads import problem_of
+from codend.loads import problem_of, wet_weight
 from codend.net import all_round, rotate
 from codend.plan import load_plan
 from codend.solvers import dynamic_relaxation, newton
@@ -102,6 +102,41 @@ def test_automatic_choice_is_a_sector_unless_weight_breaks_the_symmetry():
     assert 0.0 < choice.drag_error <= 0.01
     strict = heavy.model_copy(update={"model": heavy.model.model_copy(update={"accuracy": 1e-6})})
     assert fidelity.choose(strict).fidelity == "full"
+
+
+WEIGHED = {
+    "small catch": {"filled": 2.0},
+    "large catch": {"filled": 14.0},
+    "t90 with knots": {"mesh": "t90", "filled": 5.0, "netting": {"knot_mm": 6.0}},
+}
+
+
+@pytest.mark.parametrize("weighed", WEIGHED)
+def test_weight_changes_openings_by_less_than_its_share_of_the_drag_and_drag_by_the_square_of_it(weighed):
+    options = WEIGHED[weighed]
+    light = solve(make_plan(24, 20, **options, model={"fidelity": "sector"})).cases[0]
+    share = 0.06
+    weight = share * light.measures.drag_n
+    per_density = 24 * abs(float(wet_weight(build_net(_dense(options, 2000.0), columns=1), 1000.0).sum()))
+    plan = _dense(options, 1000.0 + 1000.0 * weight / per_density, fidelity="full")
+    heavy = solve(plan).cases[0]
+    assert abs(heavy.measures.drag_n / light.measures.drag_n - 1.0) <= fidelity.WEIGHT_IN_DRAG * share**2
+    ahead = np.abs(heavy.net.mesh_row - (40 - 2 * options["filled"] - 3)) <= 2
+    change = heavy.meshes.opening_deg / light.rows.opening_deg[heavy.net.mesh_row] - 1.0
+    assert 0.02 * share < np.abs(change[ahead]).max() <= share
+    left_out = solve(_dense(options, plan.netting[0].twine_density_kg_m3, fidelity="sector")).cases[0]
+    assert abs(left_out.measures.drag_n - heavy.measures.drag_n) <= left_out.errors.drag_error_n
+    volume = left_out.measures.catch_volume_m3 - heavy.measures.catch_volume_m3
+    assert abs(volume) <= left_out.errors.catch_volume_error_m3
+    opening = left_out.measures.opening_ahead_deg - heavy.measures.opening_ahead_deg
+    assert abs(opening) <= left_out.errors.opening_ahead_error_deg
+    assert fidelity.choose(_dense(options, plan.netting[0].twine_density_kg_m3, accuracy=0.05)).fidelity != "sector"
+    assert fidelity.choose(_dense(options, plan.netting[0].twine_density_kg_m3, accuracy=0.07)).fidelity == "sector"
+
+
+def _dense(options, density, **model):
+    netting = {**options.get("netting", {}), "twine_density_kg_m3": density}
+    return make_plan(24, 20, **{**options, "netting": netting}, model=model)
 
 
 def test_a_heavy_bag_sags():

@@ -19,6 +19,7 @@ from validation.section import Section, Verdict
 
 SECTIONS = {
     "checks": "validation.independent_checks",
+    "agreement": "validation.agreement",
     "flume": "validation.flume",
     "work_precision": "validation.work_precision",
     "stability": "validation.stability",

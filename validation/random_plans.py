@@ -1,7 +1,9 @@
 """Random plans through the automatic method: ``python -m validation.random_plans [--plans 500] [--seed 0]``.
 
 Every plan must converge to 1e-8 with no bar in compression and its axial balance within 1e-8; the table prints the
-share solved by each step of the fall-back list. Exits with 1 if a plan failed.
+share solved by each step of the fall-back list. A plan that fails is followed from a slow tow to its own speed: where
+its equilibria end before, with soft twine that balloons, there was none to be found, and it counts apart. Exits with 1
+if any other plan failed.
 """
 
 import sys
@@ -14,6 +16,8 @@ from codend.plan import Plan, plan_from_dict
 from codend.study import CaseResult, solve
 
 TOLERANCE = 1e-8
+FOLLOWED = np.linspace(0.3, 1.0, 36)
+"""Speeds at which a plan that fails is followed, over its own."""
 
 
 def random_plan(rng: np.random.Generator) -> Plan:
@@ -60,6 +64,15 @@ def fault(result: CaseResult) -> str:
     return ""
 
 
+def last_speed_m_s(plan: Plan) -> float:
+    """Fastest tow, up to the plan's own, to which its equilibria can be followed in small steps; 0 if there is none."""
+    tables = plan.to_dict()
+    (asked,) = plan.tow.speed_m_s
+    tables["tow"]["speed_m_s"] = (asked * FOLLOWED).tolist()
+    solved = [result.case.speed_m_s for result in solve(plan_from_dict(tables)).cases if result.converged]
+    return max(solved, default=0.0)
+
+
 @click.command()
 @click.option("--plans", default=500, show_default=True)
 @click.option("--seed", default=0, show_default=True)
@@ -67,21 +80,27 @@ def main(plans: int, seed: int) -> None:
     """Solve random plans and tell which step of the fall-back list solved them."""
     by_start: Counter[str] = Counter()
     times: list[float] = []
-    faults = []
+    faults, ended = [], []
     for number in range(plans):
         plan = random_plan(np.random.default_rng([seed, number]))
         result = solve(plan).cases[0]
         times.append(result.report.solve_ms)
         if reason := fault(result):
-            faults.append(f"plan {number}: {reason}\n  {plan.netting[0]} {plan.catch.filled_meshes}")
-            by_start["failed"] += 1
+            told = f"plan {number}: {reason}\n  {plan.netting[0]} {plan.catch.filled_meshes}"
+            (asked,) = plan.tow.speed_m_s
+            if not result.converged and 0.0 < (last := last_speed_m_s(plan)) < FOLLOWED[-2] * asked:
+                by_start["no equilibrium at that speed"] += 1
+                ended.append(f"{told}\n  {asked:.3f} m/s asked for, its equilibria end at about {last:.3f} m/s")
+            else:
+                by_start["failed"] += 1
+                faults.append(told)
         else:
             by_start[result.report.attempts[-1].split(":")[0]] += 1
     for start, count in by_start.most_common():
         print(f"{start:40} {count:5}  {100.0 * count / plans:6.2f} %")
     median, late = np.quantile(times, [0.5, 0.9])
     print(f"solve time: median {median:.1f} ms, 90 % {late:.1f} ms, most {max(times):.0f} ms")
-    for line in faults:
+    for line in ended + faults:
         print(line)
     sys.exit(1 if faults else 0)
 

@@ -46,11 +46,11 @@ def solve_case(plan: Plan, case: Case) -> MeridianShape:
 def _under_its_loads(plan: Plan, case: Case) -> MeridianShape:
     """Shape of a case whose twine is taken as limp."""
     if case.catch_kind == "filled_meshes":
-        return solve_meridian(_problem(plan, case, _rows(plan) - 2.0 * case.catch_value))
+        return solve_meridian(problem_for(plan, case, _rows(plan) - 2.0 * case.catch_value))
     wanted = case.catch_value / (plan.catch_density_kg_m3 if case.catch_kind == "mass_kg" else 1.0)
 
     def excess(front_row: float) -> float:
-        shape = solve_meridian(_problem(plan, case, front_row))
+        shape = solve_meridian(problem_for(plan, case, front_row))
         if not shape.converged:
             raise RuntimeError(shape.message)
         if case.catch_kind == "front_from_codline_m":
@@ -65,7 +65,7 @@ def _under_its_loads(plan: Plan, case: Case) -> MeridianShape:
             value=case.catch_value,
             allowed="a catch that the bag holds",
         )
-    return solve_meridian(_problem(plan, case, float(brentq(excess, most, least, xtol=1e-10))))
+    return solve_meridian(problem_for(plan, case, float(brentq(excess, most, least, xtol=1e-10))))
 
 
 def first_guess(plan: Plan, case: Case) -> MeridianShape | None:
@@ -77,7 +77,7 @@ def first_guess(plan: Plan, case: Case) -> MeridianShape | None:
         return None
     coefficient = plan.catch.coefficient if plan.catch.pressure == "uniform" else MEAN_COEFFICIENT
     try:
-        shape = uniform_pressure_shape(_problem(plan, case, _rows(plan) - 2.0 * case.catch_value), coefficient)
+        shape = uniform_pressure_shape(problem_for(plan, case, _rows(plan) - 2.0 * case.catch_value), coefficient)
     except ValueError:
         return None
     return shape if shape.converged and _within_straps(plan, shape) else None
@@ -128,7 +128,8 @@ def _rows(plan: Plan) -> int:
     return 2 * plan.netting[0].meshes_long
 
 
-def _problem(plan: Plan, case: Case, front_row: float) -> MeridianProblem:
+def problem_for(plan: Plan, case: Case, front_row: float) -> MeridianProblem:
+    """Problem of the meridian method for a plan of one section, the catch's front at a half-mesh row."""
     section = plan.netting[0]
     normal, tangential = plan.drag.coefficients
     return MeridianProblem(

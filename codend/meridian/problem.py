@@ -11,6 +11,7 @@ from catch_models.pressure import PressureLaw
 from codend.meridian.shell import DRAG_LAWS, Shell
 
 Floats = NDArray[np.float64]
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)  # here, for they take a millisecond: a tenth of a first guess
 
 
 class Outcome(Enum):
@@ -89,10 +90,9 @@ class MeridianProblem:
             return np.inf
         if across > 0.0:
             return self.meshes_round / np.pi * (np.arcsin(max(sine, 0.0)) + min(across, across + sine))
-        nodes, weights = np.polynomial.legendre.leggauss(16)
-        phi = 0.5 * np.arcsin(sine) * (1.0 + nodes)
+        phi = 0.5 * np.arcsin(sine) * (1.0 + _NODES)
         share = np.cos(phi) / (np.cos(phi) + knot)
-        return float(self.meshes_round / np.pi * 0.5 * np.arcsin(sine) * (share @ weights))
+        return float(self.meshes_round / np.pi * 0.5 * np.arcsin(sine) * (share @ _WEIGHTS))
 
     def shell(self) -> Shell:
         """The problem without dimensions: lengths over N b / pi, rows times pi / N, forces over pi (N b / pi)^2 q."""

@@ -1,0 +1,27 @@
+"""The Pareto front of a cloud of answers: those that no other beats in both time and error."""
+
+import numpy as np
+import pandas as pd
+
+from codend.net import Floats
+
+
+def pareto_front(time: Floats, error: Floats) -> np.ndarray:
+    """Places of the answers that are more exact than every faster one, the fastest first.
+
+    Args:
+        time: what an answer costs, (n,).
+        error: how far off it is, (n,); nan for an answer that was not found, which is never on the front.
+    """
+    front, best = [], np.inf
+    for place in np.lexsort((error, time)):
+        if error[place] < best:
+            front.append(place)
+            best = error[place]
+    return np.array(front, dtype=int)
+
+
+def fastest(points: pd.DataFrame, accuracy: float) -> pd.Series:
+    """The answer with an error in drag of ``accuracy`` or less that took the least time."""
+    exact = points[points["drag_error"] <= accuracy]
+    return exact.loc[exact["solve_ms"].idxmin()]
