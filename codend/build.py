@@ -3,10 +3,12 @@
 import numpy as np
 
 from codend.errors import InputError
-from codend.knots import knotted_net, square_net
-from codend.net import Floats, Net, split_bars
+from codend.knots import knots_of
+from codend.net import Floats, Net, split_bars, twine_bars
 from codend.net_parts import Lattice, RowShape
+from codend.netting import net_of
 from codend.plan import Netting, Plan
+from codend.straps import with_straps
 
 
 def build_net(
@@ -20,27 +22,28 @@ def build_net(
     """Net of a plan, in the shape in which a solver starts.
 
     Args:
-        plan: the net plan; all sections must have the same number of meshes round.
+        plan: the net plan.
         globalisation: real meshes merged into one each way: bar length and drag diameter grow by this factor, solid
             diameter by its square root, axial stiffness by this factor (Le Bris et al. 1999, section 3.1; Bessonneau
             and Marichal 1997, section 4), so that mass, wet weight and drag area stay the same.
-        columns: (merged) meshes round that are modelled; 1 gives one rotational sector, None the full net.
+        columns: equal sectors that are modelled side by side, of as many as the meshes round of all sections can be
+            divided into: each is one (merged) mesh wide where they have the same; None gives the full net.
         rows: positions along the axis and radii of the rows, each (rows + 1,); a crude bag by default.
         azimuth_rad: turns the whole net about the axis.
 
     Raises:
-        InputError: the globalisation does not divide the mesh counts, or the sections differ in meshes round.
+        InputError: the globalisation does not divide the mesh counts, a strap is too short for its row, or bending
+            stiffness has no place in the model.
     """
-    _check_kinds(plan)
     _check_bending(plan)
     lattice = _lattice_of(plan, globalisation, columns)
     x, radius = rows if rows is not None else crude_rows(plan, globalisation)
     shape = RowShape(x, np.concatenate([[plan.entry.radius_m], radius[1:-1], [0.0]]), azimuth_rad)
-    square = any(s.mesh == "square" for s in plan.netting)
-    net = square_net(lattice, shape) if square else knotted_net(lattice, shape)
+    knots = knots_of(lattice)
+    net = net_of(knots, shape)
     if plan.model.bars_per_side == 2:
-        return split_bars(net, net.bar_drag_diameter > 0.0)
-    return net
+        net = split_bars(net, twine_bars(net))
+    return with_straps(net, plan, knots)
 
 
 def _lattice_of(plan: Plan, globalisation: int, columns: int | None) -> Lattice:
@@ -51,23 +54,14 @@ def _lattice_of(plan: Plan, globalisation: int, columns: int | None) -> Lattice:
             value=globalisation,
             allowed="a common divisor of all mesh counts: " + ", ".join(map(str, plan.globalisations)),
         )
-    meshes_round = plan.netting[0].meshes_round // globalisation
-    columns = meshes_round if columns is None else columns
-    if meshes_round % columns:
-        raise ValueError(f"columns must divide {meshes_round} meshes round, not {columns}")
-    return Lattice(rows_of(plan, globalisation), columns, meshes_round // columns, globalisation)
-
-
-def _check_kinds(plan: Plan) -> None:
-    """Refuse sections that cannot be joined yet."""
-    counts = {s.meshes_round for s in plan.netting}
-    if len(counts) > 1:
-        allowed = "the same number in every section"
-        raise InputError(file=plan.source, key="netting.meshes_round", value=sorted(counts), allowed=allowed)
-    kinds = [s.mesh for s in plan.netting]
-    if "square" in kinds and set(kinds) != {"square"}:
-        allowed = "square netting cannot be joined to another kind yet"
-        raise InputError(file=plan.source, key="netting.mesh", value=kinds, allowed=allowed)
+    sections = rows_of(plan, globalisation)
+    meshes_round = np.array([s.meshes_round // globalisation for s in sections])
+    sectors = int(np.gcd.reduce(meshes_round))
+    columns = sectors if columns is None else columns
+    if sectors % columns:
+        raise ValueError(f"columns must divide {sectors} equal sectors, not {columns}")
+    order = sectors // columns
+    return Lattice(sections, meshes_round // order, columns, order, globalisation)
 
 
 def _check_bending(plan: Plan) -> None:
@@ -86,21 +80,27 @@ def _check_bending(plan: Plan) -> None:
 def rows_of(plan: Plan, globalisation: int = 1) -> list[Netting]:
     """Section of each band between two rows, from the entry to the codline."""
     return [
-        section
-        for section in plan.netting
-        for _ in range((1 if section.mesh == "square" else 2) * section.meshes_long // globalisation)
+        section for section in plan.netting for _ in range(section.rows_per_mesh * section.meshes_long // globalisation)
     ]
 
 
 def crude_rows(plan: Plan, globalisation: int = 1) -> tuple[Floats, Floats]:
-    """Positions and radii of the rows of a plain bag that any solver can start from: a tube with a conical end."""
+    """Positions and radii of the rows of a plain bag that any solver can start from: tubes with conical ends."""
     sections = rows_of(plan, globalisation)
     side = np.array([globalisation * (s.bar_m + (s.knot_m if s.mesh == "diamond" else 0.0)) for s in sections])
     largest = np.array([s.stretched_radius_m for s in sections])
-    to_codline = np.concatenate([np.cumsum(side[::-1])[::-1], [0.0]])
-    wanted = np.minimum(0.55 * np.concatenate([largest, largest[-1:]]), 0.6 * to_codline)
-    from_entry = to_codline[0] - to_codline
-    radius = np.minimum(wanted, plan.entry.radius_m + 0.4 * from_entry)
+    from_entry = np.concatenate([[0.0], np.cumsum(side)])
+    bound = np.minimum(np.concatenate([largest[:1], largest]), np.concatenate([largest, largest[-1:]]))
+    from_wide_entry = np.minimum(plan.entry.radius_m - 0.6 * from_entry, 0.9 * bound)
+    wanted = np.maximum(0.55 * bound, from_wide_entry)
+    wanted[0], wanted[-1] = plan.entry.radius_m, 0.0
+    for strap, rows in zip(plan.strap, plan.strap_rows, strict=True):
+        row = len(sections) - rows // globalisation
+        wanted[row] = min(wanted[row], 0.9 * strap.length_m / (2.0 * np.pi))
+    # no row is wider than the slopes of the bag from any other row allow
+    widening = np.minimum.accumulate(wanted - 0.4 * from_entry) + 0.4 * from_entry
+    narrowing = np.minimum.accumulate((wanted + 0.6 * from_entry)[::-1])[::-1] - 0.6 * from_entry
+    radius = np.minimum(widening, narrowing)
     opening = np.clip(0.5 * (radius[1:] + radius[:-1]) / largest, 0.0, 0.95)
     along = side * np.sqrt(1.0 - opening**2)
     step = np.sqrt(np.maximum(along**2 - np.diff(radius) ** 2, (0.2 * side) ** 2))

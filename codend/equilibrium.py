@@ -26,6 +26,9 @@ from codend.solvers.rigid_bars import RigidBarsSettings
 BRIEF = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=10)
 """Newton's method from a start for no longer than a good one needs."""
 
+LONGER = NewtonSettings(iterations_allowed=60)
+"""Ahead and behind a joint of different mesh counts every second line of twine is all but slack, which takes longer."""
+
 SMALLEST_STIFFENING = 1e-3
 """Least step in stiffness, as a share of the twine's own, before that start is given up."""
 
@@ -74,11 +77,11 @@ def solve(
 
     ``auto`` tries, in this order: Newton from where the last equilibria lead, from the meridian method's shape under
     uniform pressure without drag (of one sector, set all round for a full net), from its equilibrium under the loads
-    themselves, along a path of catches from the nearest equilibrium, from rough relaxations of a crude bag; and
-    relaxation alone. Where the catch is not given by its meshes, the meridian method must search for the front and so
-    comes after the crude bag. The other methods try what they can of that; rigid bars that lead nowhere try again with
-    bars that go slack. The report of what is returned tells every attempt; its time is that of all of them, the guesses
-    included.
+    themselves, along a path of catches from the nearest equilibrium, for full nets from the equilibrium of a sector set
+    all round, from rough relaxations of a crude bag; and relaxation alone. Where the catch is not given by its meshes,
+    the meridian method must search for the front and so comes after the crude bag. The other methods try what they can
+    of that; rigid bars that lead nowhere try again with bars that go slack. The report of what is returned tells every
+    attempt; its time is that of all of them, the guesses included.
     """
     problem = problem_of(scene.net, scene.plan, case)
     attempts: list[str] = []
@@ -109,7 +112,8 @@ def _attempts(
 
     def from_crude() -> Solution:
         dynamic_relaxation.compile_kernels(problem)  # for the rough starts, ahead of Newton's clock
-        return newton.solve(problem, tolerance, None, NewtonSettings(), progress, scene.prepared)
+        joined = len({section.meshes_round for section in scene.plan.netting}) > 1
+        return newton.solve(problem, tolerance, None, LONGER if joined else NewtonSettings(), progress, scene.prepared)
 
     def from_the_last() -> Solution:
         began = perf_counter()
@@ -124,6 +128,12 @@ def _attempts(
         if start is None:
             return None
         return _later(_from_limp(problem, start, partial(from_start, settings=settings)), guess_ms)
+
+    def from_sector() -> Solution | None:
+        began = perf_counter()
+        start = _sector_equilibrium(scene, case)
+        sector_ms = 1e3 * (perf_counter() - began)
+        return None if start is None else _later(from_start(problem, start), sector_ms)
 
     if method in ("auto", "newton"):
         # on a full net a start that leads nowhere costs minutes: there the last equilibria must be near
@@ -140,6 +150,8 @@ def _attempts(
             # a catch given by its mass is a volume to the net
             known_catch = catch * problem.loading.catch_value / case.catch_value
             yield "the nearest equilibrium, in steps", lambda: in_steps(problem, (known_catch, solution), from_start)
+        if scene.columns is None and scene.plan.model.bars_per_side == 1:
+            yield "the equilibrium of a sector", from_sector
         yield "a crude bag", from_crude
         if not by_meshes:
             yield "the meridian method's equilibrium", lambda: from_meridian(equilibrium_guess, DIRECT)
@@ -220,10 +232,19 @@ def _laid_out(scene: Scene, shape: MeridianShape | None) -> Solution | None:
     return all_round_start(sector, sector.positions, tension, 1 if scene.columns == 1 else sector.order)
 
 
+def _sector_equilibrium(scene: Scene, case: Case) -> Solution | None:
+    """Equilibrium of one sector, set all round for a full net; None where it is not found."""
+    sector = scene_of(scene.plan, scene.globalisation, 1)
+    solution = solve(sector, case, (), None)[1]
+    if not solution.report.outcome.converged:
+        return None
+    return all_round_start(sector.net, solution.positions, solution.bar_tension, sector.net.order)
+
+
 def all_round_start(sector: Net, positions: np.ndarray, tension: np.ndarray, columns: int) -> Solution:
     """A start for the net of ``columns`` sectors, from the shape and tensions of one without hinges.
 
-    Nodes and bars of the wider net are numbered row by row, its columns one after the other within a row.
+    Nodes and bars of the wider net are numbered row by row, and those that differ by whole sectors one after the other.
     """
     turned = rotate(positions[:-1, None], np.arange(columns)[None], sector.order).reshape(-1, 3)
     return Solution(

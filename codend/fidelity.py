@@ -24,7 +24,7 @@ class Choice:
     """``meridian``, ``sector``, ``globalised`` or ``full``."""
     globalisation: int
     columns: int | None
-    """Meshes round that are modelled, None for all."""
+    """Equal sectors that are modelled side by side, None for all."""
     why: str
     drag_error: float
     """Relative error in drag that the choice of model costs; nan where it was the user's and is not known ahead."""
@@ -49,7 +49,7 @@ def choose(plan: Plan) -> Choice:
     weighed = f"wet weight {weight:.3g} N, {100.0 * weight / drag:.2g} % of the drag of the smallest catch"
     left_out = f"; it leaves out the wet weight, which here matters ({weighed})" if heavy else ""
     if asked == "sector":
-        why = f"Asked for: one of {sector.order} equal sectors of the real net{left_out}."
+        why = f"Asked for: one of {_sectors(plan, sector.order)} of the real net{left_out}."
         return Choice("sector", 1, 1, why, unseen, unseen)
     if asked == "meridian":
         why = f"Asked for: the netting as a membrane, the same all round{left_out}."
@@ -68,7 +68,7 @@ def choose(plan: Plan) -> Choice:
         )
         return Choice("globalised" if merged > 1 else "full", merged, None, why, error)
     light = "no twine density is given, so wet weight is left out" if weight == 0.0 else f"{weighed}, is negligible"
-    why = f"The plan is the same all round and {light}: one of {sector.order} equal sectors of the real net is exact."
+    why = f"The plan is the same all round and {light}: one of {_sectors(plan, sector.order)} of the real net is exact."
     return Choice("sector", 1, 1, why, unseen, unseen)
 
 
@@ -80,13 +80,23 @@ def _least_drag(plan: Plan) -> float:
     return drag if drag > 0.0 else 0.5 * plan.tow.water_density_kg_m3 * case.speed_m_s**2 * area
 
 
+def _sectors(plan: Plan, order: int) -> str:
+    """How many sectors there are, and how many meshes of each section make one if it is not a single one of each."""
+    wide = list(dict.fromkeys(part.meshes_round // order for part in plan.netting))
+    if wide == [1]:
+        return f"{order} equal sectors"
+    *others, last = map(str, wide)
+    meshes = f"{', '.join(others)} and {last}" if others else last
+    return f"{order} equal sectors, {meshes} meshes wide,"
+
+
 def _merged(plan: Plan) -> tuple[int, float]:
     """Most meshes that may be merged each way for the accuracy asked for, and the relative error in drag."""
     by_size = sorted(plan.cases(), key=lambda case: case.catch_value)
     cases = by_size[:1] if by_size[0].catch_value == by_size[-1].catch_value else [by_size[0], by_size[-1]]
     real_n = [sector_measures(plan, case, 1).drag_n for case in cases]
     for g in sorted(plan.globalisations, reverse=True):
-        if g == 1 or plan.netting[0].meshes_round < FEWEST_MESHES_ROUND * g:
+        if g == 1 or min(part.meshes_round for part in plan.netting) < FEWEST_MESHES_ROUND * g:
             continue
         merged_n = [sector_measures(plan, case, g).drag_n for case in cases]
         errors = [abs(merged / real - 1.0) for merged, real in zip(merged_n, real_n, strict=True)]

@@ -1,177 +1,121 @@
-"""Nets of knots: diamond netting with or without knot length, T90, and square mesh.
+"""Knots of a net: which nodes they are, in which image, and where they start.
 
 Every knot has four ports, where the twines to the four neighbouring knots leave it: fore or aft, left or right. The
-kinds of knotted netting differ only in which ports are the same node: all four in ideal diamond netting, the two fore
-ones and the two aft ones when the knot lies along the netting (T0), the two left ones and the two right ones when it
-lies across (T90). Bars, facets and meshes are written once, in ports.
+kinds of netting differ only in which ports are the same node: all four in ideal diamond and in square netting, the two
+fore ones and the two aft ones when the knot lies along the netting (T0), the two left ones and the two right ones when
+it lies across (T90). Bars, facets and meshes are written once, in ports.
+
+Where two sections meet, the knots of the row are those of the section with fewer meshes round. The other one's are
+laced to them in the ratio of the two counts, so that some of its knots share one: its twines end there, or its last
+knots if they lie along the netting.
 """
 
-from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.net import Net
-from codend.net_parts import Corner, Lattice, Parts, RowShape, assembled
+from codend.net import Floats, Ints
+from codend.net_parts import Corner, Counts, Lattice, RowShape, taken_up
 
-FORE_LEFT, FORE_RIGHT, AFT_LEFT, AFT_RIGHT = range(4)
+LEFT, RIGHT = range(2)
 
 
-def knotted_net(lattice: Lattice, shape: RowShape) -> Net:
-    """Diamond netting with or without knot length, and T90."""
-    bands, columns = lattice.bands, lattice.columns
-    across = np.array([s.mesh == "t90" and s.knot_m > 0.0 for s in lattice.sections])
-    along = np.array([s.mesh == "diamond" and s.knot_m > 0.0 for s in lattice.sections])
-    # the knot of a row belongs to the band ahead of it; the entry's own row has knots only where they lie across
-    across_row, along_row = np.concatenate([across[:1], across]), np.concatenate([[False], along])
+@dataclass(frozen=True)
+class Knots:
+    """Numbers of the nodes, row by row: one or two a knot, and the codline after all others; arrays (rows + 1,)."""
 
-    # number the nodes row by row: one or two a knot, and the codline after all others
-    per_knot = 1 + (across_row | along_row).astype(int)
-    per_knot[bands] = int(along_row[bands])
-    start = np.concatenate([[0], np.cumsum(per_knot)]) * columns
-    codline = int(start[-1])
-    column = np.arange(columns)
-    second_of_knot = (per_knot == 2) * columns
-    ports = np.empty((4, bands + 1, columns), dtype=np.int64)
-    base = start[:-1, None] + column
-    ports[FORE_LEFT] = base
-    ports[FORE_RIGHT] = base + (across_row * second_of_knot)[:, None]
-    ports[AFT_LEFT] = base + (along_row * second_of_knot)[:, None]
-    ports[AFT_RIGHT] = base + second_of_knot[:, None]
-    ports[AFT_LEFT, bands] = ports[AFT_RIGHT, bands] = codline
-    if not along_row[bands]:
-        ports[FORE_LEFT, bands] = ports[FORE_RIGHT, bands] = codline
+    lattice: Lattice
+    along: NDArray[np.bool_]
+    """Whether the knots of a row lie along the netting: they have nodes of their own for the twines ahead."""
+    across: NDArray[np.bool_]
+    """Whether they lie across: they have one node to the left and one to the right."""
+    fore_start: Counts
+    """First of a row's nodes where the twines ahead end, the ring itself but for knots that lie along."""
+    start: Counts
+    """First node of a row's ring."""
 
-    def port(which: int, row: NDArray, counted: NDArray) -> Corner:
-        inside, image = lattice.wrapped(counted)
-        return Corner(ports[which, row, inside], image)
+    @property
+    def codline(self) -> int:
+        """Node of the codline, the last one."""
+        return int(self.start[-1])
 
-    parts = Parts(codline)
-    band = np.arange(bands)[:, None]
-    odd = band % 2
-    here = np.broadcast_to(column, (bands, columns))
-    # the two knots of the next row that lie half a mesh to the right and to the left
-    right, left = here + odd, here + odd - 1
-    parts.add_bars(port(AFT_RIGHT, band, here), port(FORE_LEFT, band + 1, right), band, False)
-    parts.add_bars(port(AFT_LEFT, band, here), port(FORE_RIGHT, band + 1, left), band, False)
-    parts.add_quadrangles(
-        port(AFT_LEFT, band, here),
-        port(AFT_RIGHT, band, here),
-        port(FORE_LEFT, band + 1, right),
-        port(FORE_RIGHT, band + 1, left),
-        band,
-    )
-    parts.add_quadrangles(
-        port(AFT_RIGHT, band, here),
-        port(AFT_LEFT, band, here + 1),
-        port(FORE_RIGHT, band + 1, right),
-        port(FORE_LEFT, band + 1, right),
-        band,
-    )
-    lengthwise = np.flatnonzero(along_row)[:, None]
-    if lengthwise.size:
-        knot = np.broadcast_to(column, (len(lengthwise), columns))
-        parts.add_bars(port(FORE_LEFT, lengthwise, knot), port(AFT_LEFT, lengthwise, knot), lengthwise - 1, True)
-        parts.add_quadrangles(
-            port(FORE_RIGHT, lengthwise, knot),
-            port(FORE_LEFT, lengthwise, knot + 1),
-            port(AFT_LEFT, lengthwise, knot + 1),
-            port(AFT_RIGHT, lengthwise, knot),
-            lengthwise - 1,
-        )
-    # the entry's knots are held at both ends and the codline's are gathered: neither is a bar
-    crosswise = np.flatnonzero(across_row[1:bands])[:, None] + 1
-    if crosswise.size:
-        knot = np.broadcast_to(column, (len(crosswise), columns))
-        parts.add_bars(port(FORE_LEFT, crosswise, knot), port(FORE_RIGHT, crosswise, knot), crosswise - 1, True)
+    def ring(self, side: int, row: Counts, counted: Counts, columns: Counts) -> Corner:
+        """Nodes of a row's ring that knots counted on all round are laced to, where there are ``columns`` of them."""
+        knots = self.lattice.knots[row]
+        number, image = self.lattice.numbered(taken_up(counted, columns, knots), knots)
+        return Corner(self.start[row] + number + side * (self.across[row] * knots), image)
 
-    _add_corners(parts, port, across_row, columns)
-    row = np.arange(1, bands)[:, None]
-    between = np.broadcast_to(column, (bands - 1, columns))
-    middle = between + row % 2
-    parts.add_meshes(
-        [
-            (port(AFT_RIGHT, row - 1, middle), port(FORE_LEFT, row, between + 1)),
-            (port(AFT_LEFT, row, between + 1), port(FORE_RIGHT, row + 1, middle)),
-            (port(FORE_LEFT, row + 1, middle), port(AFT_RIGHT, row, between)),
-            (port(FORE_RIGHT, row, between), port(AFT_LEFT, row - 1, middle)),
-        ],
-        row,
-    )
-    node_row = np.full(codline + 1, -1, dtype=np.int32)
-    positions = np.empty((codline + 1, 3))
-    rows = np.broadcast_to(np.arange(bands + 1)[:, None], (bands + 1, columns))
-    azimuth = (2 * column + rows % 2) * np.pi / (columns * lattice.order)
-    # a knot keeps its length, however far the rows have closed up
+    def fore(self, side: int, row: Counts, counted: Counts) -> Corner:
+        """Nodes in which the twines of the band ahead end; its columns are counted on all round."""
+        columns = self.lattice.columns[row - 1]
+        ring = self.ring(side, row, counted, columns)
+        number, image = self.lattice.numbered(counted, columns)
+        own = self.along[row]
+        return Corner(np.where(own, self.fore_start[row] + number, ring.node), np.where(own, image, ring.image))
+
+    def aft(self, side: int, row: Counts, counted: Counts) -> Corner:
+        """Nodes from which the twines of the band behind start; its columns are counted on all round."""
+        return self.ring(side, row, counted, self.lattice.columns[row])
+
+
+def knots_of(lattice: Lattice) -> Knots:
+    """Number the knots of a net.
+
+    The knot of a row belongs to the band ahead of it; the entry's own row has knots only where they lie across, and
+    the codline gathers those. Where the counts of two sections differ, or square mesh follows, the row is laced at
+    points: its knots cannot lie across.
+    """
+    has_knots = np.array([s.knot_m > 0.0 for s in lattice.sections])
+    t90 = np.array([s.mesh == "t90" for s in lattice.sections])
+    along = np.concatenate([[False], has_knots & ~t90])
+    plain = (lattice.columns[:-1] == lattice.columns[1:]) & ~lattice.square[1:]
+    across = np.concatenate([t90[:1] & has_knots[:1], t90[:-1] & has_knots[:-1] & plain, [False]])
+    fore_nodes = along * np.concatenate([[0], lattice.columns])
+    nodes = fore_nodes + lattice.knots * (1 + across)
+    fore_start = np.cumsum(nodes) - nodes
+    return Knots(lattice, along, across, fore_start, fore_start + fore_nodes)
+
+
+def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
+    """Start position of every node, (n, 3), and the row whose ring it belongs to, -1 between two rings, (n,)."""
+    lattice = knots.lattice
+    positions = np.empty((knots.codline + 1, 3))
+    node_row = np.full(knots.codline + 1, -1, dtype=np.int32)
     knot_m = lattice.globalisation * np.array([s.knot_m for s in lattice.sections])
+    # a knot keeps its length, however far the rows have closed up
     knot_share = np.minimum(knot_m / np.hypot(np.diff(shape.x), np.diff(shape.radius)), 0.9)
-    ahead = np.where(along_row, np.concatenate([knot_share[:1], knot_share]), 0.0)[:, None]
-    wide = np.where(across_row, 0.5 * np.concatenate([knot_m[:1], knot_m]), 0.0)
-    half_angle = np.arcsin(np.clip(wide / np.maximum(shape.radius, wide + 1e-300), 0.0, 1.0))
-    turn = np.minimum(half_angle, 0.4 * np.pi / (columns * lattice.order))[:, None]
-    positions[ports[FORE_LEFT]] = shape.placed(rows, azimuth - turn, ahead)
-    positions[ports[FORE_RIGHT]] = shape.placed(rows, azimuth + turn, ahead)
-    positions[ports[AFT_LEFT]] = np.where(
-        (ports[AFT_LEFT] == ports[FORE_LEFT])[..., None], positions[ports[AFT_LEFT]], shape.placed(rows, azimuth)
-    )
-    positions[codline] = (shape.x[bands], 0.0, 0.0)
-    for side in (AFT_LEFT, AFT_RIGHT):
-        node_row[ports[side]] = rows
-    return assembled(parts, lattice, positions, node_row, ports[[AFT_LEFT, AFT_RIGHT], 0])
+
+    # the band whose columns a row's knots are
+    rows = np.arange(lattice.bands)
+    ahead = np.maximum(rows - 1, 0)
+    owner = np.where(lattice.columns[ahead] == lattice.knots[:-1], ahead, rows)
+    row, knot = lattice.rings(rows)
+    azimuth = _azimuth(lattice, owner[row], knot, row)
+    half_knot = np.where(knots.across[row], 0.5 * knot_m[owner[row]], 0.0)
+    half_angle = np.arcsin(np.clip(half_knot / np.maximum(shape.radius[row], half_knot + 1e-300), 0.0, 1.0))
+    turn = np.minimum(half_angle, 0.4 * np.pi / (lattice.knots[row] * lattice.order))
+    for side, sign in ((LEFT, -1.0), (RIGHT, 1.0)):
+        node = knots.ring(side, row, knot, lattice.knots[row]).node
+        positions[node] = shape.placed(row, azimuth + sign * turn)
+        node_row[node] = row
+    positions[knots.codline] = (shape.x[-1], 0.0, 0.0)
+    node_row[knots.codline] = lattice.bands
+
+    band, column = lattice.places(np.flatnonzero(knots.along[1:]))
+    row = band + 1
+    azimuth = _azimuth(lattice, band, column, row)
+    # knots that share a node of the ring lie beside each other, ahead of it
+    shares = (row < lattice.bands) & (lattice.knots[row] < lattice.columns[band])
+    band_shared, row_shared = band[shares], row[shares]
+    laced = taken_up(column[shares], lattice.columns[band_shared], lattice.knots[row_shared])
+    middle = _azimuth(lattice, owner[row_shared], laced, row_shared)
+    reach = 0.5 * knot_m[band_shared] / shape.radius[row_shared]
+    azimuth[shares] = middle + np.clip(azimuth[shares] - middle, -reach, reach)
+    positions[knots.fore(LEFT, row, column).node] = shape.placed(row, azimuth, knot_share[band])
+    return positions, node_row
 
 
-def _add_corners(
-    parts: Parts, port: Callable[[int, NDArray, NDArray], Corner], across_row: NDArray, columns: int
-) -> None:
-    """Corners between two twines: fore and aft of a knot that lies lengthwise, left and right of one across."""
-    bands = len(across_row) - 1
-    rows = np.arange(bands + 1)
-
-    def knots(chosen: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-        row = rows[chosen][:, None]
-        here = np.broadcast_to(np.arange(columns), (len(row), columns))
-        return row, here, here + row % 2, here + row % 2 - 1
-
-    lengthwise = ~across_row
-    row, here, right, left = knots(lengthwise & (rows < bands))
-    aft = port(FORE_LEFT, row + 1, right), port(FORE_RIGHT, row + 1, left)
-    parts.add_corners(port(AFT_LEFT, row, here), *aft, row, False)
-    row, here, right, left = knots(lengthwise & (rows > 0) & (rows < bands))
-    fore = port(AFT_LEFT, row - 1, right), port(AFT_RIGHT, row - 1, left)
-    parts.add_corners(port(FORE_LEFT, row, here), *fore, row - 1, False)
-    row, here, right, left = knots(~lengthwise & (rows > 0) & (rows < bands))
-    if row.size:
-        to_right = port(AFT_LEFT, row - 1, right), port(FORE_LEFT, row + 1, right)
-        parts.add_corners(port(AFT_RIGHT, row, here), *to_right, row, True)
-        to_left = port(AFT_RIGHT, row - 1, left), port(FORE_RIGHT, row + 1, left)
-        parts.add_corners(port(AFT_LEFT, row, here), *to_left, row, True)
-
-
-def square_net(lattice: Lattice, shape: RowShape) -> Net:
-    """Square mesh: meridional bars and rings of bars."""
-    bands, columns = lattice.bands, lattice.columns
-    codline = bands * columns
-    column = np.arange(columns)
-    nodes = np.arange(bands + 1)[:, None] * columns + column
-    nodes[bands] = codline
-
-    def knot(row: NDArray, counted: NDArray) -> Corner:
-        inside, image = lattice.wrapped(counted)
-        return Corner(nodes[row, inside], image)
-
-    parts = Parts(codline)
-    band = np.arange(bands)[:, None]
-    here = np.broadcast_to(column, (bands, columns))
-    a, b, c, d = knot(band, here), knot(band, here + 1), knot(band + 1, here + 1), knot(band + 1, here)
-    parts.add_bars(a, d, band, False)
-    ring = np.arange(1, bands)[:, None]
-    around = np.broadcast_to(column, (bands - 1, columns))
-    parts.add_bars(knot(ring, around), knot(ring, around + 1), ring - 1, False)
-    parts.add_quadrangles(a, b, c, d, band)
-    parts.add_meshes([(a, b), (b, c), (c, d), (d, a)], band)
-    node_row = np.empty(codline + 1, dtype=np.int32)
-    rows = np.broadcast_to(np.arange(bands + 1)[:, None], (bands + 1, columns))
-    node_row[nodes] = rows
-    positions = np.empty((codline + 1, 3))
-    positions[nodes] = shape.placed(rows, 2.0 * np.pi * column / (columns * lattice.order))
-    return assembled(parts, lattice, positions, node_row, nodes[0])
+def _azimuth(lattice: Lattice, band: Counts, column: Counts, row: Counts) -> Floats:
+    """Azimuth of a knot counted in the columns of a band, in a row at either end of it, rad."""
+    return lattice.phase[band] + (2 * column + lattice.shift[row]) * np.pi / (lattice.columns[band] * lattice.order)

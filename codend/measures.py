@@ -10,7 +10,7 @@ import numpy as np
 from catch_models.filling import enclosed_volume
 from catch_models.pressure import PressureLaw
 from codend.mechanics import bars, bending, drag, pressure
-from codend.net import Floats, Net, mesh_corners
+from codend.net import Floats, Net, mesh_corners, real_tensions, twine_bars
 from codend.problem import Problem
 from codend.solvers.outcome import Solution
 
@@ -37,6 +37,8 @@ class Measures:
     opening_ahead_deg: float
     opening_force_ahead_n: float
     max_bar_tension_n: float
+    max_strap_tension_n: float
+    """nan where there is no strap."""
 
     @classmethod
     def unknown(cls) -> "Measures":
@@ -118,8 +120,8 @@ def measure_rows(problem: Problem, solution: Solution, meshes: Meshes) -> Rows:
     radius = np.hypot(solution.positions[:, 1], solution.positions[:, 2])
     x = _mean_by(net.node_row[ring], solution.positions[ring, 0], net.bands + 1)
     r = _mean_by(net.node_row[ring], radius[ring], net.bands + 1)
-    twine = net.bar_drag_diameter > 0.0  # all bars but the knots
-    by_band = _mean_by(net.bar_band[twine], solution.bar_tension[twine] / net.globalisation, net.bands)
+    twine = twine_bars(net)
+    by_band = _mean_by(net.bar_band[twine], real_tensions(net, solution.bar_tension)[twine], net.bands)
     tension = 0.5 * (np.concatenate([by_band[:1], by_band]) + np.concatenate([by_band, by_band[-1:]]))
     slope_sine = np.gradient(r) / np.hypot(np.gradient(x), np.gradient(r))
     filled = 0.5 * (np.concatenate([[0.0], solution.share]) + np.concatenate([solution.share, solution.share[-1:]]))
@@ -142,7 +144,8 @@ def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
     pressure.add_pressure(position, structure, loading, share, catch_load)
     length = np.empty(len(net.bars))
     bars.bar_lengths(position, structure, length)
-    bars.add_bar_forces(position, structure, solution.bar_tension / length, pull)
+    density = np.divide(solution.bar_tension, length, out=np.zeros_like(length), where=length > 0.0)
+    bars.add_bar_forces(position, structure, density, pull)
     bending.add_bending(position, structure, pull)
     held = net.fixed[:, 0]
     at_entry = (pull + twine_load + catch_load + loading.dead)[held, 0].sum() * net.order
@@ -153,6 +156,7 @@ def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
     front_x = float(np.interp(front, np.arange(net.bands + 1), rows.x_m))
     ahead = opening_rows_ahead(net, share)
     has_mesh = np.flatnonzero(np.isfinite(rows.opening_deg))
+    tension, straps = real_tensions(net, solution.bar_tension), net.straps
     openings, forces = (
         np.interp(ahead, _meshes_from_entry(net)[has_mesh], values[has_mesh])
         for values in (rows.opening_deg, rows.opening_force_n)
@@ -170,7 +174,8 @@ def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
         entry_reaction_n=float(at_entry),
         opening_ahead_deg=float(np.mean(openings)) if len(ahead) else float("nan"),
         opening_force_ahead_n=float(np.mean(forces)) if len(ahead) else float("nan"),
-        max_bar_tension_n=float(solution.bar_tension.max() / net.globalisation),
+        max_bar_tension_n=float(np.delete(tension, straps).max()),
+        max_strap_tension_n=float(tension[straps].max()) if len(straps) else float("nan"),
     )
 
 
@@ -183,10 +188,16 @@ def measure_all(problem: Problem, solution: Solution) -> tuple[Meshes, Rows, Mea
 
 def opening_rows_ahead(net: Net, share: Floats) -> Floats:
     """Places of the five real mesh rows just ahead of the front, or as many as there are, in meshes from the entry."""
-    to_front = float((1.0 - share) @ net.band_meshes)
-    half = 0.5 if net.band_meshes[0] == 0.5 * net.globalisation else 1.0
-    places = to_front - half * np.arange(1, ROWS_AHEAD + 1)
-    return np.asarray(places[places >= half - 1e-9], dtype=np.float64)
+    place = float((1.0 - share) @ net.band_meshes)
+    from_entry, step = _meshes_from_entry(net), net.band_meshes / net.globalisation
+    places: list[float] = []
+    while len(places) < ROWS_AHEAD:
+        # rows are half a mesh apart, in square mesh a whole one
+        place -= float(step[max(int(np.searchsorted(from_entry, place - 1e-9)) - 1, 0)])
+        if place < step[0] - 1e-9:
+            break
+        places.append(place)
+    return np.array(places)
 
 
 def _meshes_from_entry(net: Net) -> Floats:

@@ -5,7 +5,7 @@ facet or of a mesh then names a node and the *image* it sits in, the number of s
 about the x axis. A full net is the same thing with one sector and image 0 everywhere.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +80,10 @@ class Net:
 
     globalisation: int = 1
     """Real meshes merged into one, each way."""
+    straps: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
+    """Bars that are ropes round the netting, (s,)."""
+    strap_share: Floats = field(default_factory=lambda: np.zeros(0))
+    """Tension of the real rope over that of its bar, (s,)."""
 
     @property
     def bands(self) -> int:
@@ -109,6 +113,20 @@ def facet_corners(net: Net, positions: Floats) -> Floats:
 def mesh_corners(net: Net, positions: Floats) -> Floats:
     """End positions of the four sides of every mesh, (k, 4, 2, 3): mesh, side, end, coordinate."""
     return rotate(positions[net.mesh_sides], net.mesh_side_image, net.order)
+
+
+def twine_bars(net: Net) -> NDArray[np.bool_]:
+    """Whether a bar is twine of the netting: no knot and no strap, (m,)."""
+    twine = net.bar_drag_diameter > 0.0
+    twine[net.straps] = False
+    return twine
+
+
+def real_tensions(net: Net, bar_tension: Floats) -> Floats:
+    """Tension of the real bars and ropes that the bars of a net stand for, N, (m,)."""
+    real = bar_tension / net.globalisation
+    real[net.straps] = net.strap_share * bar_tension[net.straps]
+    return real
 
 
 def split_bars(net: Net, which: NDArray[np.bool_]) -> Net:

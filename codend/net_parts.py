@@ -2,12 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from codend.net import Floats, Ints, Net
 from codend.plan import Netting
+
+Counts = NDArray[np.int64]
 
 HALF_MESH = 0.5
 
@@ -17,7 +20,11 @@ class Lattice:
     """Counts that all index arithmetic rests on."""
 
     sections: list[Netting]
-    columns: int
+    """Section of each band."""
+    columns: Counts
+    """Modelled (merged) meshes round of each band, (bands,)."""
+    abreast: int
+    """Equal sectors that are modelled side by side."""
     order: int
     globalisation: int
 
@@ -26,10 +33,67 @@ class Lattice:
         """Bands between the rows."""
         return len(self.sections)
 
-    def wrapped(self, column: NDArray[np.integer]) -> tuple[NDArray[np.integer], NDArray[np.integer]]:
-        """Column inside the modelled part, and image, of a column counted on all round."""
-        image = np.zeros_like(column) if self.order == 1 else column // self.columns
-        return column % self.columns, image
+    @cached_property
+    def square(self) -> NDArray[np.bool_]:
+        """Whether a band is of square mesh, (bands,)."""
+        return np.array([s.mesh == "square" for s in self.sections])
+
+    @cached_property
+    def knots(self) -> Counts:
+        """Knots in the ring of each row, (bands + 1,): where two sections meet, of the one with fewer; 1 codline."""
+        return np.concatenate([self.columns[:1], np.minimum(self.columns[:-1], self.columns[1:]), [1]])
+
+    @cached_property
+    def shift(self) -> Counts:
+        """1 for rows that are shifted by half a mesh, else 0, (bands + 1,)."""
+        return np.concatenate([[0], np.cumsum(~self.square)]) % 2
+
+    @cached_property
+    def phase(self) -> Floats:
+        """Azimuth of column 0 of each band without its shift, rad, (bands,).
+
+        Where knots are taken up unevenly, the sections are turned against each other so that on average none is pulled
+        to either side.
+        """
+        turn = np.zeros(self.bands)
+        for band in np.flatnonzero(np.diff(self.columns)) + 1:
+            ahead, aft = self.columns[band - 1 : band + 1]
+            wide, narrow = max(ahead, aft), min(ahead, aft)
+            knot = np.arange(wide)
+            lag = 2.0 * np.pi / self.order * np.mean(knot / wide - taken_up(knot, wide, narrow) / narrow)
+            turn[band] = lag if ahead > aft else -lag
+        return np.cumsum(turn)
+
+    def places(self, bands: NDArray[np.integer]) -> tuple[Counts, Counts]:
+        """Band and column of every modelled mesh of some bands, band by band, each (places,)."""
+        return self.counted_out(bands, self.columns[bands])
+
+    def rings(self, rows: NDArray[np.integer]) -> tuple[Counts, Counts]:
+        """Row and column of every knot of the rings of some rows, row by row, each (places,)."""
+        return self.counted_out(rows, self.knots[rows])
+
+    def counted_out(self, lines: NDArray[np.integer], counts: NDArray[np.integer]) -> tuple[Counts, Counts]:
+        """Line and column of every place on lines of so many places, in the order of ``numbered``."""
+        place = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        wide = np.repeat(counts // self.abreast, counts)
+        return np.repeat(lines, counts), place % self.abreast * wide + place // self.abreast
+
+    def numbered(self, column: NDArray[np.integer], columns: NDArray[np.integer]) -> tuple[Counts, Counts]:
+        """Number on its line, and image, of a column counted on all round where there are ``columns``.
+
+        Places that differ by whole sectors follow one another, so that a sector of the net is numbered as all of it.
+        """
+        image = np.zeros_like(column) if self.order == 1 else column // columns
+        inside, wide = column % columns, np.maximum(columns // self.abreast, 1)
+        return inside % wide * self.abreast + inside // wide, image
+
+
+def taken_up(knot: Counts, wide: Counts, narrow: Counts) -> Counts:
+    """Knot of a ring of ``narrow`` that a knot of ``wide`` is laced to, both counted on all round.
+
+    100 meshes are joined to 60 at the ratio of 5 to 3: of each 5, two pairs are taken up two by two and one is not.
+    """
+    return knot * narrow // wide
 
 
 @dataclass(frozen=True)
@@ -51,7 +115,7 @@ class RowShape:
 
 @dataclass(frozen=True)
 class Corner:
-    """One node with its image for every (row, column) of a pattern: two arrays of the same shape."""
+    """One node with its image for every place of a pattern: two arrays (places,)."""
 
     node: NDArray[np.integer]
     image: NDArray[np.integer]
@@ -68,29 +132,26 @@ class Parts:
         self.corners: list[NDArray] = []
 
     def add_bars(self, first: Corner, second: Corner, band: NDArray, is_knot: bool) -> None:
-        """Add a bar for every (row, column) of the pattern; knots carry no drag and do not stretch."""
+        """Add a bar for every place of the pattern; knots carry no drag and do not stretch."""
         image = np.where((first.node == self.codline) | (second.node == self.codline), 0, second.image - first.image)
-        knot = np.full(first.node.shape, is_knot)
-        self.bars.append(_columns(first.node, second.node, image, np.broadcast_to(band, knot.shape), knot))
+        self.bars.append(np.stack([first.node, second.node, image, band, np.full_like(band, is_knot)], axis=1))
 
     def add_quadrangles(self, a: Corner, b: Corner, c: Corner, d: Corner, band: NDArray) -> None:
         """Cover a, b, c, d by both divisions into triangles, each at half weight, so that no diagonal is special."""
         for p, q, r in ((a, b, c), (a, c, d), (a, b, d), (b, c, d)):
-            place = np.broadcast_to(band, p.node.shape)
-            self.facets.append(_columns(p.node, q.node, r.node, p.image, q.image, r.image, place))
+            self.facets.append(np.stack([p.node, q.node, r.node, p.image, q.image, r.image, band], axis=1))
 
     def add_meshes(self, sides: Sequence[tuple[Corner, Corner]], row: NDArray) -> None:
-        """Add a mesh for every (row, column), by its four sides in the order of ``Net.mesh_sides``."""
+        """Add a mesh for every place, by its four sides in the order of ``Net.mesh_sides``."""
         nodes = [corner.node for side in sides for corner in side]
         images = [corner.image for side in sides for corner in side]
-        self.meshes.append(_columns(*nodes, *images, np.broadcast_to(row, nodes[0].shape)))
+        self.meshes.append(np.stack([*nodes, *images, row], axis=1))
 
     def add_corners(self, middle: Corner, first: Corner, second: Corner, band: NDArray, across: bool) -> None:
-        """Add a corner between two twines at a knot for every (row, column)."""
+        """Add a corner between two twines at a knot for every place."""
         nodes = (middle.node, first.node, second.node)
         images = [np.where(c.node == self.codline, 0, c.image) for c in (middle, first, second)]
-        place = np.broadcast_to(band, middle.node.shape)
-        self.corners.append(_columns(*nodes, *images, place, np.full(middle.node.shape, across)))
+        self.corners.append(np.stack([*nodes, *images, band, np.full_like(band, across)], axis=1))
 
     def facet_table(self) -> tuple[NDArray, Floats]:
         """Facets without the empty ones, equal ones merged, and their weights."""
@@ -101,10 +162,6 @@ class Parts:
         unique, count = np.unique(table[~np.any(same, axis=0)], axis=0, return_counts=True)
         by_band = np.argsort(unique[:, -1], kind="stable")
         return unique[by_band], np.asarray(0.5 * count[by_band], dtype=np.float64)
-
-
-def _columns(*arrays: NDArray) -> NDArray:
-    return np.stack([np.broadcast_to(a, arrays[0].shape).ravel() for a in arrays], axis=1)
 
 
 def assembled(parts: Parts, lattice: Lattice, positions: Floats, node_row: Ints, entry: NDArray) -> Net:
@@ -121,14 +178,14 @@ def assembled(parts: Parts, lattice: Lattice, positions: Floats, node_row: Ints,
         [np.inf if s.axial_stiffness_n is None else g * s.axial_stiffness_n for s in lattice.sections]
     )[band]
     facets, weight = parts.facet_table()
-    around = lattice.columns * lattice.order
+    around = lattice.order * lattice.columns[facets[:, 6]]
     weight *= _polygon_area(g * around) / _polygon_area(around)
     meshes = np.concatenate(parts.meshes)
     count = len(node_row)
     fixed = np.zeros((count, 3), dtype=bool)
     fixed[entry] = True
     fixed[parts.codline, 1:] = True
-    corners = np.concatenate(parts.corners) if parts.corners else np.zeros((0, 8), dtype=np.int64)
+    corners = np.concatenate(parts.corners)
     clamped = np.array([12.0 * s.bending_stiffness_n_m2 / s.bar_m for s in lattice.sections])[corners[:, 6]]
     # two twines gathered at the codline have no angle between them
     resists = (clamped > 0.0) & ((corners[:, 1] != corners[:, 2]) | (corners[:, 4] != corners[:, 5]))
@@ -167,13 +224,14 @@ def assembled(parts: Parts, lattice: Lattice, positions: Floats, node_row: Ints,
     )
 
 
-def _polygon_area(corners: int) -> float:
+def _polygon_area(corners: Counts) -> Floats:
     """Area of a regular polygon over that of the circle through its corners.
 
     A globalised net is an inscribed polygon of too few corners; at the same radius, pressure on it falls short in this
-    ratio along the axis and across it, and so does its volume. Its facets are weighted to make up for that.
+    ratio along the axis and across it, and so does its volume. Its facets are weighted to make up for that. Where two
+    sections meet, their weights differ, which leaves an error of the order of what the weights make up for.
     """
-    return float(np.sinc(2.0 / corners))
+    return np.asarray(np.sinc(2.0 / corners))
 
 
 def _bars_of_sides(bars: NDArray, sides: NDArray, images: NDArray) -> Ints:

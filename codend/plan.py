@@ -17,7 +17,7 @@ from pydantic import PrivateAttr, ValidationError, model_validator
 from codend.errors import InputError
 from codend.overrides import CatchKind, apply_overrides
 from codend.plan_messages import Contradiction, input_error
-from codend.plan_tables import Catch, Drag, Entry, Model, Netting, Table, Text, Tow
+from codend.plan_tables import Catch, Drag, Entry, Model, Netting, Strap, Table, Text, Tow
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,7 @@ class Plan(Table):
     tow: Tow
     entry: Entry
     netting: Annotated[tuple[Netting, ...], MinLen(1)]
+    strap: tuple[Strap, ...] = ()
     catch: Catch
     drag: Drag = Drag.model_validate({})
     model: Model = Model()
@@ -53,9 +54,12 @@ class Plan(Table):
                 "entry.radius_m", f"below {limit_m:.4g} m, that of the first section's meshes pulled fully open"
             )
         self._check_catch_fits()
+        self._check_straps()
         if self.model.globalisation not in (divisors := self.globalisations):
             allowed = ", ".join(map(str, divisors))
-            raise Contradiction("model.globalisation", f"{allowed} (divisors of all meshes_round and meshes_long)")
+            and_straps = ", and of the rows from every strap to the codline" if self.strap else ""
+            reason = f"divisors of all meshes_round and meshes_long{and_straps}"
+            raise Contradiction("model.globalisation", f"{allowed} ({reason})")
         return self
 
     def _check_catch_fits(self) -> None:
@@ -75,6 +79,35 @@ class Plan(Table):
             if size > limit:
                 raise Contradiction(f"catch.{self.catch.kind}.{index}", f"above 0, at most {limit:.6g}, {reason}")
 
+    def _check_straps(self) -> None:
+        """Refuse straps that lie on no row of knots, or two on one."""
+        meshes_long = sum(part.meshes_long for part in self.netting)
+        for index, strap in enumerate(self.strap):
+            key = f"strap.{index}.meshes_from_codline"
+            if strap.meshes_from_codline >= meshes_long:
+                raise Contradiction(key, f"below {meshes_long}, the sum of meshes_long")
+            if self.rows_to_codline(strap.meshes_from_codline) is None:
+                raise Contradiction(key, "a row of knots: whole meshes, or half ones in diamond and T90 netting")
+            if strap.meshes_from_codline in [other.meshes_from_codline for other in self.strap[:index]]:
+                raise Contradiction(key, "a row that has no other strap")
+
+    def rows_to_codline(self, meshes: float) -> int | None:
+        """Rows from the codline to a place that many meshes ahead of it; None where no row of knots lies there."""
+        rows = 0
+        for part in reversed(self.netting):
+            if meshes <= part.meshes_long:
+                there = part.rows_per_mesh * meshes
+                return rows + int(there) if there == int(there) else None
+            rows += part.rows_per_mesh * part.meshes_long
+            meshes -= part.meshes_long
+        return None
+
+    @property
+    def strap_rows(self) -> tuple[int, ...]:
+        """Rows from every strap to the codline."""
+        rows = (self.rows_to_codline(strap.meshes_from_codline) for strap in self.strap)
+        return tuple(count for count in rows if count is not None)
+
     @property
     def source(self) -> Path:
         """The file the plan came from."""
@@ -92,8 +125,12 @@ class Plan(Table):
 
     @property
     def globalisations(self) -> tuple[int, ...]:
-        """Meshes that can be merged, each way: divisors of every mesh count that leave at least 3 meshes round."""
-        common = math.gcd(*(count for part in self.netting for count in (part.meshes_round, part.meshes_long)))
+        """Meshes that can be merged, each way: divisors of every mesh count that leave at least 3 meshes round.
+
+        Rows that carry a strap stay rows.
+        """
+        counts = [count for part in self.netting for count in (part.meshes_round, part.meshes_long)]
+        common = math.gcd(*counts, *self.strap_rows)
         most = min(part.meshes_round for part in self.netting) // 3
         return tuple(g for g in range(1, min(common, most) + 1) if common % g == 0)
 

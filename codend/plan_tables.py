@@ -121,9 +121,35 @@ class Netting(Table):
         return self.meshes_round * across_m / math.pi
 
     @property
+    def rows_per_mesh(self) -> int:
+        """Rows of knots that a mesh is long: 2, in square mesh 1."""
+        return 1 if self.mesh == "square" else 2
+
+    @property
     def stretched_length_m(self) -> float:
         """Length of the section pulled fully straight, knots included where they lie along it, m."""
         return 2 * self.meshes_long * (self.bar_m + (self.knot_m if self.mesh == "diamond" else 0.0))
+
+
+class Strap(Table):
+    """A round strap: a rope ring on a row of knots that bounds its radius and is slack where the net is narrower.
+
+    It is laid through the knots and does not slide. Its weight is left out.
+    """
+
+    meshes_from_codline: Annotated[Number, Gt(0)]
+    """A row of knots: half meshes count in diamond and T90 netting."""
+    length_m: Annotated[Number, Gt(0), Le(1000)]
+    """The whole way round."""
+    axial_stiffness_n: Annotated[Number, Gt(0), Le(1e9)] | None = None
+    """EA of the rope, N; None: inextensible."""
+    diameter_mm: Annotated[Number, Gt(0), Le(500)] | None = None
+    """None: its drag is left out."""
+
+    @property
+    def diameter_m(self) -> float:
+        """Diameter of the rope, 0 where the plan gives none, m."""
+        return 0.0 if self.diameter_mm is None else self.diameter_mm / 1000
 
 
 class Catch(Table):

@@ -13,7 +13,7 @@ from codend.fidelity import Choice
 from codend.loads import problem_of
 from codend.measures import Measures, Meshes, Rows, measure_all
 from codend.meridian import plan_case
-from codend.net import Floats, Net
+from codend.net import Floats, Net, real_tensions
 from codend.plan import Case, Plan
 from codend.problem import Problem
 from codend.solvers import newton
@@ -54,8 +54,8 @@ class CaseResult:
 
     @property
     def bar_tension_n(self) -> Floats:
-        """Tension of the real bars, (m,)."""
-        return self.solution.bar_tension / self.net.globalisation
+        """Tension of the real bars and ropes, (m,)."""
+        return real_tensions(self.net, self.solution.bar_tension)
 
     @property
     def report(self) -> SolverReport:

@@ -38,10 +38,14 @@ RESULT_COLUMNS = [
     "negative_pivots",
 ]
 
+STRAP_COLUMNS = ["max_strap_tension_n"]
+"""Further columns of plans with straps."""
+
 
 def results_table(study: Study) -> pd.DataFrame:
     """A row a case; nan where a case was not solved, but for what the case asked for."""
-    return pd.DataFrame([_result_row(study, result) for result in study.cases], columns=RESULT_COLUMNS)
+    columns = RESULT_COLUMNS + (STRAP_COLUMNS if study.plan.strap else [])
+    return pd.DataFrame([_result_row(study, result) for result in study.cases], columns=columns)
 
 
 def _result_row(study: Study, result: CaseResult) -> dict[str, object]:

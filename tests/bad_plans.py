@@ -36,6 +36,12 @@ knot_mm = 10.0
 twine_mm = 4.0
 twines = 2
 
+[[strap]]
+meshes_from_codline = 30
+length_m = 3.5
+axial_stiffness_n = 5e5
+diameter_mm = 24.0
+
 [catch]
 filled_meshes = [20, 40.5, 60]
 density_kg_m3 = 1000.0
@@ -75,6 +81,9 @@ CATCH = "filled_meshes = [20, 40.5, 60]"
 TOW = "[tow]\nspeed_m_s = [1.0, 1.5]\nwater_density_kg_m3 = 1026.0\n"
 GLOBALISED = 'fidelity = "globalised"\nglobalisation = 10'
 
+STRAP = "strap.0.meshes_from_codline"
+SECOND_STRAP = "[[strap]]\nmeshes_from_codline = 30\nlength_m = 3.0\n"
+
 BAD_PLANS = [
     # not TOML
     BadPlan("no-closing-bracket", "[entry]", "[entry", ""),
@@ -85,6 +94,7 @@ BAD_PLANS = [
     # unknown keys
     BadPlan("unknown-table", "[model]", "[modle]", "modle"),
     BadPlan("unknown-key", "knot_mm = 5.0", "knots_mm = 5.0", "netting.0.knots_mm"),
+    BadPlan("unknown-strap-key", "length_m = 3.5", "length_mm = 3500", "strap.0.length_mm"),
     BadPlan("misspelt-required-key", "meshes_round = 50", "meshes_rond = 50", "netting.1.meshes_rond"),
     BadPlan("key-in-the-wrong-table", "radius_m = 0.30", "radius_m = 0.30\ntwine_mm = 3.0", "entry.twine_mm"),
     BadPlan("key-with-line-break", "radius_m = 0.30", '"radius\\nm" = 0.30', "entry.radius m"),
@@ -98,6 +108,7 @@ BAD_PLANS = [
     BadPlan("no-meshes-long", "meshes_long = 40", "", "netting.0.meshes_long"),
     BadPlan("no-mesh-size", "bar_mm = 40.0", "", "netting.0.bar_mm"),
     BadPlan("no-twine", "twine_mm = 4.0", "", "netting.1.twine_mm"),
+    BadPlan("no-strap-length", "length_m = 3.5", "", "strap.0.length_m"),
     BadPlan("no-catch", CATCH, "", "catch.filled_meshes"),
     # wrong types
     BadPlan("number-as-text", "radius_m = 0.30", 'radius_m = "0.30"', "entry.radius_m"),
@@ -126,6 +137,8 @@ BAD_PLANS = [
     BadPlan("no-mesh-long", "meshes_long = 40", "meshes_long = 0", "netting.0.meshes_long"),
     BadPlan("negative-bar", "bar_mm = 40.0", "bar_mm = -40.0", "netting.0.bar_mm"),
     BadPlan("negative-knot", "knot_mm = 10.0", "knot_mm = -1.0", "netting.1.knot_mm"),
+    BadPlan("strap-on-the-codline", "meshes_from_codline = 30", "meshes_from_codline = 0", STRAP),
+    BadPlan("strap-in-mm", "length_m = 3.5", "length_m = 3500", "strap.0.length_m"),
     BadPlan("triple-twine", "twines = 2", "twines = 3", "netting.1.twines"),
     BadPlan("no-stiffness-at-all", "stiffness_n = 1000.0", "stiffness_n = 0.0", "netting.0.axial_stiffness_n"),
     BadPlan("negative-bending", "= 1e-4", "= -1e-4", "netting.0.bending_stiffness_n_m2"),
@@ -168,6 +181,10 @@ BAD_PLANS = [
     BadPlan("mass-in-grams", CATCH, "mass_kg = 500000", "catch.mass_kg"),
     BadPlan("globalisation-divides-not", "globalisation = 10", "globalisation = 4", "model.globalisation"),
     BadPlan("globalised-to-two-round", "globalisation = 10", "globalisation = 20", "model.globalisation"),
+    BadPlan("strap-between-two-rows", "meshes_from_codline = 30", "meshes_from_codline = 30.25", STRAP),
+    BadPlan("strap-on-the-entry", "meshes_from_codline = 30", "meshes_from_codline = 100", STRAP),
+    BadPlan("two-straps-on-a-row", "[catch]", f"{SECOND_STRAP}\n[catch]", "strap.1.meshes_from_codline"),
+    BadPlan("strap-on-no-merged-row", "meshes_from_codline = 30", "meshes_from_codline = 31", "model.globalisation"),
     BadPlan("globalised-sector", GLOBALISED, GLOBALISED.replace("globalised", "sector"), "model.globalisation"),
     BadPlan("globalised-by-default", GLOBALISED, "globalisation = 10", "model.globalisation"),
 ]

@@ -49,3 +49,27 @@ def uniform_plan(meshes_round: int, meshes_long: int, filled: float, **options: 
     """Uniform pressure and no twine drag: the scene of the closed forms."""
     catch = {"filled_meshes": filled, **UNIFORM}
     return make_plan(meshes_round, meshes_long, catch=catch, drag=NO_DRAG, **options)  # type: ignore[arg-type]
+
+
+def joined_plan(
+    *sections: tuple[str, int, int, float, dict],
+    entry: float = 0.08,
+    catch: dict | None = None,
+    drag: dict | None = None,
+    model: dict | None = None,
+    strap: list[dict] | None = None,
+) -> Plan:
+    """Sections one behind the other, each as kind, meshes round, meshes long, bar in mm, further keys."""
+    names = ("mesh", "meshes_round", "meshes_long", "bar_mm")
+    return plan_from_dict(
+        {
+            "title": "test",
+            "tow": {"speed_m_s": 1.0, "water_density_kg_m3": 1000.0},
+            "entry": {"radius_m": entry},
+            "netting": [dict(zip(names, s[:4], strict=True)) | {"twine_mm": 2.0} | s[4] for s in sections],
+            "strap": strap or [],
+            "catch": catch or {"filled_meshes": 6.0},
+            "drag": drag or {},
+            "model": model or {},
+        }
+    )

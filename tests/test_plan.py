@@ -348,7 +348,7 @@ def test_whatever_is_set_from_outside_nothing_but_input_error_escapes(key: str, 
 # --- the shipped plans
 
 
-@pytest.mark.parametrize("name", ["flume_150x140", "commercial_100mm_double", "knotted_elastic"])
+@pytest.mark.parametrize("name", ["flume_150x140", "commercial_100mm_double", "knotted_elastic", "joined_with_strap"])
 def test_the_shipped_plans_load_and_say_what_is_assumed(name: str):
     plan = load_plan(CASES / f"{name}.toml")
     assert plan.cases()

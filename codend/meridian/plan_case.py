@@ -34,6 +34,8 @@ def solve_case(plan: Plan, case: Case) -> MeridianShape:
     reason = why_not(plan)
     if not reason and plan.netting[0].bending_stiffness_n_m2 > 0.0:
         reason = "it knows no bending stiffness"
+    if not reason and plan.strap:
+        reason = "it knows no straps"
     if reason:
         raise InputError(
             file=plan.source, key="model.fidelity", value="meridian", allowed=f"another fidelity; {reason}"
@@ -67,7 +69,10 @@ def _under_its_loads(plan: Plan, case: Case) -> MeridianShape:
 
 
 def first_guess(plan: Plan, case: Case) -> MeridianShape | None:
-    """Shape of limp twine under uniform pressure without drag: near the answer and cheap; None where there is none."""
+    """Shape of limp twine under uniform pressure without drag: near the answer and cheap; None where there is none.
+
+    It knows no straps, and none is given where one would be tight.
+    """
     if why_not(plan) or case.catch_kind != "filled_meshes":
         return None
     coefficient = plan.catch.coefficient if plan.catch.pressure == "uniform" else MEAN_COEFFICIENT
@@ -75,18 +80,27 @@ def first_guess(plan: Plan, case: Case) -> MeridianShape | None:
         shape = uniform_pressure_shape(problem_for(plan, case, _rows(plan) - 2.0 * case.catch_value), coefficient)
     except ValueError:
         return None
-    return shape if shape.converged else None
+    return shape if shape.converged and _within_straps(plan, shape) else None
 
 
 def equilibrium_guess(plan: Plan, case: Case) -> MeridianShape | None:
-    """Shape of limp twine under the loads of the case; None where the method does not apply or finds none."""
+    """Shape of limp twine under the loads of the case; None where the method does not apply or finds none.
+
+    It knows no straps, and none is given where one would be tight.
+    """
     if why_not(plan):
         return None
     try:
         shape = _under_its_loads(plan, case)
     except (InputError, RuntimeError):
         return None
-    return shape if shape.converged else None
+    return shape if shape.converged and _within_straps(plan, shape) else None
+
+
+def _within_straps(plan: Plan, shape: MeridianShape) -> bool:
+    """Whether the shape leaves all straps slack."""
+    places = zip(plan.strap, plan.strap_rows, strict=True)
+    return all(2.0 * np.pi * shape.radius_m[_rows(plan) - row] <= strap.length_m for strap, row in places)
 
 
 def tensions_on(net: Net, shape: MeridianShape, globalisation: int = 1) -> Floats:
@@ -99,7 +113,9 @@ def tensions_on(net: Net, shape: MeridianShape, globalisation: int = 1) -> Float
     knot = net.bar_drag_diameter == 0.0
     across = net.node_row[net.bars[:, 0]] == net.node_row[net.bars[:, 1]]
     knot_tension = 2.0 * tension * np.where(across, np.sin(phi), np.cos(phi))
-    return np.where(knot, knot_tension, tension)
+    tension = np.where(knot, knot_tension, tension)
+    tension[net.straps] = 0.0
+    return tension
 
 
 def share_of(shape: MeridianShape, bands: int) -> Floats:

@@ -81,6 +81,11 @@ def notes(study: Study) -> list[str]:
         )
     else:
         found.append(f"The pressure outside the catch follows the plan's own Cp curve, {catch.sphere_cp_csv}.")
+    if len({section.meshes_round for section in study.plan.netting}) > 1:
+        found.append(
+            "Where sections of different mesh counts meet, knots are laced to knots in the ratio of the counts, "
+            "without slack: the joint is no wider than the fewer meshes, with the shorter bar, pulled fully open."
+        )
     if any(section.twine_density_kg_m3 is None for section in study.plan.netting):
         found.append("Twine whose density the plan does not give is taken as neutrally buoyant.")
     return found
@@ -94,7 +99,7 @@ def input_sections(plan: Plan) -> list[dict[str, Any]]:
             sections.append({"name": name, "entries": _entries(table)})
         elif isinstance(table, list):
             count = len(table)
-            titles = [name] if count == 1 else [f"{name}, section {i} of {count}" for i in range(1, count + 1)]
+            titles = [name] if count == 1 else [f"{name} {i} of {count}" for i in range(1, count + 1)]
             sections += [{"name": t, "entries": _entries(part)} for t, part in zip(titles, table, strict=True)]
     return sections
 

@@ -54,6 +54,7 @@ RESULT_HEADS = {
     "opening_ahead_deg": Head("Opening ahead", "degrees"),
     "opening_force_ahead_n": Head("Opening force ahead", "N"),
     "max_bar_tension_n": Head("Largest bar tension", "N"),
+    "max_strap_tension_n": Head("Largest strap tension", "N"),
 }
 
 _STABLE = {True: "yes", False: "NO"}
@@ -65,7 +66,8 @@ DIGITS = {"speed_m_s": 3, "filled_meshes": 3}
 def results_table(study: Study) -> PageTable:
     """``results.csv`` for readers; columns that no case has a number for are left out and named in a remark."""
     table = study.table
-    shown = [name for name in RESULT_HEADS if table[name].notna().any()]
+    told = [name for name in RESULT_HEADS if name in table]
+    shown = [name for name in told if table[name].notna().any()]
     cells = [[_case_text(result) for result in study.cases]]
     cells += [column_text(table[name].to_numpy(dtype=float), digits=DIGITS.get(name, 4)) for name in shown]
     remarks = [
@@ -74,7 +76,7 @@ def results_table(study: Study) -> PageTable:
         "negative where it is wider open already. Length: from the entry to the codline along the axis. "
         "All digits are in results.csv."
     ]
-    missing = [RESULT_HEADS[name].name.lower() for name in RESULT_HEADS if name not in shown]
+    missing = [RESULT_HEADS[name].name.lower() for name in told if name not in shown]
     if missing:
         remarks.append(f"Not computed: {'; '.join(missing)}.")
     heads = (Head("Case"), *(RESULT_HEADS[name] for name in shown))

@@ -116,11 +116,11 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
     for result in solved.to_dict("records"):
         profile = profiles[result["case"]].sort_values("row")
         bands = len(profile) - 1
-        merged = len(rows_of(run.plan)) // bands
+        real_rows = rows_of(run.plan)
+        merged = len(real_rows) // bands
         sections = rows_of(run.plan, merged)
-        square = sections[0].mesh == "square"
-        meshes_long = 0.5 * bands * merged * (2.0 if square else 1.0)
-        front_row = (meshes_long - result["filled_meshes"]) / (1.0 if square else 0.5)
+        from_entry = np.concatenate([[0.0], np.cumsum([1.0 / section.rows_per_mesh for section in real_rows])])
+        front_row = np.interp(from_entry[-1] - result["filled_meshes"], from_entry, np.arange(len(from_entry)))
         meshes = all_meshes.get(result["case"], profile)
         meshes = meshes[meshes["opening_deg"].notna()]
         row = meshes["row"].to_numpy(dtype=int)
@@ -146,8 +146,9 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
 
 def _holes(sections: list[Netting], meshes: pd.DataFrame, radius_m: Floats) -> Holes:
     row = meshes["row"].to_numpy(dtype=int)
-    is_square = sections[0].mesh == "square"
-    section = [sections[min(r if is_square else max(r - 1, 0), len(sections) - 1)] for r in row]
+    # a square mesh lies behind the row it is counted by, another about it
+    behind = [sections[min(r, len(sections) - 1)] for r in row]
+    section = [s if s.mesh == "square" else sections[max(r - 1, 0)] for r, s in zip(row, behind, strict=True)]
     half = 0.5 * np.radians(meshes["opening_deg"].to_numpy(dtype=float))
     bar = np.array([clear_bar_m(s) for s in section])
     width = np.array([s.drag_width_m for s in section])

@@ -1,0 +1,81 @@
+"""Round straps: rings of rope bars through the knots of a row.
+
+A strap through the N knots of a row is a polygon of N sides s, its corners on a circle of radius R. Merged knots lie on
+that same circle, fewer and with longer sides between them. Their rope carries the tension that does the same work when
+R changes, N T ds/dR, and stretches as the real one does at that R (derived).
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from codend.errors import InputError
+from codend.knots import LEFT, RIGHT, Knots
+from codend.net import Net
+from codend.plan import Plan
+from codend.plan_tables import Strap
+
+
+def with_straps(net: Net, plan: Plan, knots: Knots) -> Net:
+    """The net with the straps of its plan, their bars after all others.
+
+    Where the knots of a row lie across the netting (T90) a strap runs from knot to knot, and the knots close its ring.
+
+    Raises:
+        InputError: a strap is shorter than the knots of its row laid side by side.
+    """
+    for index, strap in enumerate(plan.strap):
+        row = knots.lattice.bands - plan.strap_rows[index] // knots.lattice.globalisation
+        across_m = knots.lattice.sections[row - 1].knot_m if knots.across[row] else 0.0
+        least_m = knots.lattice.globalisation * knots.lattice.order * knots.lattice.knots[row] * across_m
+        if strap.length_m <= least_m:
+            allowed = f"above {least_m:.4g} m, the knots of its row laid side by side"
+            raise InputError(file=plan.source, key=f"strap.{index}.length_m", value=strap.length_m, allowed=allowed)
+        net = _with_strap(net, strap, knots, row, across_m)
+    return net
+
+
+def _with_strap(net: Net, strap: Strap, knots: Knots, row: int, across_m: float) -> Net:
+    lattice, g = knots.lattice, knots.lattice.globalisation
+    rows, count = lattice.rings(np.array([row]))
+    first = knots.ring(RIGHT, rows, count, lattice.knots[rows])
+    second = knots.ring(LEFT, rows, count + 1, lattice.knots[rows])
+    bars = len(count)
+
+    merged = lattice.order * bars
+    real = g * merged
+    side = strap.length_m / real - across_m
+    # the triangle of one side and one knot, their corners on the circle
+    across_both = np.sqrt(side**2 + across_m**2 + 2.0 * side * across_m * np.cos(np.pi / real))
+    radius = across_both / (2.0 * np.sin(np.pi / real))
+    slope = _side_and_slope(radius, real, across_m)[1]
+    merged_side, merged_slope = _side_and_slope(radius, merged, g * across_m)
+    gain = real * slope / (merged * merged_slope)
+    softness = 0.0 if strap.axial_stiffness_n is None else 1.0 / strap.axial_stiffness_n
+    flexibility = softness * merged_slope * side / (slope * merged_side * gain)
+    longer = strap.length_m / (merged * merged_side)
+
+    def extended(values: np.ndarray, value: float) -> np.ndarray:
+        return np.append(values, np.full(bars, value, dtype=values.dtype))
+
+    return replace(
+        net,
+        bars=np.concatenate([net.bars, np.stack([first.node, second.node], axis=1).astype(np.int32)]),
+        bar_image=np.append(net.bar_image, (second.image - first.image).astype(np.int32)),
+        bar_length=extended(net.bar_length, merged_side),
+        bar_flexibility=extended(net.bar_flexibility, flexibility),
+        bar_drag_diameter=extended(net.bar_drag_diameter, longer * strap.diameter_m),
+        bar_solid_diameter=extended(net.bar_solid_diameter, np.sqrt(longer) * strap.diameter_m),
+        bar_density=extended(net.bar_density, np.nan),
+        bar_band=extended(net.bar_band, row - 1),
+        straps=np.append(net.straps, np.arange(len(net.bars), len(net.bars) + bars, dtype=np.int32)),
+        strap_share=np.append(net.strap_share, np.full(bars, 1.0 / gain)),
+    )
+
+
+def _side_and_slope(radius: float, knots: int, across_m: float) -> tuple[float, float]:
+    """Side between two of the knots of a ring on a circle, each ``across_m`` wide, and its derivative by the radius."""
+    half = np.arcsin(0.5 * across_m / radius)
+    between = np.pi / knots - half
+    slope = 2.0 * np.sin(between) + across_m / radius * np.cos(between) / np.cos(half)
+    return float(2.0 * radius * np.sin(between)), float(slope)
