@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from codend.speed_accuracy.contenders import FULL, KINETIC, MERGED, NEWTON, SECTOR
+from codend.speed_accuracy.front import fastest, pareto_front
 from validation.work_precision import section
-from validation.work_precision.front import fastest, pareto_front
 from validation.work_precision.orders import growth, orders
-from validation.work_precision.scenes import FULL, KINETIC, MERGED, NEWTON, SECTOR
 
 
 def test_no_answer_on_the_front_is_beaten_and_every_other_one_is():
@@ -30,6 +30,7 @@ def test_fastest_is_the_least_time_among_the_exact_enough():
     points = pd.DataFrame({"drag_error": [0.5, 0.01, 1e-3, np.nan], "solve_ms": [1.0, 5.0, 4.0, 0.1]})
     assert fastest(points, 0.01)["solve_ms"] == 4.0
     assert fastest(points, 1.0)["solve_ms"] == 1.0
+    assert fastest(points, 1e-9) is None
 
 
 def test_order_and_growth_are_those_of_made_up_powers():

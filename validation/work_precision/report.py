@@ -2,10 +2,11 @@
 
 import pandas as pd
 
+from codend.report.speed_plot import speed_figure
+from codend.speed_accuracy.choices import choices
+from codend.speed_accuracy.measuring import ACCURACIES, QUANTITIES, Measured, measure, next_of_a_series_ms
 from validation.section import Picture, Section, Verdict
-from validation.work_precision import charts, words
-from validation.work_precision.choices import choices
-from validation.work_precision.measuring import ACCURACIES, QUANTITIES, Measured, measure, next_of_a_series_ms
+from validation.work_precision import words
 from validation.work_precision.orders import growth, orders
 from validation.work_precision.scenes import scenes, weighed_scene
 
@@ -39,7 +40,7 @@ def section(quick: bool) -> Section:
         title="Work against precision",
         text=words.text(everything, chosen, by_order, series_ms, exponents, SLOWER, quick),
         pictures=tuple(
-            Picture(f"work_precision_{short}", charts.chart(symmetric, short), words.caption(short))
+            Picture(f"work_precision_{short}", speed_figure(symmetric, short), words.caption(short))
             for short in QUANTITIES.values()
         ),
         data={

@@ -1,67 +1,10 @@
-"""Scenes on which methods are compared, and the methods and models that are compared on them."""
+"""Scenes on which methods are compared."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
-from codend.plan import Plan, load_plan
+from codend.speed_accuracy.contenders import Scene
 
 CASES = Path(__file__).parents[1] / "cases"
-NEWTON, KINETIC, VISCOUS, RIGID, MERIDIAN = (
-    "Newton",
-    "relaxation, kinetic",
-    "relaxation, viscous",
-    "rigid bars",
-    "meridian",
-)
-METHOD_KEYS = {
-    NEWTON: ("model.method=newton",),
-    KINETIC: ("model.method=dynamic-relaxation", "model.damping=kinetic"),
-    VISCOUS: ("model.method=dynamic-relaxation", "model.damping=viscous"),
-    RIGID: ("model.method=rigid-bars",),
-    MERIDIAN: (),
-}
-SECTOR, MERGED, FULL, MEMBRANE = "sector", "globalised", "full", "membrane"
-
-
-@dataclass(frozen=True)
-class Scene:
-    """One catch in one codend."""
-
-    name: str
-    plan_file: Path
-    overrides: tuple[str, ...]
-    factors: tuple[int, ...]
-    """Meshes merged each way, the coarsest first; the last is 1, the full net."""
-    weighed: bool = False
-    """Whether its twine has weight that counts, so that only a full net shows all there is to it."""
-
-    def plan(self, *model: str) -> Plan:
-        """The scene's plan with more overrides."""
-        return load_plan(self.plan_file, [*self.overrides, *model])
-
-    @property
-    def inextensible(self) -> bool:
-        """Whether rigid bars may stand for its twine."""
-        return all(section.axial_stiffness_n is None for section in self.plan().netting)
-
-
-@dataclass(frozen=True)
-class Contender:
-    """A way to solve a scene, with the setting that trades its accuracy for time."""
-
-    method: str
-    model: str
-    tolerance: float
-    globalisation: int = 1
-
-    @property
-    def keys(self) -> tuple[str, ...]:
-        """The plan's keys that ask for it."""
-        fidelity = "meridian" if self.model == MEMBRANE else self.model
-        merging = (f"model.globalisation={self.globalisation}",) if self.model == MERGED else ()
-        tolerance = f"model.tolerance={self.tolerance:g}"
-        return (f"model.fidelity={fidelity}", tolerance, *merging, *METHOD_KEYS[self.method])
 
 
 def scenes(quick: bool) -> tuple[Scene, ...]:
@@ -98,28 +41,3 @@ def weighed_scene(quick: bool) -> Scene:
     )
     factors = (4, 2, 1) if quick else (8, 4, 2, 1)
     return Scene("slow tow of heavy twine", CASES / "flume_150x140.toml", keys, factors, weighed=True)
-
-
-def contenders(scene: Scene, quick: bool) -> Iterator[Contender]:
-    """Everything that is tried on a scene; what takes long with few settings."""
-    if scene.weighed:
-        yield Contender(NEWTON, SECTOR, 1e-6)
-        for g in scene.factors:
-            yield Contender(NEWTON, MERGED if g > 1 else FULL, 1e-6, g)
-            yield Contender(KINETIC, MERGED if g > 1 else FULL, 1e-6, g)
-        return
-    yield Contender(MERIDIAN, MEMBRANE, 1e-6)
-    tolerances = (1e-2, 1e-6, 1e-10) if quick else (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)
-    for method in (NEWTON, KINETIC, VISCOUS):
-        for tolerance in tolerances:
-            yield Contender(method, SECTOR, tolerance)
-    for method in (NEWTON, KINETIC, VISCOUS):
-        for g in scene.factors:
-            # the full net by relaxation takes a while: once is enough to confirm the others
-            if g > 1 or method == NEWTON or (method == KINETIC and not quick):
-                yield Contender(method, MERGED if g > 1 else FULL, 1e-6, g)
-    if scene.inextensible:
-        for tolerance in (1e-2,) if quick else (1e-2, 1e-5, 1e-8):
-            yield Contender(RIGID, SECTOR, tolerance)
-        if not quick:
-            yield Contender(RIGID, MERGED, 1e-2, scene.factors[0])

@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 import pandas as pd
 
 from codend.report.style import number_text
-from validation.work_precision.measuring import QUANTITIES, REFERENCE_TOLERANCE, Measured
-from validation.work_precision.scenes import KINETIC, NEWTON
+from codend.speed_accuracy.contenders import KINETIC, NEWTON
+from codend.speed_accuracy.measuring import QUANTITIES, REFERENCE_TOLERANCE, Measured
 
 UNITS = {"drag_n": "N", "opening_ahead_deg": "°", "catch_volume_m3": "m³"}
 CONTENTS = f"""\

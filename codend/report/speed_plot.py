@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 
 from codend.report.style import BLUE, INK, ORANGE, PALE, dress, new_figure
-from validation.work_precision.front import pareto_front
-from validation.work_precision.measuring import CLOSED_FORM, Measured
-from validation.work_precision.scenes import FULL, KINETIC, MEMBRANE, MERGED, MERIDIAN, NEWTON, RIGID, SECTOR, VISCOUS
+from codend.speed_accuracy.contenders import FULL, KINETIC, MEMBRANE, MERGED, MERIDIAN, NEWTON, RIGID, SECTOR, VISCOUS
+from codend.speed_accuracy.front import pareto_front
+from codend.speed_accuracy.measuring import CLOSED_FORM, Measured
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,15 +36,15 @@ LOWEST = 1e-11
 """Where answers are drawn that differ from the reference by less, or not at all."""
 
 
-def chart(measured: tuple[Measured, ...], quantity: str) -> "Figure":
+def speed_figure(measured: tuple[Measured, ...], quantity: str) -> "Figure":
     """Error in a quantity against solve time, with the Pareto front of every scene."""
-    figure = new_figure(12.5, 5.4)
-    panels = figure.subplots(1, len(measured), sharey=True, sharex=True)
+    figure = new_figure(max(4.2 * len(measured), 9.5), 5.4)
+    panels = figure.subplots(1, len(measured), sharey=True, sharex=True, squeeze=False)[0]
     for axes, of_scene in zip(panels, measured, strict=True):
         _panel(axes, of_scene, quantity)
     panels[0].set_ylabel(f"relative error in {WORDS[quantity]}", color=INK)
     panels[len(panels) // 2].set_xlabel("solve time from nothing, first guess included", color=INK)
-    _key(figure)
+    _key(figure, {method for of_scene in measured for method in of_scene.points["method"]})
     return figure
 
 
@@ -56,10 +56,10 @@ def _panel(axes: "Axes", measured: Measured, quantity: str) -> None:
     axes.set_xticks(list(TICKS_MS), labels=list(TICKS_MS.values()))
     axes.set_ylim(LOWEST / 20.0, 2.0)
     dress(axes)
-    axes.axhspan(LOWEST / 20.0, resolved, color=PALE, alpha=0.5, linewidth=0.0)
-    axes.text(
-        0.985, 0.02, "below what two methods agree on", transform=axes.transAxes, ha="right", fontsize=8, color=INK
-    )
+    if np.isfinite(resolved):
+        axes.axhspan(LOWEST / 20.0, resolved, color=PALE, alpha=0.5, linewidth=0.0)
+        agreed = "below what two methods agree on"
+        axes.text(0.985, 0.02, agreed, transform=axes.transAxes, ha="right", fontsize=8, color=INK)
     _join_merged(axes, points, f"{quantity}_error")
     _draw_front(axes, points, f"{quantity}_error", resolved)
     for (method, model), group in points.groupby(["method", "model"], sort=False):
@@ -70,19 +70,19 @@ def _panel(axes: "Axes", measured: Measured, quantity: str) -> None:
             error,
             linestyle="-" if model in (SECTOR, MEMBRANE) else "none",
             linewidth=0.8,
-            marker=MARKERS[model],
+            marker=MARKERS[str(model)],
             markersize=6.5,
-            markerfacecolor="white" if hollow else COLOURS[method],
-            markeredgecolor=COLOURS[method] if hollow else "white",
+            markerfacecolor="white" if hollow else COLOURS[str(method)],
+            markeredgecolor=COLOURS[str(method)] if hollow else "white",
             markeredgewidth=1.4 if hollow else 0.7,
-            color=COLOURS[method],
+            color=COLOURS[str(method)],
             zorder=4,
         )
 
 
 def _draw_front(axes: "Axes", points: pd.DataFrame, column: str, resolved: float) -> None:
     """Steps below which no answer lies; errors that two methods cannot tell from none count as equal."""
-    time, error = points["solve_ms"].to_numpy(), np.maximum(points[column].to_numpy(), resolved)
+    time, error = points["solve_ms"].to_numpy(), np.fmax(points[column].to_numpy(), resolved)
     front = pareto_front(time, error)
     ends = np.append(time[front], SPAN_MS[1])
     axes.plot(
@@ -112,14 +112,14 @@ def _join_merged(axes: "Axes", points: pd.DataFrame, column: str) -> None:
         )
 
 
-def _key(figure: "Figure") -> None:
-    """Colours and markers, in two rows over the panels."""
+def _key(figure: "Figure", tried: set[str]) -> None:
+    """Colours and markers, in rows above and below the panels."""
     from matplotlib.lines import Line2D
 
     methods = [
         Line2D([], [], color=colour, linewidth=5.0, label=name)
         for name, colour in COLOURS.items()
-        if name != CLOSED_FORM
+        if name in tried and name != CLOSED_FORM
     ]
     models = [
         Line2D([], [], color=INK, marker=marker, linestyle="none", label=MODEL_NAMES[name])

@@ -1,10 +1,11 @@
 """What is chosen automatically for an accuracy, beside the fastest of all that was tried."""
 
+import numpy as np
 import pandas as pd
 
-from validation.work_precision.front import fastest
-from validation.work_precision.measuring import QUANTITIES, Measured
-from validation.work_precision.scenes import FULL, MERGED
+from codend.speed_accuracy.contenders import FULL, MERGED
+from codend.speed_accuracy.front import fastest
+from codend.speed_accuracy.measuring import QUANTITIES, Measured
 
 
 def choices(measured: Measured) -> pd.DataFrame:
@@ -22,14 +23,14 @@ def choices(measured: Measured) -> pd.DataFrame:
             {
                 "scene": measured.scene.name,
                 "accuracy": chosen["accuracy"],
-                "fastest": told(best),
-                "fastest_ms": best["solve_ms"],
-                "fastest_error": best["drag_error"],
+                "fastest": "none" if best is None else told(best),
+                "fastest_ms": np.nan if best is None else best["solve_ms"],
+                "fastest_error": np.nan if best is None else best["drag_error"],
                 "chosen": told(chosen),
                 "chosen_ms": chosen["solve_ms"],
                 "choosing_ms": chosen["choosing_ms"],
                 **{f"chosen_{short}_error": chosen[f"{short}_error"] for short in QUANTITIES.values()},
-                "ratio": chosen["solve_ms"] / best["solve_ms"],
+                "ratio": np.nan if best is None else chosen["solve_ms"] / best["solve_ms"],
             }
         )
     return pd.DataFrame(rows)

@@ -21,7 +21,7 @@ def pareto_front(time: Floats, error: Floats) -> np.ndarray:
     return np.array(front, dtype=int)
 
 
-def fastest(points: pd.DataFrame, accuracy: float) -> pd.Series:
-    """The answer with an error in drag of ``accuracy`` or less that took the least time."""
-    exact = points[points["drag_error"] <= accuracy]
-    return exact.loc[exact["solve_ms"].idxmin()]
+def fastest(points: pd.DataFrame, accuracy: float) -> pd.Series | None:
+    """The answer with an error in drag of ``accuracy`` or less that took the least time; None if there is none."""
+    exact = points[points["drag_error"] <= accuracy].sort_values("solve_ms")
+    return None if exact.empty else exact.iloc[0]

@@ -7,15 +7,14 @@ from time import perf_counter
 import numpy as np
 import pandas as pd
 
-import codend
 from codend import equilibrium, fidelity
 from codend.fidelity import Choice
 from codend.meridian.plan_case import first_guess, problem_for, solve_case
 from codend.meridian.problem import MeridianShape
 from codend.meridian.solve import solve_meridian
 from codend.plan import Plan
-from codend.study import CaseResult
-from validation.work_precision.scenes import FULL, KINETIC, MEMBRANE, MERIDIAN, SECTOR, Scene, contenders
+from codend.speed_accuracy.contenders import FULL, KINETIC, MEMBRANE, MERIDIAN, SECTOR, Scene, contenders
+from codend.study import CaseResult, StudyProgress, solve
 
 ACCURACIES = (0.1, 0.01, 0.001, 1e-6)
 """Relative errors in drag that are asked for."""
@@ -59,15 +58,29 @@ class Measured:
 
     @property
     def resolved(self) -> dict[str, float]:
-        """Relative error down to which two methods confirm the reference, by quantity."""
-        return {name: float(self.confirmations.iloc[0][name]) for name in QUANTITIES.values()}
+        """Relative error down to which two methods confirm the reference, by quantity; nan where none does."""
+        return {name: float(self.confirmations[name].min()) for name in QUANTITIES.values()}
 
 
-def measure(scene: Scene, quick: bool) -> Measured:
-    """Solve a scene by everything there is, and by what is chosen automatically for ``ACCURACIES``."""
+def measure(scene: Scene, quick: bool, progress: StudyProgress | None = None) -> Measured:
+    """Solve a scene by everything there is, and by what is chosen automatically for ``ACCURACIES``.
+
+    Args:
+        scene: what is solved.
+        quick: fewer settings, and each is timed once.
+        progress: told of every contender.
+
+    Raises:
+        RuntimeError: the answer that the others are measured against was not found.
+    """
     reference = _reference(scene)
-    answers = [] if scene.weighed else [_closed_form(scene), *(_refined_meridian(scene, by) for by in REFINEMENTS)]
-    for contender in contenders(scene, quick):
+    answers = []
+    if scene.is_membrane:
+        answers = [_closed_form(scene), *(_refined_meridian(scene, by) for by in REFINEMENTS)]
+    tried = tuple(contenders(scene, quick))
+    for done, contender in enumerate(tried):
+        if progress is not None:
+            progress(done, len(tried), contender.label)
         answer = _answer(scene.plan(*contender.keys))
         answer.row |= asdict(contender)
         answers.append(answer)
@@ -91,7 +104,7 @@ def measure(scene: Scene, quick: bool) -> Measured:
 
 def _answer(plan: Plan) -> Answer:
     """A plan of one case, solved once."""
-    study = codend.solve(plan)
+    study = solve(plan)
     result = study.cases[0]
     row = {
         "method": result.report.method,
@@ -144,14 +157,14 @@ def next_of_a_series_ms(scene: Scene) -> float:
     plan = scene.plan("model.fidelity=sector")
     filled = plan.cases()[0].catch_value
     series = scene.plan("model.fidelity=sector", f"catch.filled_meshes={[filled - 3, filled - 2, filled - 1, filled]}")
-    return min(codend.solve(series).cases[-1].report.solve_ms for _ in range(3))
+    return min(solve(series).cases[-1].report.solve_ms for _ in range(3))
 
 
 def _reference(scene: Scene) -> pd.Series:
     model = ("model.fidelity=full", f"model.tolerance={CONFIRMING_TOLERANCE:g}")
     if not scene.weighed:
         model = ("model.fidelity=sector", f"model.tolerance={REFERENCE_TOLERANCE:g}")
-    table = codend.solve(scene.plan("model.method=newton", *model)).table
+    table = solve(scene.plan("model.method=newton", *model)).table
     if not table["converged"].all():
         raise RuntimeError(f"the reference of the scene {scene.name!r} was not found")
     return table.iloc[0]

@@ -1,0 +1,1 @@
+"""Speed against accuracy: one catch solved by every method and model, beside an answer converged far beyond."""
