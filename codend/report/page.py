@@ -112,8 +112,8 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
 
     folder.mkdir(parents=True, exist_ok=True)
     nets = {folder / f"net_{result.case.number}.vtu": result for result in solved(study)}
-    # most of a VTK file's time is compression, which lets another thread draw the plots
-    with ThreadPoolExecutor(1) as beside:
+    # most of a VTK file's time is compression, which lets other threads draw the plots and go on with the next file
+    with ThreadPoolExecutor(2) as beside:
         for path, result in nets.items():
             writers[path] = partial(_wait_for, beside.submit(write_vtu, result, path))
         writers[folder / "report.html"] = write_page
