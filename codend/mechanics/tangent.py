@@ -84,6 +84,47 @@ def add_turned_block(
 
 
 @njit(cache=True, error_model="numpy")
+def add_bar_blocks(
+    blocks: Floats, slots: Ints, bar: int, h: Floats, sense: float, image: int, rotations: Floats
+) -> None:
+    """Add the blocks of a load on both ends of a bar that changes by h with its first end and by -h with its second.
+
+    ``sense`` is that of the load on the second end against the one on the first: -1 for a pull, 1 for a drag.
+    """
+    fore_fore, fore_aft, aft_fore, aft_aft = slots[bar, 0], slots[bar, 1], slots[bar, 2], slots[bar, 3]
+    if image == 0:
+        for i in range(3):
+            for j in range(3):
+                value = h[i, j]
+                blocks[fore_fore, i, j] += value
+                blocks[fore_aft, i, j] -= value
+                blocks[aft_fore, i, j] += sense * value
+                blocks[aft_aft, i, j] -= sense * value
+        return
+    middle = (rotations.shape[0] - 1) // 2
+    c, s = rotations[middle + image, 0], rotations[middle + image, 1]
+    for i in range(3):
+        x, y, z = h[i, 0], h[i, 1], h[i, 2]
+        blocks[fore_fore, i, 0] += x
+        blocks[fore_fore, i, 1] += y
+        blocks[fore_fore, i, 2] += z
+        blocks[fore_aft, i, 0] -= x
+        blocks[fore_aft, i, 1] -= c * y + s * z
+        blocks[fore_aft, i, 2] -= c * z - s * y
+        if i == 1:
+            x, y, z = c * x + s * h[2, 0], c * y + s * h[2, 1], c * z + s * h[2, 2]
+        elif i == 2:
+            x, y, z = c * x - s * h[1, 0], c * y - s * h[1, 1], c * z - s * h[1, 2]
+        x, y, z = sense * x, sense * y, sense * z
+        blocks[aft_fore, i, 0] += x
+        blocks[aft_fore, i, 1] += y
+        blocks[aft_fore, i, 2] += z
+        blocks[aft_aft, i, 0] -= x
+        blocks[aft_aft, i, 1] -= c * y + s * z
+        blocks[aft_aft, i, 2] -= c * z - s * y
+
+
+@njit(cache=True, error_model="numpy")
 def add_bar_tangent(
     position: Floats, structure: Structure, pattern: Pattern, density: Floats, hardening: Floats, blocks: Floats
 ) -> None:
@@ -103,7 +144,4 @@ def add_bar_tangent(
         h[0, 0], h[0, 1], h[0, 2] = q + k * dx * dx, k * dx * dy, k * dx * dz
         h[1, 0], h[1, 1], h[1, 2] = h[0, 1], q + k * dy * dy, k * dy * dz
         h[2, 0], h[2, 1], h[2, 2] = h[0, 2], h[1, 2], q + k * dz * dz
-        add_turned_block(blocks, slots[bar, 0], 1.0, h, 0, 0, rotations)
-        add_turned_block(blocks, slots[bar, 1], -1.0, h, 0, image, rotations)
-        add_turned_block(blocks, slots[bar, 2], -1.0, h, image, 0, rotations)
-        add_turned_block(blocks, slots[bar, 3], 1.0, h, image, image, rotations)
+        add_bar_blocks(blocks, slots, bar, h, -1.0, image, rotations)

@@ -9,8 +9,8 @@ from codend.compiled import njit
 from codend.mechanics.arrays import LE_BRIS_1999, Loading, Structure
 from codend.mechanics.bars import bar_vector
 from codend.mechanics.pressure import _area_vector, _corners, is_uniform
-from codend.mechanics.tangent import Pattern, add_turned_block
-from codend.net import Floats
+from codend.mechanics.tangent import Pattern, add_bar_blocks
+from codend.net import Floats, Ints
 
 
 @njit(cache=True, error_model="numpy")
@@ -63,10 +63,7 @@ def add_drag_tangent(
         h[0, 0], h[0, 1], h[0, 2] = force_a, force_r * sideways, force_r * upward
         h[1, 0], h[1, 1], h[1, 2] = across_a * y, across + across_r * y * sideways, across_r * y * upward
         h[2, 0], h[2, 1], h[2, 2] = across_a * z, across_r * z * sideways, across + across_r * z * upward
-        add_turned_block(blocks, slots[bar, 0], 1.0, h, 0, 0, rotations)
-        add_turned_block(blocks, slots[bar, 1], -1.0, h, 0, image, rotations)
-        add_turned_block(blocks, slots[bar, 2], 1.0, h, image, 0, rotations)
-        add_turned_block(blocks, slots[bar, 3], -1.0, h, image, image, rotations)
+        add_bar_blocks(blocks, slots, bar, h, 1.0, image, rotations)
 
 
 @njit(cache=True, error_model="numpy")
@@ -82,6 +79,25 @@ def _law_and_slope(theta: float, angles: Floats, coefficients: Floats) -> tuple[
     t = theta - angles[low]
     c3, c2, c1, c0 = coefficients[0, low], coefficients[1, low], coefficients[2, low], coefficients[3, low]
     return ((c3 * t + c2) * t + c1) * t + c0, (3.0 * c3 * t + 2.0 * c2) * t + c1
+
+
+@njit(cache=True, error_model="numpy")
+def take_from_facet_blocks(
+    blocks: Floats, slots: Ints, facet: int, moved: int, h: Floats, images: Ints, rotations: Floats
+) -> None:
+    """Take off the blocks of a facet's three corners whose loads all change by h with the move of one of them."""
+    middle = (rotations.shape[0] - 1) // 2
+    e, t = rotations[middle + images[facet, moved], 0], rotations[middle + images[facet, moved], 1]
+    for i in range(3):
+        y, z = h[i, 1], h[i, 2]
+        h[i, 1], h[i, 2] = e * y + t * z, e * z - t * y
+    for corner in range(3):
+        slot, image = slots[facet, corner, moved], images[facet, corner]
+        c, s = rotations[middle + image, 0], rotations[middle + image, 1]
+        for j in range(3):
+            blocks[slot, 0, j] -= h[0, j]
+            blocks[slot, 1, j] -= c * h[1, j] + s * h[2, j]
+            blocks[slot, 2, j] -= c * h[2, j] - s * h[1, j]
 
 
 @njit(cache=True, error_model="numpy")
@@ -137,8 +153,4 @@ def add_pressure_tangent(
                 h[i, 0] = b[i, 2] * ey - b[i, 1] * ez
                 h[i, 1] = b[i, 0] * ez - b[i, 2] * ex
                 h[i, 2] = b[i, 1] * ex - b[i, 0] * ey
-            column_image = images[facet, moved]
-            for corner in range(3):
-                row_image = images[facet, corner]
-                slot = slots[facet, corner, moved]
-                add_turned_block(blocks, slot, -1.0, h, row_image, column_image, rotations)
+            take_from_facet_blocks(blocks, slots, facet, moved, h, images, rotations)
