@@ -44,7 +44,7 @@ def fill_to_volume(row_x: Floats, band_area: Floats, band_moment: Floats, volume
         row_x: axial position of the rows, m, (bands + 1,).
         band_area: area of each band projected on the axis, positive where it faces aft, m2, (bands,).
         band_moment: integral of x over that projected area, m3, (bands,).
-        volume: what is to be enclosed between the netting, the codline and a plane lid, m3.
+        volume: sum of the bands' own volumes times their shares that is wanted, m3.
         share: result, (bands,).
 
     The volumes of the bands add up from the codline; a band filled in part holds its share of its own.

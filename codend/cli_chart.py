@@ -27,7 +27,7 @@ COLUMNS = {
 @click.argument("plan", metavar="PLAN.toml")
 @click.option("--out", "folder", required=True, metavar="DIR", type=click.Path(path_type=Path), help="Where to write.")
 @click.option("--case", "number", default=1, show_default=True, type=click.IntRange(1), help="Case of the plan.")
-@click.option("--quick", is_flag=True, help="Fewer settings, each timed once.")
+@click.option("--quick", is_flag=True, help="Fewer settings, timed twice at most.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE ...", help="Change the plan.")
 def chart(plan: str, folder: Path, number: int, quick: bool, changes: tuple[str, ...]) -> int:
     """Chart speed against accuracy for one case of a plan.

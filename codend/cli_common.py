@@ -37,7 +37,10 @@ _OF_PAIRS = ("--set", "--vary")
 
 def check_writable(folder: Path) -> None:
     """Find out before the work is done whether a folder can be made or written to."""
-    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    try:
+        there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    except OSError as error:  # a name too long for the file system
+        _refuse(folder, error.strerror or str(error))
     if not there.is_dir():
         _refuse(folder, f"{there} is no folder")
     if not os.access(there, os.W_OK | os.X_OK):

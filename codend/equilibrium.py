@@ -145,8 +145,9 @@ def _attempts(
             yield "the meridian method's equilibrium", lambda: from_meridian(equilibrium_guess, DIRECT)
         if known and not led:
             yield "where the last equilibria lead", from_the_last
-        if path := _at_its_speed(case, known):
-            catch, solution = min(path, key=lambda pair: abs(pair[0] - case.catch_value))
+        others = [pair for pair in _at_its_speed(case, known) if pair[0] != case.catch_value]
+        if others:
+            catch, solution = min(others, key=lambda pair: abs(pair[0] - case.catch_value))
             # a catch given by its mass is a volume to the net
             known_catch = catch * problem.loading.catch_value / case.catch_value
             yield "the nearest equilibrium, in steps", lambda: in_steps(problem, (known_catch, solution), from_start)
@@ -229,7 +230,7 @@ def _laid_out(scene: Scene, shape: MeridianShape | None) -> Solution | None:
     rows = (shape.x_m[::g], shape.radius_m[::g])
     sector = build_net(scene.plan, globalisation=g, columns=1, rows=rows)
     tension = g * tensions_on(sector, shape, g)
-    return all_round_start(sector, sector.positions, tension, 1 if scene.columns == 1 else sector.order)
+    return all_round_start(sector, sector.positions, tension, sector.order // scene.net.order)
 
 
 def _sector_equilibrium(scene: Scene, case: Case) -> Solution | None:

@@ -3,15 +3,11 @@
 import math
 from dataclasses import dataclass
 
-from codend.accuracy import sector_measures
+from codend.accuracy import WEIGHT_LEFT_OUT, sector_measures
 from codend.build import build_net
 from codend.loads import wet_weight
 from codend.plan import Plan
 
-WEIGHT_IN_DRAG = 0.2
-"""Relative change of the drag by wet weight is this times (weight / drag)^2 at most: weight acts across the drag, so
-it moves the bag in the first order and changes its drag in the second. Found as 0.15 on full nets of random plans with
-weights of 2 to 25 % of their drag; their openings ahead of the catch changed by 0.05 to 0.65 times weight / drag."""
 FEWEST_MESHES_ROUND = 8
 """Merged meshes round below which a globalised net is no bag any more."""
 
@@ -28,8 +24,8 @@ class Choice:
     why: str
     drag_error: float
     """Relative error in drag that the choice of model costs; nan where it was the user's and is not known ahead."""
-    weight_left_out: float = 0.0
-    """Part of it that wet weight has which the model does not see."""
+    weight_share: float = 0.0
+    """Wet weight that the model does not see, over the drag."""
 
 
 def choose(plan: Plan) -> Choice:
@@ -44,13 +40,14 @@ def choose(plan: Plan) -> Choice:
     sector = build_net(plan, columns=1)
     weight = sector.order * abs(float(wet_weight(sector, plan.tow.water_density_kg_m3).sum()))
     drag = _least_drag(plan) if weight > 0.0 and asked in ("auto", "sector", "meridian") else math.inf
-    unseen = WEIGHT_IN_DRAG * (weight / drag) ** 2
+    unseen = weight / drag
+    error = float(WEIGHT_LEFT_OUT[0] @ [unseen, unseen**2])
     heavy = weight > plan.model.accuracy * drag
     weighed = f"wet weight {weight:.3g} N, {100.0 * weight / drag:.2g} % of the drag of the smallest catch"
     left_out = f"; it leaves out the wet weight, which here matters ({weighed})" if heavy else ""
     if asked == "sector":
         why = f"Asked for: one of {_sectors(plan, sector.order)} of the real net{left_out}."
-        return Choice("sector", 1, 1, why, unseen, unseen)
+        return Choice("sector", 1, 1, why, error, unseen)
     if asked == "meridian":
         why = f"Asked for: the netting as a membrane, the same all round{left_out}."
         return Choice("meridian", 1, 1, why, math.nan, unseen)
@@ -69,7 +66,7 @@ def choose(plan: Plan) -> Choice:
         return Choice("globalised" if merged > 1 else "full", merged, None, why, error)
     light = "no twine density is given, so wet weight is left out" if weight == 0.0 else f"{weighed}, is negligible"
     why = f"The plan is the same all round and {light}: one of {_sectors(plan, sector.order)} of the real net is exact."
-    return Choice("sector", 1, 1, why, unseen, unseen)
+    return Choice("sector", 1, 1, why, error, unseen)
 
 
 def _least_drag(plan: Plan) -> float:
@@ -82,6 +79,8 @@ def _least_drag(plan: Plan) -> float:
 
 def _sectors(plan: Plan, order: int) -> str:
     """How many sectors there are, and how many meshes of each section make one if it is not a single one of each."""
+    if order == 1:
+        return "the full net, for the mesh counts have no common divisor: all"
     wide = list(dict.fromkeys(part.meshes_round // order for part in plan.netting))
     if wide == [1]:
         return f"{order} equal sectors"

@@ -113,13 +113,25 @@ def measure_meshes(problem: Problem, solution: Solution) -> Meshes:
     )
 
 
+def ring_radii(net: Net, positions: Floats) -> Floats:
+    """Distances of the knots that belong to rings from the middle of their ring, m, in the order of their numbers.
+
+    The rings of a sector have their middles on the axis; those of a full net, which may sag, where their knots have.
+    """
+    ring = np.flatnonzero(net.node_row >= 0)
+    row, across = net.node_row[ring], positions[ring, 1:]
+    if net.order == 1:
+        middle = [_mean_by(row, across[:, i], net.bands + 1) for i in (0, 1)]
+        across = across - np.stack(middle, axis=1)[row]
+    return np.hypot(across[:, 0], across[:, 1])
+
+
 def measure_rows(problem: Problem, solution: Solution, meshes: Meshes) -> Rows:
     """Means over every row of knots."""
     net = problem.net
     ring = np.flatnonzero(net.node_row >= 0)
-    radius = np.hypot(solution.positions[:, 1], solution.positions[:, 2])
     x = _mean_by(net.node_row[ring], solution.positions[ring, 0], net.bands + 1)
-    r = _mean_by(net.node_row[ring], radius[ring], net.bands + 1)
+    r = _mean_by(net.node_row[ring], ring_radii(net, solution.positions), net.bands + 1)
     twine = twine_bars(net)
     by_band = _mean_by(net.bar_band[twine], real_tensions(net, solution.bar_tension)[twine], net.bands)
     tension = 0.5 * (np.concatenate([by_band[:1], by_band]) + np.concatenate([by_band, by_band[-1:]]))
@@ -166,7 +178,7 @@ def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
         catch_volume_m3=enclosed_volume(rows.x_m, area, moment, share),
         front_radius_m=float(np.interp(front, np.arange(net.bands + 1), rows.radius_m)),
         front_from_codline_m=float(rows.x_m[-1] - front_x),
-        max_radius_m=float(np.hypot(position[:, 1], position[:, 2]).max()),
+        max_radius_m=float(ring_radii(net, position).max()),
         length_m=float(rows.x_m[-1] - rows.x_m[0]),
         drag_n=float((twine_load + catch_load)[:, 0].sum() * net.order),
         catch_drag_n=float(catch_load[:, 0].sum() * net.order),

@@ -136,7 +136,7 @@ def solve(plan: Plan, progress: StudyProgress | None = None) -> Study:
         result = _measured(case, problem, solution)
         if result.converged:
             known.append((case, solution))
-            errors = accuracy.estimate(scene, case, problem, solution, result.measures, choice.weight_left_out)
+            errors = accuracy.estimate(scene, case, problem, solution, result.measures, choice.weight_share)
             pivots = newton.negative_pivots(problem, solution, scene.prepared)
             result = replace(result, errors=errors, negative_pivots=pivots)
         results[case.number] = result
@@ -197,7 +197,7 @@ def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) 
             entry_reaction_n=shape.entry_reaction_n,
         )
         _, of_bars = equilibrium.solve(sector, case, [(case, solution)], None)
-        errors = accuracy.estimate(sector, case, problem, of_bars, own, choice.weight_left_out)
+        errors = accuracy.estimate(sector, case, problem, of_bars, own, choice.weight_share)
         yield replace(result, measures=own, errors=errors)
     if progress is not None:
         progress(len(cases), len(cases), "done")

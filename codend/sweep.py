@@ -72,7 +72,8 @@ def solve_runs(
 ) -> pd.DataFrame:
     """Solve the runs and keep each in ``folder/runs/<number>`` as ``codend run`` does, but for plots and VTK.
 
-    A run whose folder holds its plan and results already is not solved again.
+    A run whose folder holds its plan and results already is not solved again, however it ended: remove the folder to
+    have it solved anew, as after an update of the program or of a Cp curve that the plan names.
 
     Args:
         runs: the plans, from ``runs_of``.

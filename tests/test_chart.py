@@ -62,3 +62,8 @@ def test_a_reference_that_is_not_found_gives_status_3_and_no_files(plan, tmp_pat
     assert done.exit_code == 3
     assert "reference" in done.stderr
     assert not (tmp_path / "chart").exists()
+
+
+def test_a_plan_with_a_strap_is_charted_without_the_membrane(plan):
+    strapped = scene_from(plan, ["strap=[{meshes_from_codline=3, length_m=0.5}]"])
+    assert MEMBRANE not in {contender.model for contender in contenders(strapped, quick=True)}

@@ -442,3 +442,7 @@ def test_progress_in_a_terminal_is_a_bar_that_is_gone_in_the_end(monkeypatch):
 def test_tables_align_numbers_to_the_right_and_show_the_unknown_as_a_dash():
     table = console.text_table(["name", "drag N", "ok"], [("first", 12.3456, True), ("2nd", float("nan"), False)])
     assert table == "name   drag N  ok\nfirst   12.35  yes\n2nd         -  NO"
+
+
+def test_a_folder_name_too_long_for_the_system_is_refused_in_one_line(plan, tmp_path, no_solving):
+    assert_refused(codend_cli("run", plan, "--out", tmp_path / ("a" * 300)), "cannot be written")

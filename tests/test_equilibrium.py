@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from codend.measures import mesh_openings
+from codend import equilibrium
+from codend.measures import measure_all, mesh_openings
 from codend.study import solve
 from tests.plans import make_plan, uniform_plan
 from validation.reference import residual
@@ -138,3 +139,20 @@ def test_a_catch_within_the_last_band_has_its_share_of_the_volume_and_is_found_b
     assert by_volume["converged"].all()
     assert by_volume["filled_meshes"].to_numpy() == pytest.approx(filled, rel=1e-4)
     assert by_volume["drag_n"].to_numpy() == pytest.approx(by_meshes["drag_n"].to_numpy(), rel=1e-4)
+
+
+def test_a_case_known_already_is_no_start_for_a_path_to_itself():
+    plan = make_plan(
+        24, 20, 0.35, 0.01, netting={"knot_mm": 8.0, "axial_stiffness_n": 45.0}, model={"fidelity": "meridian"}
+    )
+    assert solve(plan).cases[0].converged
+
+
+def test_two_sectors_side_by_side_have_the_equilibrium_of_one():
+    plan = make_plan(24, 20)
+    drags = []
+    for columns in (1, 2):
+        problem, solution = equilibrium.solve(equilibrium.scene_of(plan, 1, columns), plan.cases()[0], (), None)
+        assert solution.report.outcome.converged
+        drags.append(measure_all(problem, solution)[2].drag_n)
+    assert drags[1] == pytest.approx(drags[0], rel=1e-6)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from codend import fidelity
+from codend import accuracy, fidelity
 from codend.build import build_net
 from codend.loads import problem_of, wet_weight
 from codend.net import all_round, rotate
@@ -120,7 +120,7 @@ def test_weight_changes_openings_by_less_than_its_share_of_the_drag_and_drag_by_
     per_density = 24 * abs(float(wet_weight(build_net(_dense(options, 2000.0), columns=1), 1000.0).sum()))
     plan = _dense(options, 1000.0 + 1000.0 * weight / per_density, fidelity="full")
     heavy = solve(plan).cases[0]
-    assert abs(heavy.measures.drag_n / light.measures.drag_n - 1.0) <= fidelity.WEIGHT_IN_DRAG * share**2
+    assert abs(heavy.measures.drag_n / light.measures.drag_n - 1.0) <= accuracy.WEIGHT_LEFT_OUT[0, 1] * share**2
     ahead = np.abs(heavy.net.mesh_row - (40 - 2 * options["filled"] - 3)) <= 2
     change = heavy.meshes.opening_deg / light.rows.opening_deg[heavy.net.mesh_row] - 1.0
     assert 0.02 * share < np.abs(change[ahead]).max() <= share
@@ -130,6 +130,8 @@ def test_weight_changes_openings_by_less_than_its_share_of_the_drag_and_drag_by_
     assert abs(volume) <= left_out.errors.catch_volume_error_m3
     opening = left_out.measures.opening_ahead_deg - heavy.measures.opening_ahead_deg
     assert abs(opening) <= left_out.errors.opening_ahead_error_deg
+    radius = left_out.measures.max_radius_m - heavy.measures.max_radius_m
+    assert abs(radius) <= left_out.errors.max_radius_error_m
     assert fidelity.choose(_dense(options, plan.netting[0].twine_density_kg_m3, accuracy=0.05)).fidelity != "sector"
     assert fidelity.choose(_dense(options, plan.netting[0].twine_density_kg_m3, accuracy=0.07)).fidelity == "sector"
 

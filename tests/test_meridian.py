@@ -8,9 +8,12 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, root
 
 from catch_models.pressure import sphere_law, uniform_law
+from codend.errors import InputError
 from codend.meridian import MeridianProblem, MeridianShape, Outcome, solve, solve_meridian, uniform_pressure_shape
 from codend.meridian.collocation import NewtonResult
 from codend.meridian.shell import DRAG_LAWS, rates
+from codend.study import solve as solve_plan
+from tests.plans import make_plan
 
 BARE = MeridianProblem(100, 120, 0.03, 0.28, 71.4, 500.0, uniform_law(1.4))
 FLUME = MeridianProblem(150, 280, 0.020, 0.30, 200.0, 500.0, sphere_law(), drag_width_m=0.52e-3)
@@ -463,3 +466,10 @@ def test_a_state_that_is_no_equilibrium_is_never_passed_as_solved(monkeypatch, s
     assert not shape.converged
     assert shape.outcome is outcome
     assert shape.message == outcome.value
+
+
+@pytest.mark.parametrize("catch", [{"volume_m3": 1e-9}, {"front_from_codline_m": 1e-5}])
+def test_a_catch_too_small_for_the_membrane_is_refused_in_words(catch):
+    plan = make_plan(24, 20, catch=catch, model={"fidelity": "meridian"})
+    with pytest.raises(InputError, match="quarter of a mesh"):
+        solve_plan(plan)

@@ -5,7 +5,7 @@ import platform
 import subprocess
 from pathlib import Path
 
-from codend.doctor import REQUIRED, version_of
+from codend.doctor import FAST, REQUIRED, version_of
 
 
 def machine() -> list[tuple[str, str]]:
@@ -15,7 +15,7 @@ def machine() -> list[tuple[str, str]]:
         ("processor", _processor()),
         ("system", f"{platform.system()} {platform.machine()}"),
         ("Python", platform.python_version()),
-        ("packages", ", ".join(f"{name} {version_of(name)}" for name in REQUIRED)),
+        ("packages", ", ".join(f"{name} {found}" for name in (*REQUIRED, *FAST) if (found := version_of(name)))),
         ("commit", _commit()),
     ]
     return [(name, found) for name, found in facts if found]

@@ -45,8 +45,3 @@ class Section:
     data: Mapping[str, "pd.DataFrame"] = field(default_factory=dict)
     """What the pictures show, by stem of the CSV file."""
     verdicts: tuple[Verdict, ...] = ()
-
-    @property
-    def passed(self) -> bool:
-        """Whether every check of the section passed."""
-        return all(verdict.passed for verdict in self.verdicts)

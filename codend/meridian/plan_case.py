@@ -16,7 +16,7 @@ MEAN_COEFFICIENT = 1.4
 
 
 def why_not(plan: Plan) -> str:
-    """What keeps the meridian method from a plan, in words; empty if nothing does."""
+    """What keeps the meridian method from a start for a plan, in words; empty if nothing does."""
     if len(plan.netting) > 1:
         return "it takes one section of netting"
     section = plan.netting[0]
@@ -25,17 +25,22 @@ def why_not(plan: Plan) -> str:
     return ""
 
 
+def why_not_exactly(plan: Plan) -> str:
+    """What keeps the method's answer from being the plan's, in words; empty if nothing does."""
+    if reason := why_not(plan):
+        return reason
+    if plan.netting[0].bending_stiffness_n_m2 > 0.0:
+        return "it knows no bending stiffness"
+    return "it knows no straps" if plan.strap else ""
+
+
 def solve_case(plan: Plan, case: Case) -> MeridianShape:
     """Shape of a case by the meridian method, its front found for whatever the catch is given by.
 
     Raises:
         InputError: the plan is not one the method takes, or the catch does not fit.
     """
-    reason = why_not(plan)
-    if not reason and plan.netting[0].bending_stiffness_n_m2 > 0.0:
-        reason = "it knows no bending stiffness"
-    if not reason and plan.strap:
-        reason = "it knows no straps"
+    reason = why_not_exactly(plan)
     if reason:
         raise InputError(
             file=plan.source, key="model.fidelity", value="meridian", allowed=f"another fidelity; {reason}"
@@ -58,13 +63,9 @@ def _under_its_loads(plan: Plan, case: Case) -> MeridianShape:
         return shape.catch_volume_m3 - wanted
 
     least, most = _rows(plan) - 0.5, 0.0
-    if excess(most) < 0.0:
-        raise InputError(
-            file=plan.source,
-            key=f"catch.{case.catch_kind}",
-            value=case.catch_value,
-            allowed="a catch that the bag holds",
-        )
+    if excess(most) < 0.0 or excess(least) > 0.0:
+        allowed = "a catch that the bag holds and that fills a quarter of a mesh or more"
+        raise InputError(plan.source, f"catch.{case.catch_kind}", case.catch_value, allowed)
     return solve_meridian(problem_for(plan, case, float(brentq(excess, most, least, xtol=1e-10))))
 
 

@@ -52,10 +52,15 @@ def in_steps(
 
     Args:
         problem: the net under its loads.
-        known: a catch, in the unit of the problem's kind, and the equilibrium for it.
+        known: another catch, in the unit of the problem's kind, and the equilibrium for it.
         solve: finds the equilibrium of a problem from a start nearby.
+
+    Raises:
+        ValueError: the catch that is known is the problem's own: there is no path to it.
     """
     goal = problem.loading.catch_value
+    if goal == known[0]:
+        raise ValueError(f"the equilibrium known is for the same catch, {goal}")
     path = [known]
     step, shortest = goal - known[0], abs(goal - known[0]) / 2.0**HALVINGS
     iterations, spent = 0, 0.0

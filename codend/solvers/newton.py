@@ -21,7 +21,7 @@ from codend.mechanics.tangent import Pattern, pattern_of
 from codend.problem import Problem
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension, rough_shape
 from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
-from codend.solvers.newton_advance import FAILED, IN_FIRST, IN_SECOND, Limits, advance, advance_banded
+from codend.solvers.newton_advance import FAILED, IN_FIRST, IN_SECOND, Limits, advance, advance_banded, within
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 from codend.solvers.pardiso_system import library_for_wide_nets
 
@@ -150,7 +150,8 @@ def negative_pivots(problem: Problem, solution: Solution, prepared: Prepared) ->
         return -1
     # a front that follows the net adds a product to the tangent, and with it the sign of one more factor
     turned = kernels.combine(system.solve(step.right[:sides]), step, step.move) <= 0.0
-    return system.negative_pivots() + int(turned)
+    negative = system.negative_pivots()
+    return negative + int(turned) if negative >= 0 else -1
 
 
 def _seconds_to_compile(problem: Problem, prepared: Prepared, settings: NewtonSettings) -> float:
@@ -173,6 +174,7 @@ def _seconds_to_compile(problem: Problem, prepared: Prepared, settings: NewtonSe
         compile_kernel(kernels.linearise, structure, loading, prepared.pattern, 1.0, 0.0, state, step)
         compile_kernel(kernels.finish_step, structure, state, state, solved, step)
         compile_kernel(kernels.simplified_move, solved, 1.0, step)
+        compile_kernel(within, state, run.arguments(0.0, 0.0)[6])
         compile_kernel(kernels.take, structure, loading, 1.0, 1.0, 1.0, state, state, step, state)
     return perf_counter() - started
 

@@ -16,7 +16,7 @@ class Outcome(Enum):
     CONVERGED = "Residual, axial balance and twine law are within the tolerance."
     STEPS_SPENT = "The allowed steps were spent before the tolerance was reached: allow a looser tolerance."
     NOT_FINITE = "The motion lost its footing (numbers overflowed): the start was too far from equilibrium."
-    OVERSTRETCHED = "The net ballooned, bars stretched to three times their length: the twine is too soft."
+    OVERSTRETCHED = "The net ballooned, bars stretched to three times their length: too soft, the twine or its penalty."
     OVERFULL = "The catch does not fit into the net: give a smaller one."
     SINGULAR = "The tangent could not be factorised: the net is a mechanism at this shape."
     NOT_IMPROVING = "No step lowered the residual further: start nearer to the equilibrium."

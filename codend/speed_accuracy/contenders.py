@@ -10,7 +10,7 @@ import numpy as np
 from codend import fidelity
 from codend.errors import InputError
 from codend.fidelity import FEWEST_MESHES_ROUND
-from codend.meridian.plan_case import why_not
+from codend.meridian.plan_case import why_not_exactly
 from codend.plan import Plan, load_plan
 
 NEWTON, KINETIC, VISCOUS, RIGID, MERIDIAN = (
@@ -53,8 +53,7 @@ class Scene:
     def is_membrane(self) -> bool:
         """Whether the meridian method applies, and its front is known before it is solved."""
         plan = self.plan()
-        limp = all(section.bending_stiffness_n_m2 == 0.0 for section in plan.netting)
-        return not self.weighed and limp and not why_not(plan) and plan.catch.kind == "filled_meshes"
+        return not self.weighed and not why_not_exactly(plan) and plan.catch.kind == "filled_meshes"
 
     @property
     def inextensible(self) -> bool:

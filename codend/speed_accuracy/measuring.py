@@ -67,7 +67,7 @@ def measure(scene: Scene, quick: bool, progress: StudyProgress | None = None) ->
 
     Args:
         scene: what is solved.
-        quick: fewer settings, and each is timed once.
+        quick: fewer settings, and none is timed more than twice.
         progress: told of every contender.
 
     Raises:

@@ -43,7 +43,8 @@ def _summed_error(law: DragLaw) -> float:
     for opening in OPENINGS_DEG:
         for incidence in (*INCIDENCE_DEG, 120.0, 165.0):
             formula = panel_coefficients(incidence, opening, normal, tangential, law)
-            worst = max(worst, float(np.abs(np.array(formula) - summed(incidence, opening, law)).max()))
+            off = np.abs(np.array(formula) - summed(incidence, opening, law)).max()
+            worst = float(np.maximum(worst, off))
     return worst
 
 

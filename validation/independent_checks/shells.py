@@ -82,7 +82,7 @@ def _checks_of(family: Convergence) -> tuple[Check, Check]:
         f"{claim}: the error falls with order 1 or better",
         "the order is found by fit",
         0.05,
-        lambda _: max(0.0, 1.0 - family.order),
+        lambda _: float(np.maximum(0.0, 1.0 - family.order)),
         "short of order 1 by {error:.2f}, allowed {tolerance:g}",
     )
     return near, falls

@@ -128,16 +128,16 @@ def judge(reference: Reference, solution: Solution, tolerance: float) -> Judgeme
     faults = [
         fault
         for fault, there in (
-            (f"residual {state.residual:.1e}", state.residual > 1.01 * tolerance),
-            (f"axial imbalance {state.imbalance:.1e}", state.imbalance > 1.01 * tolerance),
-            (f"length error {state.length_error:.1e}", state.length_error > 1.01 * LENGTH_TOLERANCE),
-            (f"compression {state.compression:.1e}", state.compression > 0.0),
+            (f"residual {state.residual:.1e}", not state.residual <= 1.01 * tolerance),
+            (f"axial imbalance {state.imbalance:.1e}", not state.imbalance <= 1.01 * tolerance),
+            (f"length error {state.length_error:.1e}", not state.length_error <= 1.01 * LENGTH_TOLERANCE),
+            (f"compression {state.compression:.1e}", not state.compression <= 0.0),
             ("not the catch that was asked for", not _same_catch(problem, solution.share)),
-            ("passed through itself", facing < 0.0),
+            ("passed through itself", not facing >= 0.0),
         )
         if there
     ]
-    away = bool(np.nanmax(ratio) > 1.0)
+    away = not ratio.max() <= 1.0
     if away and not faults and not all(is_stable(problem, s) for s in (solution, reference.solution)):
         faults.append("off the reference, and one of the two is unstable")
     failed = [o.value for o in Outcome if not o.converged]
@@ -148,7 +148,7 @@ def judge(reference: Reference, solution: Solution, tolerance: float) -> Judgeme
         finding = Finding.ANOTHER
     else:
         finding = Finding.RESCUED if rescued else Finding.RIGHT
-    return Judgement(finding, float(np.nanmax(np.abs(off))), float(np.nanmax(ratio)), state.residual, ", ".join(faults))
+    return Judgement(finding, float(np.abs(off).max()), float(ratio.max()), state.residual, ", ".join(faults))
 
 
 def judge_alone(solution: Solution, why: str) -> Judgement:

@@ -1,5 +1,6 @@
 """The section of the validation report on work against precision: text, charts, data and verdicts."""
 
+import numpy as np
 import pandas as pd
 
 from codend.report.speed_plot import speed_figure
@@ -56,7 +57,7 @@ def _confirmed(everything: tuple[Measured, ...]) -> Verdict:
     found, passed = [], True
     for measured in everything:
         for _, row in measured.confirmations.iterrows():
-            worst = float(row[list(QUANTITIES.values())].max())
+            worst = float(row[list(QUANTITIES.values())].fillna(np.inf).max())
             passed &= worst <= (CONFIRMED if row["model"] == "sector" else CONFIRMED_BY_FULL_NET)
             found.append(f"{measured.scene.name}, {row['model']} by {row['method']}: {worst:.1e}")
         passed &= len(measured.confirmations) > 0
@@ -70,7 +71,8 @@ def _confirmed(everything: tuple[Measured, ...]) -> Verdict:
 def _covered(points: pd.DataFrame) -> Verdict:
     """Whether what a result claims covers its true error, for results that say they converged."""
     converged = points[points["outcome"] == "converged"]
-    missing = int(converged["drag_claimed"].isna().sum())
+    claims = [f"{short}_{part}" for short in QUANTITIES.values() for part in ("claimed", "error")]
+    missing = int(converged[claims].isna().any(axis=1).sum())
     share = {
         short: float((converged[f"{short}_error"] / converged[f"{short}_claimed"]).max())
         for short in QUANTITIES.values()
@@ -84,7 +86,7 @@ def _covered(points: pd.DataFrame) -> Verdict:
 
 
 def _exact_enough(chosen: pd.DataFrame) -> Verdict:
-    worst = (chosen["chosen_drag_error"] / chosen["accuracy"]).max()
+    worst = (chosen["chosen_drag_error"] / chosen["accuracy"]).fillna(np.inf).max()
     asked = ", ".join(words.percent(accuracy) for accuracy in ACCURACIES)
     return Verdict(
         f"The automatic choice meets each accuracy asked for in drag: {asked}.",
@@ -94,10 +96,10 @@ def _exact_enough(chosen: pd.DataFrame) -> Verdict:
 
 
 def _fast_enough(chosen: pd.DataFrame) -> Verdict:
-    worst = chosen.loc[chosen["ratio"].idxmax()]
+    worst = chosen.loc[chosen["ratio"].fillna(np.inf).idxmax()]
     return Verdict(
         f"The automatic choice takes at most {SLOWER:g} times as long as the fastest answer that is exact enough.",
-        bool(worst["ratio"] <= SLOWER),
+        bool(worst["ratio"] <= SLOWER),  # nan, where nothing was found, is not
         f"slowest: {worst['ratio']:.1f} times, {worst['scene']} at {words.percent(worst['accuracy'])}, "
         f"{worst['chosen']} in {worst['chosen_ms']:.1f} ms against {worst['fastest']} in {worst['fastest_ms']:.1f} ms",
     )
