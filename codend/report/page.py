@@ -64,7 +64,11 @@ PLOTS = (
             "short diagonal that opens it to 30°. Below zero it is wider open already."
         ),
     ),
-    Plot("tension", tension_plot, lambda _: "Tension of the bars along the codend."),
+    Plot(
+        "tension",
+        tension_plot,
+        lambda _: "Tension of the bars along the codend, mean of each row; single bars at a joint may carry more.",
+    ),
     Plot("drag", drag_plot, lambda _: "Drag of the codend, and the parts that the catch and the twine have in it."),
 )
 
@@ -75,7 +79,8 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
     ``plan.toml``, the plan as it was solved; ``results.csv`` and ``profile.csv``; ``meshes.csv`` for nets without
     symmetry; ``net_<case>.vtu`` for every solved case; ``plots/*.png`` when a case was solved; ``report.html``. Each
     file appears whole or not at all. Files of these names from an earlier study that this one has nothing to put into
-    are removed, and so is what ``codend selectivity`` made of that study, so that all that is there belongs together.
+    are removed, and so is what ``codend selectivity`` and ``codend compare`` made of that study, so that all that is
+    there belongs together.
 
     Args:
         study: what to write; its cases that were not solved are listed as such, without numbers.
@@ -141,5 +146,6 @@ def _remove_leftovers(folder: Path, written: set[Path]) -> None:
     selectivity = [folder / f"{name}.csv" for name in ("selectivity", "retention", "sensitivity", "calibration")]
     selectivity += [folder / name for name in ("together.csv", "together_l50.csv", "calibrated_species.toml")]
     plots += (folder / "plots").glob("selectivity_*.png")
-    for path in {*nets, *plots, *selectivity, folder / "meshes.csv"} - written:
+    compared = [folder / name for name in ("comparison.csv", "comparison_summary.csv", "comparison.png")]
+    for path in {*nets, *plots, *selectivity, *compared, folder / "meshes.csv"} - written:
         path.unlink(missing_ok=True)
