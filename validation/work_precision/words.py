@@ -7,6 +7,7 @@ import pandas as pd
 from codend.report.style import number_text
 from codend.speed_accuracy.contenders import KINETIC, NEWTON
 from codend.speed_accuracy.measuring import QUANTITIES, REFERENCE_TOLERANCE, Measured
+from validation.report import markdown_table
 
 UNITS = {"drag_n": "N", "opening_ahead_deg": "°", "catch_volume_m3": "m³"}
 CONTENTS = f"""\
@@ -94,7 +95,7 @@ def _references(everything: Sequence[Measured]) -> str:
         for _, row in measured.confirmations.iterrows():
             apart = [f"{row[short]:.1e}" for short in QUANTITIES.values()]
             rows.append(["", f"{row['model']}, {row['method']}", *apart])
-    return _table(["scene", "answer, or its relative distance", "drag", "opening ahead", "volume"], rows)
+    return markdown_table(["scene", "answer, or its relative distance", "drag", "opening ahead", "volume"], rows) + "\n"
 
 
 def _choices(chosen: pd.DataFrame) -> str:
@@ -110,7 +111,7 @@ def _choices(chosen: pd.DataFrame) -> str:
         "time over fastest": lambda row: f"{row['ratio']:.1f}",
     }
     rows = [[tell(row) for tell in columns.values()] for _, row in chosen.iterrows()]
-    return _table([name.strip() for name in columns], rows)
+    return markdown_table([name.strip() for name in columns], rows) + "\n"
 
 
 def _weight(weighed: Measured) -> str:
@@ -134,10 +135,5 @@ def _orders(by_order: Mapping[str, pd.DataFrame]) -> str:
             rows.append([name, f"{row['from']:.0f} to {row['to']:.0f}", *order])
     return (
         "Order of the error of merging, counted in sqrt(g² - 1), because a net of N/g meshes is off the membrane by "
-        "c (g/N)² and the real net by c/N²:\n\n" + _table(["scene", "g", *QUANTITIES.values()], rows)
+        "c (g/N)² and the real net by c/N²:\n\n" + markdown_table(["scene", "g", *QUANTITIES.values()], rows) + "\n"
     )
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = ["| " + " | ".join(line) + " |" for line in (head, ["---"] * len(head), *rows)]
-    return "\n".join(lines) + "\n"
