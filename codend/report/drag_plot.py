@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Literal
 
 from codend.report.plots import WIDTH_IN, Curve, curves_by_speed
-from codend.report.style import BLUE, INK, ORANGE, dress, new_figure, number_text, ordered_colours
+from codend.report.style import BLUE, INK, ORANGE, dress, new_figure, new_panels, number_text, ordered_colours
 from codend.study import Study
 
 if TYPE_CHECKING:
@@ -25,12 +25,11 @@ def drag_plot(study: Study) -> "Figure":
     """
     speeds = curves_by_speed(study)
     one_case = len(speeds) == 1 and len(next(iter(speeds.values()))) == 1
-    figure = new_figure(WIDTH_IN, 2.2 if one_case else 4.2)
-    axes = figure.add_subplot()
-    dress(axes)
     if one_case:
-        _bars(axes, next(iter(speeds.values()))[0])
-    elif max(len(curves) for curves in speeds.values()) > 1:
+        return _bars(next(iter(speeds.values()))[0])
+    figure, (axes,) = new_panels(1, WIDTH_IN, 3.5)
+    dress(axes)
+    if max(len(curves) for curves in speeds.values()) > 1:
         _against_catch(axes, speeds)
     else:
         _against_speed(axes, [curve for curves in speeds.values() for curve in curves])
@@ -56,7 +55,9 @@ def _against_catch(axes: "Axes", speeds: dict[float, list[Curve]]) -> None:
             Line2D([], [], color=colour, linewidth=2.6, label=f"{number_text(speed)} m/s")
             for speed, colour in zip(speeds, colours, strict=True)
         ]
-    axes.legend(handles=handles, title="drag", loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+    axes.legend(
+        handles=handles, title="drag", loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, alignment="left"
+    )
     axes.set_xlabel("catch volume (m³)")
     _drag_axis(axes)
 
@@ -67,7 +68,7 @@ def _against_speed(axes: "Axes", curves: list[Curve]) -> None:
         speed = [curve.result.case.speed_m_s for curve in curves]
         drag = [getattr(curve.result.measures, column) for curve in curves]
         axes.plot(speed, drag, color=colour, linestyle=line, marker=marker, markersize=4.5, label=name)
-    axes.legend(title="drag", loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+    axes.legend(title="drag", loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, alignment="left")
     axes.set_xlabel("speed (m/s)")
     _drag_axis(axes)
 
@@ -78,7 +79,10 @@ def _drag_axis(axes: "Axes") -> None:
     axes.set_ylim(bottom=0.0)
 
 
-def _bars(axes: "Axes", curve: Curve) -> None:
+def _bars(curve: Curve) -> "Figure":
+    figure = new_figure(WIDTH_IN, 2.2)
+    axes = figure.add_subplot()
+    dress(axes)
     names = [name for _, name, _, _, _ in PARTS]
     drag = [getattr(curve.result.measures, column) for column, _, _, _, _ in PARTS]
     bars = axes.barh(names, drag, color=[colour for _, _, colour, _, _ in PARTS], height=0.55)
@@ -87,3 +91,4 @@ def _bars(axes: "Axes", curve: Curve) -> None:
     axes.margins(x=0.12)
     axes.set_xlabel(f"drag (N) with {curve.label} of catch at {number_text(curve.result.case.speed_m_s)} m/s")
     axes.grid(axis="y", visible=False)
+    return figure

@@ -105,22 +105,25 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
     def write_plan(path: Path) -> None:
         _write_bytes(plan_toml(study.plan).encode(), path)
 
-    writers: dict[Path, Callable[[Path], None]] = {
-        folder / "plan.toml": write_plan,
-        folder / "results.csv": partial(write_table, study.table),
-        folder / "profile.csv": partial(write_table, study.profile),
-    }
-    if not study.meshes.empty:
-        writers[folder / "meshes.csv"] = partial(write_table, study.meshes)
-    if solved(study):
-        writers |= {folder / "plots" / f"{plot.name}.png": partial(write_plot, plot) for plot in PLOTS}
-
     folder.mkdir(parents=True, exist_ok=True)
-    nets = {folder / f"net_{result.case.number}.vtu": result for result in solved(study)}
-    # most of a VTK file's time is compression, which lets other threads draw the plots and go on with the next file
+    # most of a VTK file's time is compression, which lets other threads make tables and plots and go on with the next
     with ThreadPoolExecutor(2) as beside:
-        for path, result in nets.items():
-            writers[path] = partial(_wait_for, beside.submit(write_vtu, result, path))
+        nets = {
+            folder / f"net_{result.case.number}.vtu": beside.submit(
+                write_vtu, result, folder / f"net_{result.case.number}.vtu"
+            )
+            for result in solved(study)
+        }
+        writers: dict[Path, Callable[[Path], None]] = {
+            folder / "plan.toml": write_plan,
+            folder / "results.csv": partial(write_table, study.table),
+            folder / "profile.csv": partial(write_table, study.profile),
+        }
+        if not study.meshes.empty:
+            writers[folder / "meshes.csv"] = partial(write_table, study.meshes)
+        if solved(study):
+            writers |= {folder / "plots" / f"{plot.name}.png": partial(write_plot, plot) for plot in PLOTS}
+        writers |= {path: partial(_wait_for, writing) for path, writing in nets.items()}
         writers[folder / "report.html"] = write_page
         for done, (path, write) in enumerate(writers.items()):
             if progress is not None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from codend.measures import WANTED_OPENING_DEG, Rows
 from codend.net import Floats
-from codend.report.style import INK, PALE, dress, new_figure, number_text, ordered_colours, spread
+from codend.report.style import INK, PALE, dress, new_panels, number_text, ordered_colours, spread
 from codend.study import CaseResult, Study
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def profiles_plot(study: Study) -> "Figure":
     """Meridian profiles to scale, entry to the left."""
     length = max(result.measures.length_m for result in solved(study))
     width = max(result.measures.max_radius_m for result in solved(study))
-    with _panels(study, max(2.4, 0.70 * WIDTH_IN * 2.0 * width / length + 0.3)) as (figure, panels):
+    with _panels(study, max(2.4, 0.62 * WIDTH_IN * 2.0 * width / length)) as (figure, panels):
         for axes, curves in panels:
             for curve in curves:
                 x, r = curve.rows.x_m, curve.rows.radius_m
@@ -127,7 +127,7 @@ def tension_plot(study: Study) -> "Figure":
 def _along(
     study: Study, label: str, value: Callable[[Rows], Floats], ahead_only: bool = False, from_zero: bool = False
 ) -> "Figure":
-    with _panels(study, 3.4, ahead_only) as (figure, panels):
+    with _panels(study, 2.8, ahead_only) as (figure, panels):
         for axes, curves in panels:
             for curve in curves:
                 _draw(axes, curve, curve.meshes_from_entry, value(curve.rows), ahead_only)
@@ -151,8 +151,7 @@ def _draw(axes: "Axes", curve: Curve, x: Floats, y: Floats, ahead_only: bool = F
 def _panels(study: Study, height_in: float, ahead_only: bool = False) -> Iterator[Panels]:
     """A figure with a panel a speed, dressed and with legends once the block has drawn into them."""
     speeds = curves_by_speed(study)
-    figure = new_figure(WIDTH_IN, 0.6 + height_in * len(speeds))
-    panels = list(figure.subplots(len(speeds), squeeze=False, sharex=True, sharey=True)[:, 0])
+    figure, panels = new_panels(len(speeds), WIDTH_IN, height_in)
     yield figure, list(zip(panels, speeds.values(), strict=True))
     for axes, (speed, curves) in zip(panels, speeds.items(), strict=True):
         dress(axes)

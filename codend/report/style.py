@@ -2,7 +2,7 @@
 
 import math
 from io import BytesIO
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -18,16 +18,41 @@ ORANGE, BLUE = "#d55e00", "#0072b2"
 """Of the palette for the colour-blind by Okabe and Ito."""
 DOTS_PER_INCH = 150
 MARGIN_IN = 0.1
+PANEL_SIDES_IN = {"left": 0.95, "right": 2.7, "bottom": 0.6, "top": 0.3}
+"""Room round panels: for the numbers and names of their axes, and for a legend at the right."""
+PANEL_GAP_IN = 0.4
 
 
-def new_figure(width_in: float, height_in: float) -> "Figure":
-    """A figure that draws into memory and to files, without a window and without pyplot's global state."""
+def new_figure(width_in: float, height_in: float, layout: Literal["constrained"] | None = "constrained") -> "Figure":
+    """A figure that draws into memory and to files, without a window and without pyplot's global state.
+
+    Without ``layout`` its axes stay where they are placed.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width_in, height_in), dpi=DOTS_PER_INCH, layout="constrained")
+    figure = Figure(figsize=(width_in, height_in), dpi=DOTS_PER_INCH, layout=layout)
     FigureCanvasAgg(figure)
     return figure
+
+
+def new_panels(count: int, width_in: float, height_in: float) -> tuple["Figure", list["Axes"]]:
+    """A figure of panels one above the other with the same axes, ``height_in`` each, room for a legend at right.
+
+    They are placed by hand: to find the same places by measuring all texts takes as long as to draw the figure.
+    """
+    side = PANEL_SIDES_IN
+    total_in = side["bottom"] + side["top"] + count * height_in + (count - 1) * PANEL_GAP_IN
+    figure = new_figure(width_in, total_in, layout=None)
+    places = {
+        "left": side["left"] / width_in,
+        "right": 1.0 - side["right"] / width_in,
+        "bottom": side["bottom"] / total_in,
+        "top": 1.0 - side["top"] / total_in,
+        "hspace": PANEL_GAP_IN / height_in,
+    }
+    axes = figure.subplots(count, squeeze=False, sharex=True, sharey=True, gridspec_kw=places)[:, 0]
+    return figure, list(axes)
 
 
 def png(figure: "Figure") -> bytes:
