@@ -12,9 +12,10 @@ from codend.mechanics.tangent import add_bar_tangent, pattern_of
 from codend.net import all_round, bar_vectors
 from codend.plan import plan_from_dict
 from codend.solvers import continuation, dynamic_relaxation, newton
-from codend.solvers.linear_systems import BandedSystem, SparseSystem, _band_numbering, _scalar_places
+from codend.solvers.linear_systems import BandedSystem, _band_numbering, _scalar_places
 from codend.solvers.newton import NewtonSettings
 from codend.solvers.outcome import Outcome
+from codend.solvers.sparse_system import SparseSystem
 
 
 def _problem(columns=1, catch=None, drag=1.36, **section):

@@ -14,16 +14,17 @@ import numpy as np
 from codend.mechanics import newton_step as kernels
 from codend.mechanics.arrays import Structure
 from codend.mechanics.bars import bar_lengths
+from codend.mechanics.broyden import correct
 from codend.mechanics.compiling import compile_kernel
 from codend.mechanics.crossing import passed_through_itself
-from codend.mechanics.newton_step import State, Step
+from codend.mechanics.newton_state import State, empty_state, measure
+from codend.mechanics.newton_step import Step
 from codend.mechanics.tangent import Pattern, pattern_of
 from codend.problem import Problem
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension, rough_shape
 from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
 from codend.solvers.newton_advance import FAILED, IN_FIRST, IN_SECOND, Limits, advance, advance_banded, within
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
-from codend.solvers.pardiso_system import library_for_wide_nets
 
 METHOD = "newton"
 CLEAR_GAIN = 0.1
@@ -35,7 +36,7 @@ class NewtonSettings:
     """What may be tuned; the defaults hold for all plans the project knows."""
 
     switches: tuple[float, ...] = (0.1, 0.01, 1.0)
-    """Weights of the test for taut bars (``newton_step.measure``), tried in order: where one makes bars go taut and
+    """Weights of the test for taut bars (``newton_state.measure``), tried in order: where one makes bars go taut and
     slack in turns for ever, another does not."""
     iterations_allowed: int = 30
     """Iterations with each of them; from a start that was given only the first is tried before the net is relaxed."""
@@ -80,7 +81,7 @@ def prepare(structure: Structure) -> Prepared:
     return Prepared(
         pattern=pattern,
         system=linear_system(structure, pattern),
-        states=(kernels.empty_state(structure), kernels.empty_state(structure), kernels.empty_state(structure)),
+        states=(empty_state(structure), empty_state(structure), empty_state(structure)),
         step=kernels.empty_step(structure, pattern),
     )
 
@@ -166,7 +167,7 @@ def _seconds_to_compile(problem: Problem, prepared: Prepared, settings: NewtonSe
     run.tension = run.switch = 1.0
     structure, loading, state, step = run.structure, run.loading, run.state, prepared.step
     solved = step.solved[:1]
-    compile_kernel(kernels.measure, structure, loading, 1.0, 1.0, state)
+    compile_kernel(measure, structure, loading, 1.0, 1.0, state)
     compile_kernel(passed_through_itself, state.position, structure)
     if isinstance(system, BandedSystem):
         compile_kernel(advance_banded, system.arrays, *run.arguments(0.0, 0.0))
@@ -174,6 +175,7 @@ def _seconds_to_compile(problem: Problem, prepared: Prepared, settings: NewtonSe
         compile_kernel(kernels.linearise, structure, loading, prepared.pattern, 1.0, 0.0, state, step)
         compile_kernel(kernels.finish_step, structure, state, state, solved, step)
         compile_kernel(kernels.simplified_move, solved, 1.0, step)
+        compile_kernel(correct, step.past, 0, state.length, 1.0, step.move, step.change)
         compile_kernel(within, state, run.arguments(0.0, 0.0)[6])
         compile_kernel(kernels.take, structure, loading, 1.0, 1.0, 1.0, state, state, step, state)
     return perf_counter() - started
@@ -196,12 +198,11 @@ class _Run:
         self, start: Solution, tolerance: float, switches: tuple[float, ...], attempts: list[str]
     ) -> Outcome:
         """Try the weights of the test for taut bars in order, and note each attempt."""
-        library = "a band LU" if isinstance(self.prepared.system, BandedSystem) else library_for_wide_nets()
         for switch in switches:
             before = self.iterations
             outcome = self.to_equilibrium(tolerance, start, switch)
             attempts.append(
-                f"{METHOD} with {library}, switch {switch:g}: {self.iterations - before} iterations, "
+                f"{METHOD} with {self.prepared.system.name}, switch {switch:g}: {self.iterations - before} iterations, "
                 f"residual {self.state.marks[1]:.1e}. {outcome.value}"
             )
             if outcome in (Outcome.CONVERGED, Outcome.OVERFULL, Outcome.NOT_FINITE):
@@ -255,7 +256,7 @@ class _Run:
         if self.tension == 0.0:
             self.tension = reference_tension(self.problem)
             state.density[:] = self.tension / structure.length
-        kernels.measure(structure, self.loading, self.tension, switch, state)
+        measure(structure, self.loading, self.tension, switch, state)
 
     def arguments(self, shift: float, tolerance: float) -> tuple:
         """What ``advance`` takes after the linear system."""

@@ -11,7 +11,9 @@ from numba.extending import overload
 
 from codend.compiled import njit
 from codend.mechanics.arrays import Loading, Structure
-from codend.mechanics.newton_step import State, Step, finish_step, linearise, simplified_move, take
+from codend.mechanics.broyden import MOST_STEPS, correct
+from codend.mechanics.newton_state import State
+from codend.mechanics.newton_step import Step, finish_step, linearise, simplified_move, take
 from codend.mechanics.tangent import Pattern
 from codend.net import Floats
 from codend.solvers.linear_systems import Band, LinearSystem, factorise_band, solve_band
@@ -76,7 +78,7 @@ def advance(
 ) -> tuple[int, int]:
     """Take a step from ``state`` with the tangent shifted, shortened as far as need be.
 
-    While a whole step with the unshifted tangent does well, more follow with the same factors (Shamanskii's method).
+    While a whole step with the unshifted tangent does well, more follow with the same factors (Broyden's method).
 
     Returns:
         where the new state is, and the number of negative pivots, -1 if the tangent was singular.
@@ -106,13 +108,20 @@ def advance(
     gain = first.marks[0] / state.marks[0]
     if shift > 0.0 or size < 1.0:
         return IN_FIRST, 0
-    there, new, where = first, second, IN_FIRST
-    while gain <= limits.worthwhile_gain and not within(there, limits):
+    past = step.past
+    correct(past, 0, state.length, tension, step.move, step.change)
+    there, new, where, last_gain = first, second, IN_FIRST, gain
+    for count in range(1, MOST_STEPS):
+        # over two steps, since the first of a bend may seem to lead away
+        if not gain * last_gain <= limits.worthwhile_gain**2 or within(there, limits):
+            break
         solve(system, right[:1], solved[:1])
         finish_step(structure, state, there, solved, step)
+        if not correct(past, count, state.length, tension, step.move, step.change):
+            break
         take(structure, loading, tension, switch, 1.0, state, there, step, new)
-        gain = new.marks[0] / there.marks[0]
-        if gain < 1.0:
+        last_gain, gain = gain, new.marks[0] / there.marks[0]
+        if gain < 1.0 or gain * last_gain <= limits.worthwhile_gain**2:
             there, new, where = new, there, IN_FIRST + IN_SECOND - where
     return where, 0
 
