@@ -31,6 +31,10 @@ class LinearSystem(Protocol):
     worthwhile_gain: float
     """Fall of the merit at which one more step with the same factors costs less than it saves."""
 
+    @property
+    def ready(self) -> bool:
+        """Whether it holds factors to solve with."""
+
     def factorise(self, blocks: Floats) -> int:
         """Factorise the tangent ``blocks`` (b, 3, 3).
 
@@ -105,6 +109,12 @@ class BandedSystem:
         used = (row >= 0) & (column >= 0)
         place = np.where(used, row.astype(np.int64) * width + column - row + half_band, -1).ravel()
         self.arrays = Band(np.zeros((size, width)), place, unknown)
+
+    @property
+    def ready(self) -> bool:
+        """See ``LinearSystem``."""
+        rows = self.arrays.rows
+        return bool(rows[:, rows.shape[1] // 2].all())
 
     def factorise(self, blocks: Floats) -> int:
         """See ``LinearSystem``."""

@@ -40,6 +40,8 @@ class NewtonSettings:
     slack in turns for ever, another does not."""
     iterations_allowed: int = 30
     """Iterations with each of them; from a start that was given only the first is tried before the net is relaxed."""
+    keeps_factors: bool = False
+    """Whether the first iteration takes the factors there are, of the tangent at an equilibrium nearby."""
     largest_turn: float = 1.0
     """Largest change of a taut bar's vector in one step, over its length."""
     shortest_step: float = 0.01
@@ -141,7 +143,8 @@ def solve(
 def negative_pivots(problem: Problem, solution: Solution, prepared: Prepared) -> int:
     """Negative pivots of the tangent at an equilibrium: 0 where it is stable, -1 if the tangent is singular.
 
-    Loads that follow the net make the tangent slightly unsymmetric, so this is a sign of stability and no proof.
+    Loads that follow the net make the tangent slightly unsymmetric, so this is a sign of stability and no proof. The
+    tangent's factors stay in ``prepared``, for solves nearby that keep them.
     """
     run = _Run(problem, prepared, DIRECT, None)
     run._set_start(solution, DIRECT.switches[0])
@@ -216,6 +219,7 @@ class _Run:
             return Outcome.NOT_FINITE
         self._set_start(start, switch)
         settings, shift = self.settings, 0.0
+        kept = settings.keeps_factors and self.prepared.system.ready
         last = self.iterations + settings.iterations_allowed
         while True:
             merit, residual, imbalance, length_error, fits = self.state.marks
@@ -235,6 +239,10 @@ class _Run:
             if self.iterations >= last:
                 return Outcome.STEPS_SPENT
             self.iterations += 1
+            if kept:
+                kept = False
+                if self._advance(0.0, tolerance, fresh=False):
+                    continue
             while not self._advance(shift, tolerance):
                 shift = max(10.0 * shift, settings.first_shift)
                 if shift > settings.largest_shift:
@@ -258,7 +266,7 @@ class _Run:
             state.density[:] = self.tension / structure.length
         measure(structure, self.loading, self.tension, switch, state)
 
-    def arguments(self, shift: float, tolerance: float) -> tuple:
+    def arguments(self, shift: float, tolerance: float, fresh: bool = True) -> tuple:
         """What ``advance`` takes after the linear system."""
         settings = self.settings
         limits = Limits(
@@ -270,15 +278,15 @@ class _Run:
             LENGTH_TOLERANCE,
         )
         fixed = self.structure, self.loading, self.prepared.pattern, self.tension, self.switch
-        return *fixed, shift, limits, self.state, self.first, self.second, self.prepared.step
+        return *fixed, shift, limits, self.state, self.first, self.second, self.prepared.step, fresh
 
-    def _advance(self, shift: float, tolerance: float) -> bool:
+    def _advance(self, shift: float, tolerance: float, fresh: bool = True) -> bool:
         """Take one step with the tangent shifted; False if no good one was found."""
         system = self.prepared.system
         if isinstance(system, BandedSystem):
-            where, negative = advance_banded(system.arrays, *self.arguments(shift, tolerance))
+            where, negative = advance_banded(system.arrays, *self.arguments(shift, tolerance, fresh))
         else:
-            where, negative = advance(system, *self.arguments(shift, tolerance))
+            where, negative = advance(system, *self.arguments(shift, tolerance, fresh))
         self.singular = negative == -1
         if where == IN_FIRST:
             self.state, self.first = self.first, self.state

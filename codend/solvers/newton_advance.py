@@ -75,8 +75,11 @@ def advance(
     first: State,
     second: State,
     step: Step,
+    fresh: bool,
 ) -> tuple[int, int]:
     """Take a step from ``state`` with the tangent shifted, shortened as far as need be.
+
+    Unless ``fresh``, the factors that the system holds stand for those of the tangent, which is near to theirs.
 
     While a whole step with the unshifted tangent does well, more follow with the same factors (Broyden's method).
 
@@ -85,7 +88,7 @@ def advance(
     """
     sides = linearise(structure, loading, pattern, tension, shift, state, step)
     right, solved = step.right, step.solved[:sides]
-    negative = factorise(system, step.blocks)
+    negative = factorise(system, step.blocks) if fresh else 0
     if negative != 0:
         return FAILED, negative
     solve(system, right[:sides], solved)
@@ -95,17 +98,19 @@ def advance(
     size = min(1.0, limits.largest_turn / turn) if turn > 0.0 else 1.0
     while True:
         take(structure, loading, tension, switch, size, state, state, step, first)
-        if first.marks[0] <= limits.clear_gain * state.marks[0]:
+        gain = first.marks[0] / state.marks[0]
+        if gain <= limits.clear_gain:
             break
         solve(system, right[:1], solved[:1])
         left, bend = simplified_move(solved, size, step)
         # a shifted step leaves what the shift took, so there only growth is refused
         if left <= ((1.0 - 0.25 * size) if shift == 0.0 else 2.0) * length:
+            # what is left to go may fall where the forces, of which stiff bars make much, do not
+            gain = min(gain, left / length)
             break
         size = min(0.5 * size, 0.5 * size * size * length / bend)
         if size < limits.shortest_step:
             return FAILED, 0
-    gain = first.marks[0] / state.marks[0]
     if shift > 0.0 or size < 1.0:
         return IN_FIRST, 0
     past = step.past

@@ -1,5 +1,7 @@
 """Wide nets factorised by SuperLU in its symmetric mode, which always works."""
 
+from typing import Any
+
 import numpy as np
 
 from codend.net import Floats, Ints
@@ -37,6 +39,12 @@ class SparseSystem:
         used = np.flatnonzero(((row >= 0) & (column >= 0)).ravel())
         order, self._indices, self._starts = columns_in_order(row.ravel()[used], column.ravel()[used], self.size)
         self._gather = used[order]
+        self._factors: Any = None
+
+    @property
+    def ready(self) -> bool:
+        """See ``LinearSystem``."""
+        return self._factors is not None
 
     def factorise(self, blocks: Floats) -> int:
         """See ``LinearSystem``."""
