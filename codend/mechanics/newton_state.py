@@ -10,9 +10,9 @@ import numpy as np
 
 from codend.compiled import njit
 from codend.mechanics.arrays import Loading, Structure
+from codend.mechanics.balance import add_loads, out_of_balance
 from codend.mechanics.bars import add_bar_forces, bar_vector
 from codend.mechanics.pressure import fill
-from codend.mechanics.relaxation import add_loads, out_of_balance
 from codend.net import Floats
 
 LENGTH_WEIGHT = 10.0
