@@ -215,8 +215,8 @@ def test_newtons_linearisation_is_the_derivative_of_all_that_is_out_of_balance(m
     bar_lengths(position, structure, state.length)
     stretch = 1.0 / net.bar_length - 1.0 / state.length
     state.density[:] = np.maximum(stretch, 0.0) / net.bar_flexibility
-    newton_state.measure(structure, loading, 1.0, 1.0, state)
-    sides = newton_step.linearise(structure, loading, pattern, 1.0, 0.0, state, step)
+    newton_state.measure(structure, loading, 1.0, 1.0, 0.0, state)
+    sides = newton_step.linearise(structure, loading, pattern, 1.0, 0.0, 0.0, state, step)
     assert sides == (1 if catch is None else 2)
 
     def out_of_balance(at):

@@ -2,6 +2,7 @@
 
 With gap = 1/l0 - 1/l, a bar is taut where q + w (gap - q / EA) > 0, for any w > 0 (in newtons); then gap = q / EA must
 hold, else q = 0: together that is the law of twine that carries no compression (a semismooth complementarity problem).
+With a barrier b > 0 (in N/m2) all bars stay taut and the law is (q / EA - gap) q = b, which tends to it as b does to 0.
 """
 
 from typing import NamedTuple
@@ -26,7 +27,7 @@ class State(NamedTuple):
     density: Floats
     """Force densities q, N/m, (m,); exactly 0 in slack bars."""
     gap: Floats
-    """1/l0 - 1/l - q / EA of the bars that count as taut, 0 for the others, 1/m, (m,)."""
+    """1/l0 - 1/l - q / EA of the bars that count as taut, 0 for the others, 1/m, (m,); with a barrier b plus b / q."""
     length: Floats
     share: Floats
     force: Floats
@@ -53,7 +54,9 @@ def empty_state(structure: Structure) -> State:
 
 
 @njit(cache=True, error_model="numpy")
-def measure(structure: Structure, loading: Loading, tension: float, switch: float, state: State) -> None:
+def measure(
+    structure: Structure, loading: Loading, tension: float, switch: float, barrier: float, state: State
+) -> None:
     """Cut the density of bars that are slack, and write all that follows from positions and densities.
 
     The merit is the root of the sum of the squares of the free out-of-balance forces and of the bars' strain errors
@@ -65,6 +68,7 @@ def measure(structure: Structure, loading: Loading, tension: float, switch: floa
         tension: reference tension, N.
         switch: the w in the test for taut bars, in units of the reference tension. Any positive value gives the same
             answer; a small one lets bars go slack only as their tension passes through 0.
+        barrier: 0, or what keeps bars from going slack, N/m2; all densities must be above 0 then.
         state: positions and densities; the rest of it is written.
     """
     firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
@@ -78,7 +82,9 @@ def measure(structure: Structure, loading: Loading, tension: float, switch: floa
         rest = rests[bar]
         weight = 1.0 / max(flexibilities[bar], 1.0 / (LENGTH_WEIGHT * tension))
         gap = 1.0 / rest - 1.0 / max(length, 1e-6 * rest) - flexibilities[bar] * density[bar]
-        if density[bar] + min(weight, switch * tension) * gap <= 0.0:
+        if barrier > 0.0:
+            gap += barrier / density[bar]
+        elif density[bar] + min(weight, switch * tension) * gap <= 0.0:
             density[bar] = gap = 0.0
         lengths[bar], gaps[bar] = length, gap
         error = abs(gap) * length

@@ -87,7 +87,14 @@ def right_side(structure: Structure, here: State, there: State, step: Step) -> N
 
 @njit(cache=True, error_model="numpy")
 def linearise(
-    structure: Structure, loading: Loading, pattern: Pattern, tension: float, shift: float, state: State, step: Step
+    structure: Structure,
+    loading: Loading,
+    pattern: Pattern,
+    tension: float,
+    shift: float,
+    barrier: float,
+    state: State,
+    step: Step,
 ) -> int:
     """Write tangent and right sides at a state, shifted by ``shift`` times a bound on the taut net's own stiffness.
 
@@ -102,6 +109,8 @@ def linearise(
         hardening[bar] = 0.0
         if density[bar] != 0.0 or gaps[bar] != 0.0:
             compliance = max(flexibilities[bar], 1.0 / (STIFFEST * tension))
+            if barrier > 0.0:
+                compliance += barrier / density[bar] ** 2
             hardening[bar] = 1.0 / (compliance * lengths[bar] ** 3)
     right_side(structure, state, state, step)
     add_bar_tangent(position, structure, pattern, density, hardening, blocks)
@@ -205,6 +214,7 @@ def take(
     loading: Loading,
     tension: float,
     switch: float,
+    barrier: float,
     size: float,
     here: State,
     there: State,
@@ -219,5 +229,5 @@ def take(
             position[node, i] = last_position[node, i] + size * move[node, i]
     for bar in range(len(density)):
         density[bar] = last_density[bar] + size * change[bar]
-    measure(structure, loading, tension, switch, new)
+    measure(structure, loading, tension, switch, barrier, new)
     right_side(structure, here, new, step)

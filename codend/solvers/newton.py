@@ -149,7 +149,9 @@ def negative_pivots(problem: Problem, solution: Solution, prepared: Prepared) ->
     run = _Run(problem, prepared, DIRECT, None)
     run._set_start(solution, DIRECT.switches[0])
     step, system = prepared.step, prepared.system
-    sides = kernels.linearise(problem.structure, problem.loading, prepared.pattern, run.tension, 0.0, run.state, step)
+    sides = kernels.linearise(
+        problem.structure, problem.loading, prepared.pattern, run.tension, 0.0, 0.0, run.state, step
+    )
     if system.factorise(step.blocks) == -1:
         return -1
     # a front that follows the net adds a product to the tangent, and with it the sign of one more factor
@@ -170,17 +172,17 @@ def _seconds_to_compile(problem: Problem, prepared: Prepared, settings: NewtonSe
     run.tension = run.switch = 1.0
     structure, loading, state, step = run.structure, run.loading, run.state, prepared.step
     solved = step.solved[:1]
-    compile_kernel(measure, structure, loading, 1.0, 1.0, state)
+    compile_kernel(measure, structure, loading, 1.0, 1.0, 0.0, state)
     compile_kernel(passed_through_itself, state.position, structure)
     if isinstance(system, BandedSystem):
         compile_kernel(advance_banded, system.arrays, *run.arguments(0.0, 0.0))
     else:
-        compile_kernel(kernels.linearise, structure, loading, prepared.pattern, 1.0, 0.0, state, step)
+        compile_kernel(kernels.linearise, structure, loading, prepared.pattern, 1.0, 0.0, 0.0, state, step)
         compile_kernel(kernels.finish_step, structure, state, state, solved, step)
         compile_kernel(kernels.simplified_move, solved, 1.0, step)
         compile_kernel(correct, step.past, 0, state.length, 1.0, step.move, step.change)
         compile_kernel(within, state, run.arguments(0.0, 0.0)[6])
-        compile_kernel(kernels.take, structure, loading, 1.0, 1.0, 1.0, state, state, step, state)
+        compile_kernel(kernels.take, structure, loading, 1.0, 1.0, 0.0, 1.0, state, state, step, state)
     return perf_counter() - started
 
 
@@ -264,7 +266,7 @@ class _Run:
         if self.tension == 0.0:
             self.tension = reference_tension(self.problem)
             state.density[:] = self.tension / structure.length
-        measure(structure, self.loading, self.tension, switch, state)
+        measure(structure, self.loading, self.tension, switch, 0.0, state)
 
     def arguments(self, shift: float, tolerance: float, fresh: bool = True) -> tuple:
         """What ``advance`` takes after the linear system."""

@@ -86,7 +86,7 @@ def advance(
     Returns:
         where the new state is, and the number of negative pivots, -1 if the tangent was singular.
     """
-    sides = linearise(structure, loading, pattern, tension, shift, state, step)
+    sides = linearise(structure, loading, pattern, tension, shift, 0.0, state, step)
     right, solved = step.right, step.solved[:sides]
     negative = factorise(system, step.blocks) if fresh else 0
     if negative != 0:
@@ -97,7 +97,7 @@ def advance(
         return FAILED, 1
     size = min(1.0, limits.largest_turn / turn) if turn > 0.0 else 1.0
     while True:
-        take(structure, loading, tension, switch, size, state, state, step, first)
+        take(structure, loading, tension, switch, 0.0, size, state, state, step, first)
         gain = first.marks[0] / state.marks[0]
         if gain <= limits.clear_gain:
             break
@@ -124,7 +124,7 @@ def advance(
         finish_step(structure, state, there, solved, step)
         if not correct(past, count, state.length, tension, step.move, step.change):
             break
-        take(structure, loading, tension, switch, 1.0, state, there, step, new)
+        take(structure, loading, tension, switch, 0.0, 1.0, state, there, step, new)
         last_gain, gain = gain, new.marks[0] / there.marks[0]
         if gain < 1.0 or gain * last_gain <= limits.worthwhile_gain**2:
             there, new, where = new, there, IN_FIRST + IN_SECOND - where
