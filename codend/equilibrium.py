@@ -16,7 +16,7 @@ from codend.meridian.problem import MeridianShape
 from codend.net import Net, rotate
 from codend.plan import Case, Plan
 from codend.problem import Problem
-from codend.solvers import dynamic_relaxation, newton, rigid_bars
+from codend.solvers import dynamic_relaxation, interior_point, newton, rigid_bars
 from codend.solvers.continuation import in_steps, predict
 from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.linear_systems import BandedSystem
@@ -79,11 +79,11 @@ def solve(
     ``auto`` tries, in this order: Newton from where the last equilibria lead (on a wide net only where the catch is the
     same or not given by its meshes), from the meridian method's shape under uniform pressure without drag (of one
     sector, set all round for a full net), from its equilibrium under the loads themselves, along a path of catches from
-    the nearest equilibrium, for full nets from the equilibrium of a sector set
-    all round, from rough relaxations of a crude bag; and relaxation alone. Where the catch is not given by its meshes,
-    the meridian method must search for the front and so comes after the crude bag. The other methods try what they can
-    of that; rigid bars that lead nowhere try again with bars that go slack. The report of what is returned tells every
-    attempt; its time is that of all of them, the guesses included.
+    the nearest equilibrium, for full nets from the equilibrium of a sector set all round; the interior-point method
+    from a crude bag; Newton from rough relaxations of that; and relaxation alone. Where the catch is not given by its
+    meshes, the meridian method must search for the front and so comes after the crude bag. The other methods try what
+    they can of that; rigid bars that lead nowhere try again with bars that go slack. The report of what is returned
+    tells every attempt; its time is that of all of them, the guesses included.
     """
     problem = problem_of(scene.net, scene.plan, case)
     attempts: list[str] = []
@@ -158,7 +158,11 @@ def _attempts(
             yield "the nearest equilibrium, in steps", lambda: in_steps(problem, (known_catch, solution), from_start)
         if scene.columns is None and scene.plan.model.bars_per_side == 1:
             yield "the equilibrium of a sector", from_sector
-        yield "a crude bag", from_crude
+        yield (
+            "a crude bag",
+            lambda: interior_point.solve(problem, tolerance, None, progress, prepared=scene.prepared),
+        )
+        yield "a crude bag, relaxed", from_crude
         if not by_meshes:
             yield "the meridian method's equilibrium", lambda: from_meridian(equilibrium_guess, DIRECT)
     if method in ("auto", "dynamic-relaxation"):

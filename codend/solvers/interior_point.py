@@ -4,7 +4,7 @@ Which bars end slack is not tried out but emerges: with the barrier b every bar 
 ``newton_state``), so that its force density q and what it is short of its length stay above 0 and their product falls
 to nothing (a primal-dual interior-point method: Nocedal and Wright, Numerical Optimization, 2006, sections 16.6 and
 19.3). It needs some thirty factorisations where Newton's method alone, near its equilibrium, needs one or two, and
-leaves the last digits to it.
+leaves the last digits to it; but it needs no start nearby.
 """
 
 from dataclasses import replace
@@ -13,9 +13,11 @@ from time import perf_counter
 import numpy as np
 
 from codend.mechanics import newton_step as kernels
+from codend.mechanics.compiling import compile_kernel
 from codend.mechanics.newton_state import State, measure
 from codend.problem import Problem
 from codend.solvers import newton
+from codend.solvers.dynamic_relaxation import reference_tension
 from codend.solvers.newton import DIRECT, Prepared
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
@@ -31,32 +33,43 @@ LARGEST_TURN = 0.5
 LEAST_TENSION = 0.01
 """Tension that bars are given at least to start with, over the mean."""
 STEPS_ALLOWED = 120
+STALLED = 25
+"""Steps in a row that do not lower the barrier, after which none will."""
+FINISH = replace(DIRECT, switches=(1.0, 0.1, 0.01))
+"""Newton's method at the end: the first of these weights parts taut and slack bars as the barrier did."""
 
 
 def solve(
-    problem: Problem, tolerance: float, start: Solution, progress: Progress | None = None, *, prepared: Prepared
+    problem: Problem,
+    tolerance: float,
+    start: Solution | None = None,
+    progress: Progress | None = None,
+    *,
+    prepared: Prepared,
 ) -> Solution:
-    """Equilibrium of a net from a start whose bars may go slack on the way, or slack ones taut.
+    """Equilibrium of a net from a start that need not be near: bars may go slack on the way, and slack ones taut.
 
     A solve that fails returns nan positions and tensions, and why.
 
     Args:
         problem: the net under its loads.
         tolerance: largest residual and axial imbalance over the resultant of the loads.
-        start: positions and tensions to start from.
+        start: positions and tensions to start from; without one the net's own shape with even tension.
         progress: told the residual of every step.
         prepared: what ``newton.prepare`` returned for this structure.
     """
     started = perf_counter()
     structure, loading, step = problem.structure, problem.loading, prepared.step
     state, new, _ = prepared.states
-    tension = float(start.bar_tension.mean())
+    started += _seconds_to_compile(problem, prepared)
+    tension = reference_tension(problem) if start is None else float(start.bar_tension.mean())
     unit = tension / float(structure.length.mean()) ** 2
     barrier, last_barrier = FIRST_BARRIER * unit, LAST_BARRIER * unit
-    state.position[:] = start.positions
-    state.density[:] = np.maximum(start.bar_tension, LEAST_TENSION * tension) / structure.length
+    state.position[:] = problem.net.positions if start is None else start.positions
+    tensions = tension if start is None else np.maximum(start.bar_tension, LEAST_TENSION * tension)
+    state.density[:] = tensions / structure.length
     measure(structure, loading, tension, 1.0, barrier, state)
-    outcome, steps = Outcome.STEPS_SPENT, 0
+    outcome, steps, lowered = Outcome.STEPS_SPENT, 0, 0
     while steps < STEPS_ALLOWED:
         residual = float(state.marks[1])
         if progress is not None:
@@ -67,6 +80,9 @@ def solve(
         if barrier <= last_barrier and residual <= tolerance:
             outcome = Outcome.CONVERGED
             break
+        if steps - lowered >= STALLED and barrier > last_barrier:
+            outcome = Outcome.NOT_IMPROVING
+            break
         steps += 1
         turn = _step(problem, tension, barrier, state, prepared)
         if not np.isfinite(turn):
@@ -76,25 +92,26 @@ def solve(
         to_slack = float(np.min(-state.density[falling] / step.change[falling], initial=np.inf))
         size = min(1.0, NEAREST_TO_SLACK * to_slack, LARGEST_TURN / turn if turn > 0.0 else 1.0)
         if size > 0.5:
+            lowered = steps
             barrier = max((LOWERED if size > 0.9 else LOWERED_WARILY) * barrier, last_barrier)
         kernels.take(structure, loading, tension, 1.0, barrier, size, state, state, step, new)
         state, new = new, state
     attempt = f"{METHOD} with {prepared.system.name}: {steps} steps, residual {state.marks[1]:.1e}. {outcome.value}"
-    reached = Solution(state.position.copy(), state.density * state.length, state.share.copy(), start.report)
+    report = SolverReport(
+        method=METHOD,
+        outcome=outcome,
+        iterations=steps,
+        residual=float(state.marks[1]),
+        imbalance=float(state.marks[2]),
+        length_error=float(state.marks[3]),
+        solve_ms=1e3 * (perf_counter() - started),
+        attempts=(attempt,),
+    )
     if not outcome.converged:
         nothing = np.full_like(state.position, np.nan), np.full_like(state.density, np.nan)
-        report = SolverReport(
-            method=METHOD,
-            outcome=outcome,
-            iterations=steps,
-            residual=float(state.marks[1]),
-            imbalance=float(state.marks[2]),
-            length_error=float(state.marks[3]),
-            solve_ms=1e3 * (perf_counter() - started),
-            attempts=(attempt,),
-        )
-        return Solution(*nothing, reached.share, report)
-    solution = newton.solve(problem, tolerance, reached, DIRECT, progress, prepared)
+        return Solution(*nothing, state.share.copy(), report)
+    reached = Solution(state.position.copy(), state.density * state.length, state.share.copy(), report)
+    solution = newton.solve(problem, tolerance, reached, FINISH, progress, prepared)
     finished = replace(
         solution.report,
         method=METHOD,
@@ -103,6 +120,19 @@ def solve(
         attempts=(attempt, *solution.report.attempts),
     )
     return replace(solution, report=finished)
+
+
+def _seconds_to_compile(problem: Problem, prepared: Prepared) -> float:
+    """Have the kernels compiled or read from the cache, and tell the time, which is no part of a solve's."""
+    if kernels.take.overloads:
+        return 0.0
+    started = perf_counter()
+    structure, loading, state, step = problem.structure, problem.loading, prepared.states[0], prepared.step
+    compile_kernel(measure, structure, loading, 1.0, 1.0, 1.0, state)
+    compile_kernel(kernels.linearise, structure, loading, prepared.pattern, 1.0, 0.0, 1.0, state, step)
+    compile_kernel(kernels.finish_step, structure, state, state, step.solved[:1], step)
+    compile_kernel(kernels.take, structure, loading, 1.0, 1.0, 1.0, 1.0, state, state, step, state)
+    return perf_counter() - started
 
 
 def _step(problem: Problem, tension: float, barrier: float, state: State, prepared: Prepared) -> float:
