@@ -199,11 +199,9 @@ def test_a_strap_shorter_than_the_knots_it_runs_through_is_refused():
         build_net(strapped("T90", length_m=0.29))
 
 
-def test_the_meridian_method_refuses_straps_and_helps_only_where_they_are_slack():
+def test_the_meridian_method_refuses_straps():
     with pytest.raises(InputError, match="knows no straps"):
         solve(strapped(length_m=2.0, fidelity="meridian"))
-    assert "meridian" in solved(length_m=6.0).report.attempts[-1]
-    assert "meridian" not in solved(length_m=2.0).report.attempts[0]
 
 
 def test_globalisation_keeps_the_rows_of_straps():
