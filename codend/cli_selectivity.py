@@ -48,7 +48,8 @@ def selectivity(
     `codend species` shows an example of a species file.
 
     With --field, together.csv and together_l50.csv hold predicted and fitted retention and L50 against the catch (of
-    each haul, from a column catch_volume_m3 or catch_kg), and a plot shows both. With --calibrate, calibration.csv
+    each haul, from a column catch_volume_m3 or catch_kg), and a plot shows both. L50 is compared between the same fits
+    at the same catches: to the field's fish, and to those fish retained as computed. With --calibrate, calibration.csv
     holds the estimates, and calibrated_species.toml the species with them. Status 3 when a fit did not converge.
     """
     for key, value, good, allowed in (
@@ -98,18 +99,16 @@ def _print_together(many: "Sequence[Together]") -> int:
     """Predicted beside fitted, and the calibration; the exit status."""
     if not many:
         return 0
-    from codend.selectivity.together import calibration_table, together_l50_table
+    from codend.selectivity.together import calibration_table
+    from codend.selectivity.together_l50 import together_l50_table
 
     table = together_l50_table(many)
-    last = table[table["what"].str.endswith("haul") & (table["what"] != "field haul")]
-    last = last.groupby(["species", "speed_m_s", "what"], sort=False).tail(1)
-    fitted = table[table["what"] == "field mean"]
-    rows = [
-        (row.species, row.what, row.catch_volume_m3, row.l50_cm, row.l50_lower_95_cm, row.l50_upper_95_cm, row.sr_cm)
-        for one in (last, fitted)
-        for row in one.itertuples()
-    ]
-    click.echo(text_table(["species", "what", "m3", "L50 cm", "lower 95 %", "upper", "SR cm"], rows))
+    means = table[table["what"].str.endswith("field mean")]
+    columns = ["species", "what", "l50_of", "catch_volume_m3", "l50_cm", "l50_lower_95_cm", "l50_upper_95_cm", "sr_cm"]
+    headers = ["species", "mean of hauls", "L50 and SR of", "mean m3", "L50 cm", "lower 95 %", "upper", "SR cm"]
+    click.echo(text_table(headers, means[columns].itertuples(index=False)))
+    if not means["what"].str.startswith("predicted").any():
+        click.echo("no prediction stands beside the field mean: a field haul's catch is larger than any computed")
     good = True
     for one in many:
         good &= one.trial.fit.converged
