@@ -112,9 +112,10 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     from codend.plan import load_plan
 
     checked = load_plan(plan, changes)
-    check_writable(folder)
-    from codend.report.page import write_report
+    from codend.report.page import files_of, write_report
     from codend.study import solve
+
+    check_writable(folder, files_of(checked))
 
     with shown_progress() as progress:
         study = solve(checked, progress)
@@ -168,6 +169,7 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
         plan = load_plan(folder / "plan.toml")
         hoop = Hoop(plan.entry.radius_m, hoop_rod_mm / 1000.0, plan.tow.water_density_kg_m3)
     comparison = compare_with(read_results(results), read_flume_table(table), results, hoop)
+    check_writable(folder, ("comparison.csv", "comparison_summary.csv", "comparison.png"))
     with written_into(folder):
         write_table(comparison.points, folder / "comparison.csv")
         write_table(comparison.summary, folder / "comparison_summary.csv")

@@ -65,10 +65,10 @@ def selectivity(
     from codend.selectivity.species import load_species
 
     species, read = [load_species(file) for file in files], read_run(folder)
-    check_writable(folder)
-    from codend.report.selectivity_page import notes, write_selectivity
+    from codend.report.selectivity_page import FILES, notes, write_selectivity
     from codend.selectivity.tables import HAUL, selectivity_table
 
+    check_writable(folder, FILES)
     trial, names = None, calibrated.split(",") if calibrated is not None else []
     if field is not None:
         from codend.selectivity.calibrate import calibrated_names
@@ -144,7 +144,7 @@ def species() -> None:
 @click.option("--out", "folder", required=True, metavar="DIR", type=click.Path(path_type=Path), help="Where to write.")
 def fit(data: str, design: str, folder: Path, replicates: int, **choices: Any) -> int:
     """Fit retention curves to a covered-codend or paired-gear trial; writes fit.csv and diagnostics.csv into DIR."""
-    check_writable(folder)
+    check_writable(folder, ("fit.csv", "diagnostics.csv"))
     from codend.report.files import write_table
     from codend.selectivity.analysis import diagnostics_table, fit_field_data, fit_table
 

@@ -120,8 +120,18 @@ def _solved(runs: Sequence[Run], folder: Path, processes: int) -> Iterator[Run]:
             yield futures[future]
 
 
+def files_of(runs: Sequence[Run]) -> list[str]:
+    """Every file that ``solve_runs`` may write or remove, relative to its folder."""
+    names = ("plan.toml", "results.csv", "profile.csv", "meshes.csv")
+    return [f"{_place_of(run)}/{name}" for run in runs for name in names]
+
+
 def _folder_of(run: Run, folder: Path) -> Path:
-    return folder / "runs" / f"{run.number:03d}"
+    return folder / _place_of(run)
+
+
+def _place_of(run: Run) -> str:
+    return f"runs/{run.number:03d}"
 
 
 def _is_done(run: Run, folder: Path) -> bool:

@@ -212,6 +212,59 @@ def test_a_folder_that_cannot_be_made_is_refused_before_anything_is_solved(plan,
     assert_refused(codend_cli("run", plan, "--out", plan.parent / inside), "cannot be written", "is no folder")
 
 
+def as_folder(path: Path) -> Path:
+    path.mkdir(parents=True)
+    return path
+
+
+def as_file(path: Path) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.touch()
+    return path
+
+
+@pytest.mark.parametrize(
+    ("command", "make", "name"),
+    [
+        ("run", as_file, "plots"),
+        ("run", as_folder, "plots/net.png"),
+        ("run", as_folder, "net_2.vtu"),
+        ("sweep", as_file, "runs/002"),
+        ("sweep", as_folder, "runs/001/results.csv"),
+        ("chart", as_folder, "chart_drag.png"),
+    ],
+)
+def test_a_file_that_cannot_be_written_is_named_before_anything_is_solved(command, make, name, plan, monkeypatch):
+    for solver in ("codend.sweep.solve", "codend.speed_accuracy.measuring.measure", "codend.study.solve"):
+        monkeypatch.setattr(solver, lambda *_: pytest.fail("solved what should have been refused"))
+    there = make(plan.parent / "out" / name)
+    more = ["--vary", "netting.0.bar_mm=[40,50]"] if command == "sweep" else []
+    result = codend_cli(command, plan, "--out", plan.parent / "out", *more)
+    assert_refused(result, f"{there}:", "cannot be written", "no folder" if make is as_file else "is a folder")
+    assert list((plan.parent / "out").rglob("*.csv")) == [path for path in (there,) if path.suffix == ".csv"]
+
+
+@pytest.mark.parametrize(("make", "name"), [(as_file, "plots"), (as_folder, "retention.csv")])
+def test_selectivity_and_fit_name_what_they_cannot_write(make, name, ran, tmp_path):
+    folder, species = tmp_path / "out", tmp_path / "fish.toml"
+    folder.mkdir()
+    for table in ("plan.toml", "results.csv", "profile.csv"):
+        (folder / table).write_bytes((ran[0] / table).read_bytes())
+    species.write_text(codend_cli("species").stdout, encoding="utf-8")
+    there = make(folder / name)
+    assert_refused(codend_cli("selectivity", folder, "--species", species), f"{there}:", "cannot be written")
+    assert not (folder / "selectivity.csv").exists()
+    there = as_folder(folder / "fit.csv")
+    assert_refused(codend_cli("fit", HADDOCK, "--design", "paired", "--out", folder), f"{there}:", "cannot be written")
+
+
+def test_what_cannot_be_written_in_the_end_is_named_itself(ran, plan, monkeypatch):
+    monkeypatch.setattr(codend.study, "solve", lambda *_: None)
+    monkeypatch.setattr(page, "write_report", lambda _, folder, __: (folder / "new" / "plots").mkdir())
+    out = plan.parent / "out"
+    assert_refused(codend_cli("run", plan, "--out", out), f"{out / 'new' / 'plots'}: cannot be written: No such file")
+
+
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="nothing is forbidden to root")
 def test_a_folder_without_permission_is_refused_before_anything_is_solved(plan, no_solving):
     closed = plan.parent / "closed"

@@ -61,6 +61,11 @@ TOGETHER = (
     "not go to zero for small fish."
 )
 FIELD_TABLES = ("together.csv", "together_l50.csv", "calibration.csv", "calibrated_species.toml")
+FILES = (
+    *("selectivity.csv", "retention.csv", "sensitivity.csv", *FIELD_TABLES, "report.html"),
+    *(f"plots/selectivity_{name}.png" for name in ("together", *PLOTS)),
+)
+"""Every file that ``write_selectivity`` may write or remove."""
 START, END = "<!-- selectivity -->", "<!-- end of selectivity -->"
 
 _SECTION = """{{ start }}
