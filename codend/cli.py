@@ -159,7 +159,7 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
     from codend.comparison import Hoop, read_flume_table, read_results
     from codend.comparison import compare as compare_with
     from codend.plan import load_plan
-    from codend.report.comparison_plot import comparison_figure
+    from codend.report.comparison_plot import FILES, comparison_figure
     from codend.report.files import whole_file, write_table
     from codend.report.style import png
 
@@ -169,11 +169,12 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
         plan = load_plan(folder / "plan.toml")
         hoop = Hoop(plan.entry.radius_m, hoop_rod_mm / 1000.0, plan.tow.water_density_kg_m3)
     comparison = compare_with(read_results(results), read_flume_table(table), results, hoop)
-    check_writable(folder, ("comparison.csv", "comparison_summary.csv", "comparison.png"))
+    check_writable(folder, FILES)
     with written_into(folder):
-        write_table(comparison.points, folder / "comparison.csv")
-        write_table(comparison.summary, folder / "comparison_summary.csv")
-        with whole_file(folder / "comparison.png") as temporary:
+        points, summary, picture = (folder / name for name in FILES)
+        write_table(comparison.points, points)
+        write_table(comparison.summary, summary)
+        with whole_file(picture) as temporary:
             temporary.write_bytes(png(comparison_figure(comparison)))
     _print_comparison(comparison)
 

@@ -1,5 +1,7 @@
 """Sweeps: every combination, the numbers of a run by itself, nothing solved twice, mistakes found before the work."""
 
+import signal
+
 import pandas as pd
 import pytest
 
@@ -60,6 +62,32 @@ def test_a_sweep_goes_on_where_it_stopped(plan, tmp_path, monkeypatch):
     # a run of another plan is done again
     solve_runs(runs_of(plan, VARY[:1], ["tow.speed_m_s=2.0"]), tmp_path)
     assert first.stat().st_mtime_ns != before
+
+
+def test_a_shorter_sweep_removes_the_runs_of_a_longer_one_and_nothing_else(plan, tmp_path):
+    long, short = (runs_of(plan, [f"netting.0.bar_mm={values}"]) for values in ("[40.0,50.0,60.0,70.0]", "[45.0]"))
+    solve_runs(long, tmp_path)
+    runs = tmp_path / "runs"
+    stays = [runs / "003" / "notes.txt", runs / "mine" / "results.csv", runs / "010" / "results.csv"]
+    stays += [
+        runs / "011" / name for name in ("plan.toml", "results.csv", "profile.csv", "report.html")
+    ]  # codend run's
+    goes = [runs / "001" / "comparison.png", runs / "002" / "plots" / "selectivity_meshes.png"]
+    for path in (*stays, *goes):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("not of this sweep", encoding="utf-8")
+    solve_runs(short, tmp_path)
+    own = {runs / "001" / name for name in ("plan.toml", "results.csv", "profile.csv")}
+    assert {path for path in runs.rglob("*") if path.is_file()} == {*stays, *own}
+    assert {path.name for path in runs.iterdir()} == {"001", "003", "010", "011", "mine"}
+
+
+def test_an_interrupted_shorter_sweep_removes_nothing_yet(plan, tmp_path, monkeypatch):
+    solve_runs(runs_of(plan, VARY[:1]), tmp_path)
+    monkeypatch.setattr(codend.sweep, "solve", lambda _: signal.raise_signal(signal.SIGINT))
+    with pytest.raises(KeyboardInterrupt):
+        solve_runs(runs_of(plan, ["netting.0.bar_mm=[45.0]"]), tmp_path)
+    assert (tmp_path / "runs" / "002" / "results.csv").is_file()
 
 
 def test_the_plan_beside_a_run_is_the_one_that_was_solved(plan, tmp_path):
