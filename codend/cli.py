@@ -2,6 +2,7 @@
 
 import atexit
 import gc
+import math
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -13,7 +14,7 @@ from codend.cli_common import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, SeveralPair
 from codend.cli_selectivity import fit, selectivity, species
 from codend.cli_sweep import sweep
 from codend.console import shown_progress, text_table
-from codend.errors import InputError
+from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
     from codend.comparison import Comparison
@@ -32,6 +33,7 @@ TABLE_COLUMNS = {
     "converged": "converged",
 }
 """Columns of ``results.csv`` that ``codend run`` prints, and their headings."""
+MOST_ROD_MM = 1000.0
 
 
 class _OneLineErrors(click.Group):
@@ -139,12 +141,26 @@ def _explain_failures(study: "Study") -> None:
                 click.echo(f"  tried {attempt}", err=True)
 
 
+def _rod_mm(_: click.Context, option: click.Parameter, text: str | None) -> float | None:
+    """The thickness of a rod, mm, refused in the words of a plan's numbers."""
+    if text is None:
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value <= MOST_ROD_MM:
+        shown = text if math.isnan(value) else value
+        raise InputError(OPTIONS, option.opts[0], shown, f"a number above 0, at most {MOST_ROD_MM:g}, in mm")
+    return value
+
+
 @main.command()
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.argument("table", metavar="TABLE.csv", type=click.Path(path_type=Path))
 @click.option(
     "--hoop-rod-mm",
-    type=click.FloatRange(0.0, 1000.0, min_open=True),
+    callback=_rod_mm,
     metavar="MM",
     help="Thickness you assume for the hoop's rod: its drag is computed and added, where TABLE.csv has an empty "
     "hoop_drag_n column.",

@@ -8,7 +8,7 @@ import click
 
 from codend.cli_common import NOT_CONVERGED, check_writable, written_into
 from codend.console import shown_progress, text_table
-from codend.errors import InputError
+from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
     from codend.selectivity.analysis import FieldFit
@@ -59,7 +59,7 @@ def selectivity(
         ("--calibrate", calibrated, calibrated is None or field is not None, "together with --field"),
     ):
         if not good:
-            raise InputError("command line", key, value, allowed)
+            raise InputError(OPTIONS, key, value, allowed)
     from codend.selectivity.catches import read_run
     from codend.selectivity.predict import predict
     from codend.selectivity.species import load_species
@@ -163,6 +163,8 @@ def _print_fit(fitted: "FieldFit") -> None:
     table = fit_table(fitted).set_index("group")
     groups = [group for group in ("between-hauls", "bootstrap", "pooled") if group in table.index]
     shown = table.loc[groups].reset_index()
+    if not fitted.pooled.model.estimate_split:
+        shown["parameter"] = shown["parameter"].replace("split", "split, fixed")
     headers = ["group", "parameter", "estimate", "standard error", "lower 95 %", "upper 95 %"]
     click.echo(text_table(headers, shown.drop(columns="curve").itertuples(index=False)))
     if fitted.between_hauls is not None:

@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from codend.errors import InputError
+from codend.errors import OPTIONS, InputError
 from codend.overrides import parsed_override
 from codend.plan import Plan, load_plan
 from codend.report.files import whole_file, write_table
@@ -51,16 +51,23 @@ def runs_of(path: str | Path, vary: Sequence[str], changes: Sequence[str] = ()) 
         changes: ``KEY=VALUE`` that hold for all of them, as ``load_plan`` takes them.
 
     Raises:
-        InputError: a key or value is not allowed, or what varies is no list of values.
+        InputError: a key or value is not allowed, what varies is no list of different values, or has one value by
+            ``changes``.
     """
     axes: dict[str, list[Any]] = {}
+    fixed = {parsed_override(text, path)[0] for text in changes}
     for text in vary:
         key, values = parsed_override(text, path)
         dotted = ".".join(key)
         if not isinstance(values, list) or not values:
-            raise InputError(path, dotted, values, _VALUES, "is no list of values to vary")
+            raise InputError(OPTIONS, f"--vary {dotted}", values, _VALUES, "is no list of values to vary")
         if dotted in axes:
-            raise InputError(path, dotted, values, "each key once", "is varied twice")
+            raise InputError(OPTIONS, f"--vary {dotted}", values, "each key once", "is varied twice")
+        if key in fixed:
+            raise InputError(OPTIONS, f"--vary {dotted}", values, "--vary or --set", "is set to one value as well")
+        for i, value in enumerate(values):
+            if value in values[:i]:
+                raise InputError(OPTIONS, f"--vary {dotted}", values, "each value once", "has a value twice")
         axes[dotted] = values
     runs = []
     for number, combination in enumerate(product(*axes.values()), start=1):

@@ -350,6 +350,12 @@ def test_compare_computes_the_hoops_drag_for_an_assumed_rod(ran, tmp_path):
     assert points.loc[("drag_n", 3), "hoop_origin"] == "computed, rod of 8 mm ASSUMED"
 
 
+@pytest.mark.parametrize("thickness", ["thick", "0", "-5", "1e4", "nan"])
+def test_a_rod_that_cannot_be_is_refused_with_what_is_allowed(thickness, tmp_path):
+    result = codend_cli("compare", tmp_path, tmp_path / "flume.csv", "--hoop-rod-mm", thickness)
+    assert_refused(result, "options: --hoop-rod-mm = ", "allowed: a number above 0, at most 1000, in mm")
+
+
 def test_compare_with_a_bad_table_writes_nothing(ran, tmp_path):
     folder = tmp_path / "results"
     folder.mkdir()
@@ -399,6 +405,17 @@ def test_fit_of_several_hauls_shows_their_mean_first_then_bootstrap_then_pooled(
     assert set(table["group"]) == {"between-hauls", "bootstrap", "pooled", *(f"haul {n}" for n in range(1, 6))}
 
 
+@pytest.mark.parametrize(("split", "named"), [("equal", "split, fixed"), ("estimated", "split")])
+def test_only_an_estimated_split_has_a_standard_error(split, named, tmp_path):
+    out = ("--bootstrap", "20", "--out", tmp_path)
+    result = codend_cli("fit", HADDOCK, "--design", "paired", "--split", split, *out)
+    table = pd.read_csv(tmp_path / "fit.csv").query("parameter == 'split'")
+    errors = table[["standard_error", "lower_95", "upper_95"]]
+    assert len(table) == 2
+    assert (errors.isna() if split == "equal" else errors.gt(0.0)).to_numpy().all()
+    assert any(line.startswith(f"pooled     {named}  ") for line in result.stdout.splitlines())
+
+
 def test_fit_takes_covariates(tmp_path):
     data = covered_hauls(tmp_path / "data.csv", [28.0, 29.0, 30.0, 31.0, 32.0])
     assert codend_cli("fit", data, "--design", "covered", "--covariate", "depth_m", "--out", tmp_path).exit_code == 0
@@ -418,16 +435,16 @@ def test_a_fit_that_finds_no_maximum_gives_status_3_and_says_why(tmp_path):
 @pytest.mark.parametrize(
     ("words", "named"),
     [
-        (["--design", "coverd"], "design"),
-        (["--design", "covered"], "codend"),
-        (["--design", "paired", "--curve", "spline"], "curve"),
-        (["--design", "paired", "--split", "0.4"], "split"),
-        (["--design", "paired", "--covariate", "depth_m"], "depth_m"),
-        (["--design", "paired", "--bootstrap", "-1"], "n_bootstrap"),
+        (["--design", "coverd"], "options: design"),
+        (["--design", "covered"], f"{HADDOCK}: codend"),
+        (["--design", "paired", "--curve", "spline"], "options: curve"),
+        (["--design", "paired", "--split", "0.4"], "options: split"),
+        (["--design", "paired", "--covariate", "depth_m"], f"{HADDOCK}: depth_m"),
+        (["--design", "paired", "--bootstrap", "-1"], "options: n_bootstrap"),
     ],
 )
 def test_a_fit_that_cannot_be_made_writes_nothing(words, named, tmp_path):
-    assert_refused(codend_cli("fit", HADDOCK, *words, "--out", tmp_path / "out"), f"{HADDOCK}: {named}")
+    assert_refused(codend_cli("fit", HADDOCK, *words, "--out", tmp_path / "out"), f"codend: {named} ")
     assert not (tmp_path / "out").exists()
 
 

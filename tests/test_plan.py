@@ -95,6 +95,22 @@ def test_an_error_shows_the_value_and_what_is_allowed(plan_file: Path):
     )
 
 
+@pytest.mark.parametrize(
+    ("key", "written"),
+    [
+        ("title", '["a", [true, 1.5]]'),
+        ("title", '{a = 1, b = ["x"]}'),
+        ("tow.speed_m_s", '{a = "x"}'),
+        ("entry.radius_m", "1979-05-27"),
+        ("entry.radius_m", "inf"),
+    ],
+)
+def test_an_error_shows_the_value_as_toml_has_it(key: str, written: str, plan_file: Path):
+    with pytest.raises(InputError) as error:
+        load_plan(plan_file, [f"{key}={written}"])
+    assert f"{plan_file}: {key} = {written} is not allowed; allowed: " in str(error.value)
+
+
 def test_a_misspelt_key_is_told_the_closest_one(plan_file: Path):
     with pytest.raises(InputError, match=r"did you mean meshes_round\?"):
         load_plan(plan_file, ["netting.0.meshes_rond=100"])

@@ -1,5 +1,6 @@
 """Sweeps: every combination, the numbers of a run by itself, nothing solved twice, mistakes found before the work."""
 
+import re
 import signal
 
 import pandas as pd
@@ -106,13 +107,20 @@ def test_the_plan_beside_a_run_is_the_one_that_was_solved(plan, tmp_path):
         ("netting.0.bar_mm=[25, -1]", "netting.0.bar_mm"),
         ("netting.0.bar=[25]", "netting.0.bar"),
         ("bar_mm", "bar_mm"),
+        ("netting.0.bar_mm=[18, 25, 18.0]", "options: --vary netting.0.bar_mm = [18, 25, 18.0] has a value twice"),
+        ("catch.filled_meshes=[[4], [4]]", "options: --vary catch.filled_meshes = [[4], [4]] has a value twice"),
     ],
 )
 def test_what_cannot_vary_is_refused_before_anything_is_solved(vary, named, plan, tmp_path):
-    with pytest.raises(InputError, match=named):
+    with pytest.raises(InputError, match=re.escape(named)):
         runs_of(plan, [vary])
     assert_refused(codend_cli("sweep", plan, "--vary", vary, "--out", tmp_path / "sweep"), named)
     assert not (tmp_path / "sweep").exists()
+
+
+def test_a_key_that_varies_is_not_set_as_well(plan, tmp_path):
+    words = ["--vary", "netting.0.bar_mm=[25,30]", "--set", "netting.0.bar_mm=20", "--out", tmp_path / "sweep"]
+    assert_refused(codend_cli("sweep", plan, *words), "--vary netting.0.bar_mm = [25, 30] is set to one value as well")
 
 
 def test_a_key_varies_once(plan):
