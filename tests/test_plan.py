@@ -91,7 +91,7 @@ def test_an_error_shows_the_value_and_what_is_allowed(plan_file: Path):
     assert (caught.value.key, caught.value.value) == ("tow.speed_m_s", -1)
     assert str(caught.value) == (
         f"{plan_file}: tow.speed_m_s = -1 is not allowed; "
-        "allowed: a number above 0, at most 10, or a list of them that is not empty"
+        "allowed: a number at least 0.0001, at most 10, or a list of them that is not empty"
     )
 
 
@@ -183,6 +183,11 @@ def test_bar_and_full_mesh_describe_the_same_netting():
     by_bar, by_mesh = netting(bar_mm=40.0, knot_mm=5.0), netting(bar_mm=None, mesh_mm=90.0, knot_mm=5.0)
     assert by_bar.bar_m == by_mesh.bar_m
     assert by_bar.full_mesh_m == by_mesh.full_mesh_m
+
+
+def test_what_is_unusual_but_can_be_is_accepted(valid: dict):
+    plan = plan_from_dict(valid, overrides=["netting.0.knot_mm=40.0", "tow.speed_m_s=1e-4", "entry.radius_m=0.001"])
+    assert plan.netting[0].knot_m == plan.netting[0].bar_m
 
 
 def test_double_twine_has_twice_the_width_and_twice_the_volume_of_one():
