@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from codend.mechanics.broyden import MOST_STEPS, correct, no_steps
+from codend.mechanics.broyden import MOST_STEPS, correct, keep, no_steps
 
 NODES, BARS, TENSION = 3, 4, 20.0
 UNKNOWNS = 3 * NODES + BARS
@@ -24,7 +24,10 @@ def steps_of_codend(function, guess, lengths, most=MOST_STEPS):
     for count in range(most):
         step = np.linalg.solve(guess, -function(x))
         move, change = step[: 3 * NODES].reshape(NODES, 3).copy(), step[3 * NODES :].copy()
-        assert correct(past, count, lengths, TENSION, move, change)
+        if count == 0:
+            keep(past, count, lengths, TENSION, move, change)
+        else:
+            assert correct(past, count, lengths, TENSION, move, change)
         steps.append(np.concatenate([move.ravel(), change]))
         x = x + steps[-1]
     return steps, np.linalg.norm(function(x))
@@ -63,6 +66,6 @@ def test_a_tangent_wrong_in_two_directions_is_learnt_in_four_steps_where_equatio
 def test_a_tangent_that_calls_for_ever_longer_steps_is_given_up():
     past = no_steps(NODES, BARS)
     move, change = np.ones((NODES, 3)), np.zeros(BARS)
-    assert correct(past, 0, np.ones(BARS), TENSION, move, change)
+    keep(past, 0, np.ones(BARS), TENSION, move, change)
     assert not correct(past, 1, np.ones(BARS), TENSION, 0.95 * move, change)
     assert correct(past, 1, np.ones(BARS), TENSION, -0.95 * move, change)

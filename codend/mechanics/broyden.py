@@ -35,12 +35,24 @@ def no_steps(nodes: int, bars: int) -> PastSteps:
 
 
 @njit(cache=True, error_model="numpy")
+def keep(past: PastSteps, count: int, lengths: Floats, tension: float, move: Floats, change: Floats) -> None:
+    """Keep a step as number ``count`` of the past ones; arguments as for ``correct``."""
+    kept_move, kept_change = past.moves[count], past.changes[count]
+    for node in range(len(move)):
+        for i in range(3):
+            kept_move[node, i] = move[node, i]
+    for bar in range(len(change)):
+        kept_change[bar] = change[bar]
+    past.squares[count] = _product(move, change, move, change, lengths, tension)
+
+
+@njit(cache=True, error_model="numpy")
 def correct(past: PastSteps, count: int, lengths: Floats, tension: float, move: Floats, change: Floats) -> bool:
     """Turn the step that the old tangent asks for into Broyden's, and keep it as number ``count`` of the past ones.
 
     Args:
-        past: steps 0 .. count - 1.
-        count: number of this step; 0 is the first, which stays as it is.
+        past: steps 0 .. count - 1, the first of which was kept as it was.
+        count: number of this step, 1 or more.
         lengths: of the bars where the tangent was set up, m, (m,).
         tension: reference tension, N.
         move: of the nodes, m, (n, 3); corrected in place.
@@ -58,8 +70,7 @@ def correct(past: PastSteps, count: int, lengths: Floats, tension: float, move: 
             _add(along / (1.0 - along), move, change, move, change)
         else:
             _add(along, moves[last + 1], changes[last + 1], move, change)
-    moves[count], changes[count] = move, change
-    squares[count] = _product(move, change, move, change, lengths, tension)
+    keep(past, count, lengths, tension, move, change)
     return True
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from codend.mechanics import newton_step as kernels
 from codend.mechanics.arrays import Structure
 from codend.mechanics.bars import bar_lengths
-from codend.mechanics.broyden import correct
+from codend.mechanics.broyden import correct, keep
 from codend.mechanics.compiling import compile_kernel
 from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.newton_state import State, empty_state, measure
@@ -182,7 +182,8 @@ def _seconds_to_compile(problem: Problem, prepared: Prepared, settings: NewtonSe
         compile_kernel(kernels.linearise, structure, loading, prepared.pattern, 1.0, 0.0, 0.0, state, step)
         compile_kernel(kernels.finish_step, structure, state, state, solved, step)
         compile_kernel(kernels.simplified_move, solved, 1.0, step)
-        compile_kernel(correct, step.past, 0, state.length, 1.0, step.move, step.change)
+        compile_kernel(correct, step.past, 1, state.length, 1.0, step.move, step.change)
+        compile_kernel(keep, step.past, 0, state.length, 1.0, step.move, step.change)
         compile_kernel(within, state, run.arguments(0.0, 0.0)[6])
         compile_kernel(kernels.take, structure, loading, 1.0, 1.0, 0.0, 1.0, state, state, step, state)
     return perf_counter() - started

@@ -11,7 +11,7 @@ from numba.extending import overload
 
 from codend.compiled import njit
 from codend.mechanics.arrays import Loading, Structure
-from codend.mechanics.broyden import MOST_STEPS, correct
+from codend.mechanics.broyden import MOST_STEPS, correct, keep
 from codend.mechanics.newton_state import State
 from codend.mechanics.newton_step import Step, finish_step, linearise, simplified_move, take
 from codend.mechanics.tangent import Pattern
@@ -121,7 +121,7 @@ def advance(
     if shift > 0.0 or size < 1.0:
         return IN_FIRST, 0
     past = step.past
-    correct(past, 0, state.length, tension, step.move, step.change)
+    keep(past, 0, state.length, tension, step.move, step.change)
     there, new, where, last_gain = first, second, IN_FIRST, gain
     for count in range(1, MOST_STEPS):
         # over two steps, since the first of a bend may seem to lead away
