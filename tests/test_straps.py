@@ -12,6 +12,7 @@ from codend.errors import InputError
 from codend.measures import Measures, measure_all
 from codend.mechanics.drag import add_drag
 from codend.net import bar_vectors
+from codend.straps import least_radius_m
 from codend.study import CaseResult, solve
 from codend.tables import RESULT_COLUMNS
 from tests.plans import joined_plan
@@ -27,13 +28,19 @@ KINDS: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 def strapped(
-    kind: str = "T0", filled: float = 24.0, at: float = 12.0, tolerance: float = 1e-9, fidelity: str = "sector", **strap
+    kind: str = "T0",
+    filled: float = 24.0,
+    at: float = 12.0,
+    tolerance: float = 1e-9,
+    fidelity: str = "sector",
+    entry: float = 0.25,
+    **strap,
 ):
     mesh, further = KINDS[kind]
     section = (mesh, ROUND, LONG, 40.0, further)
     straps = [{"meshes_from_codline": at, **strap}] if strap else []
     model = {"tolerance": tolerance, "fidelity": fidelity}
-    return joined_plan(section, entry=0.25, catch={"filled_meshes": filled}, strap=straps, model=model)
+    return joined_plan(section, entry=entry, catch={"filled_meshes": filled}, strap=straps, model=model)
 
 
 def solved(*args: Any, **options: Any) -> CaseResult:
@@ -197,6 +204,45 @@ def test_results_tell_the_strap_tension_only_of_plans_that_have_straps():
 def test_a_strap_shorter_than_the_knots_it_runs_through_is_refused():
     with pytest.raises(InputError, match=r"strap\.0\.length_m = 0\.29 .*above 0\.3 m, the knots"):
         build_net(strapped("T90", length_m=0.29))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("at", [38.0, 39.0])
+def test_a_row_is_drawn_in_from_the_entry_as_far_as_flat_meshes_reach_and_no_farther(kind, at):
+    """A stiff rope that stretches is not refused: under a thousand newtons it draws its row as far as the bound."""
+    entry = 0.3
+    with pytest.raises(InputError, match="as far as the netting from the entry reaches inwards") as refused:
+        build_net(strapped(kind, at=at, entry=entry, length_m=0.35))
+    least_m = float(refused.value.allowed.split()[1])
+    result = solved(kind, at=at, entry=entry, filled=8.0, length_m=0.9 * least_m, axial_stiffness_n=1e4)
+    # in T90 netting knots of 5 mm lie between the pieces of rope
+    knots_m = 0.005 * ROUND if kind == "T90" else 0.0
+    length_m = knots_m + (0.9 * least_m - knots_m) * (1.0 + result.measures.max_strap_tension_n / 1e4)
+    assert 0.9995 < length_m / least_m < 1.01
+    build_net(strapped(kind, at=at, entry=entry, length_m=1.001 * least_m))
+
+
+def test_a_strap_on_a_joined_net_is_refused_only_where_no_chain_of_bars_reaches_it():
+    sections = (("diamond", 60, 2, 40.0, {}), ("diamond", 40, 38, 40.0, {}))
+    for length_m, fits in ((0.7, False), (1.6, True)):
+        strap = [{"meshes_from_codline": 37.0, "length_m": length_m}]
+        plan = joined_plan(*sections, entry=0.4, catch={"filled_meshes": 8.0}, strap=strap)
+        assert (least_radius_m(plan, 74) < length_m / 2.0 / np.pi) == fits
+        if fits:
+            assert solve(plan).converged
+        else:
+            with pytest.raises(InputError, match=r"strap\.0\.length_m = 0\.7 .* netting from the entry reaches"):
+                build_net(plan)
+
+
+def test_twine_that_stretches_lets_a_strap_be_as_short_as_the_bundle_of_its_twines():
+    soft = {"meshes_from_codline": 39.0, "length_m": 0.5}
+    section = ("diamond", ROUND, LONG, 40.0, {"axial_stiffness_n": 500.0})
+    build_net(joined_plan(section, entry=0.25, strap=[soft]))
+    # 120 twines of 2 mm have the section of one of 21.9 mm
+    with pytest.raises(InputError, match=r"strap\.0\.length_m = 0\.0001 .*above 0\.06883 m, round the twines"):
+        build_net(joined_plan(section, entry=0.25, strap=[soft | {"length_m": 1e-4}]))
+    assert solved(length_m=0.07).measures.max_strap_tension_n > 1.0
 
 
 def test_the_meridian_method_refuses_straps_and_helps_only_where_they_are_slack():
