@@ -84,16 +84,24 @@ def opening_force(bar_tension_n: Floats, opening_deg: Floats, wanted_deg: float 
 def mesh_openings(net: Net, positions: Floats) -> tuple[Floats, Floats]:
     """Opening angles in degrees (k,) and outward normals (k, 3) of all meshes.
 
-    The opening is 2 atan(transverse / longitudinal diagonal), both taken over the twine only, without the knots.
+    The opening is 2 atan(transverse / longitudinal diagonal), both taken over the twine only, without the knots. Where
+    a strap lies across the widest part of a mesh, the longitudinal one is taken along the netting, which a tight strap
+    folds there: the twines of such a mesh are as far apart as if it lay flat.
     """
     corners = mesh_corners(net, positions)
     side = corners[:, :, 1] - corners[:, :, 0]
-    longitudinal = 0.5 * (side[:, 0] + side[:, 1] - side[:, 2] - side[:, 3])
+    fore, aft = 0.5 * (side[:, 0] - side[:, 3]), 0.5 * (side[:, 1] - side[:, 2])
+    longitudinal = fore + aft
     transverse = 0.5 * (side[:, 0] - side[:, 1] - side[:, 2] + side[:, 3])
     normal = np.cross(transverse, longitudinal)
     with np.errstate(invalid="ignore"):
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    opening = 2.0 * np.arctan2(np.linalg.norm(transverse, axis=1), np.linalg.norm(longitudinal, axis=1))
+    # square meshes lie between two rows of knots and are not folded
+    square = net.band_meshes[np.minimum(net.mesh_row, net.bands - 1)] == 1.0
+    folded = np.isin(net.mesh_row, net.node_row[net.bars[net.straps, 0]]) & ~square
+    along_netting = np.linalg.norm(fore, axis=1) + np.linalg.norm(aft, axis=1)
+    along = np.where(folded, along_netting, np.linalg.norm(longitudinal, axis=1))
+    opening = 2.0 * np.arctan2(np.linalg.norm(transverse, axis=1), along)
     return np.degrees(opening), normal
 
 

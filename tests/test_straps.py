@@ -92,6 +92,18 @@ def test_a_tight_strap_is_as_long_as_it_is_all_round_and_balances_the_hoop(kind,
     assert 2.0 * tension * np.sin(np.pi / ROUND) == pytest.approx(pull, rel=1e-6)
 
 
+@pytest.mark.parametrize("kind", ["T0", "T90"])
+def test_a_mesh_folded_over_a_tight_strap_is_as_open_as_its_twines_make_it(kind):
+    """Between the rows ahead and behind, which are more open; of bars b spread by w, 2 asin(w / 2 b)."""
+    result = solved(kind, length_m=1.2)
+    row = strap_row(result)
+    # a T90 mesh has half a knot at either side, and between its twines a whole one fore and aft
+    spread = 1.2 / ROUND - (2.0 * 0.005 if kind == "T90" else 0.0)
+    opening = result.rows.opening_deg
+    assert opening[row] == pytest.approx(2.0 * np.degrees(np.arcsin(spread / 0.080)), rel=1e-3)
+    assert opening[row] < min(opening[row - 1], opening[row + 1])
+
+
 def test_a_strap_of_elastic_rope_is_longer_by_its_tension_over_its_stiffness():
     result = solved(length_m=1.5, axial_stiffness_n=800.0)
     strain = result.measures.max_strap_tension_n / 800.0
