@@ -12,6 +12,8 @@ from codend.errors import InputError
 from codend.measures import Measures, measure_all
 from codend.mechanics.drag import add_drag
 from codend.net import bar_vectors
+from codend.report.page_tables import results_table
+from codend.report.picture import RISE_DEG, STRAP_WIDTH, net_picture
 from codend.straps import least_radius_m
 from codend.study import CaseResult, solve
 from codend.tables import RESULT_COLUMNS
@@ -228,6 +230,24 @@ def test_results_tell_the_strap_tension_only_of_plans_that_have_straps():
     assert list(none.columns) == RESULT_COLUMNS
     assert list(tight.columns) == [*RESULT_COLUMNS, "max_strap_tension_n"]
     assert tight["max_strap_tension_n"][0] > 1.0
+
+
+def test_the_picture_shows_the_near_half_of_every_strap_where_its_knots_are():
+    straps = [{"meshes_from_codline": at, "length_m": 1.6} for at in (12.0, 6.0)]
+    plan = joined_plan(("diamond", ROUND, LONG, 40.0, {}), entry=0.25, catch={"filled_meshes": 20.0}, strap=straps)
+    study = solve(plan)
+    (axes, _) = net_picture(study.cases[0]).axes
+    ropes = [line.get_xydata() for line in axes.lines if line.get_linewidth() == STRAP_WIDTH]
+    assert "straps" in [text.get_text() for text in axes.texts]
+    assert len(ropes) == 2
+    for points, row in zip(ropes, (56, 68), strict=True):
+        drawn = points[np.isfinite(points[:, 1])]
+        assert 0.4 * ROUND < len(drawn) < 0.6 * ROUND + 2
+        # seen from a little above, a ring of radius r is r cos(rise) high
+        height = study.cases[0].rows.radius_m[row] * np.cos(np.radians(RISE_DEG))
+        assert np.ptp(drawn[:, 1]) == pytest.approx(2.0 * height, rel=0.05)
+    assert "weight is not counted" in " ".join(results_table(study).remarks)
+    assert not any("Straps" in remark for remark in results_table(solve(strapped())).remarks)
 
 
 def test_a_strap_shorter_than_the_knots_it_runs_through_is_refused():
