@@ -104,6 +104,15 @@ def test_automatic_choice_is_a_sector_unless_weight_breaks_the_symmetry():
     assert fidelity.choose(strict).fidelity == "full"
 
 
+def test_only_models_of_many_knots_are_told_to_be_slow():
+    model = {"fidelity": "full"}
+    assert "minutes" not in fidelity.choose(make_plan(24, 20, model=model)).why
+    assert "Its 24001 knots may take minutes a case." in fidelity.choose(make_plan(120, 100, model=model)).why
+    merged = {"fidelity": "globalised", "globalisation": 20}
+    assert "minutes" not in fidelity.choose(make_plan(120, 100, model=merged)).why
+    assert "minutes" not in fidelity.choose(make_plan(120, 100)).why
+
+
 WEIGHED = {
     "small catch": {"filled": 2.0},
     "large catch": {"filled": 14.0},
