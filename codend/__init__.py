@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from codend.errors import InputError
+    from codend.opening_force import pull_mesh
     from codend.plan import Plan, load_plan
     from codend.study import Study, solve
 
-__all__ = ["InputError", "Plan", "Study", "load_plan", "solve"]
+__all__ = ["InputError", "Plan", "Study", "load_plan", "pull_mesh", "solve"]
 
 _HOME = {
     "InputError": "codend.errors",
@@ -21,6 +22,7 @@ _HOME = {
     "load_plan": "codend.plan",
     "Study": "codend.study",
     "solve": "codend.study",
+    "pull_mesh": "codend.opening_force",
 }
 
 

@@ -10,6 +10,7 @@ import click
 
 from codend.cli_chart import chart
 from codend.cli_common import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, SeveralPairs, check_writable, written_into
+from codend.cli_force import force
 from codend.cli_selectivity import fit, selectivity, species
 from codend.cli_sweep import sweep
 from codend.console import shown_progress, text_table
@@ -212,7 +213,7 @@ def doctor(warm_up: bool) -> int:
     return 1 if any(finding.missing for finding in findings) else 0
 
 
-for _command in (sweep, chart, selectivity, species, fit):
+for _command in (sweep, chart, force, selectivity, species, fit):
     main.add_command(_command)
 
 

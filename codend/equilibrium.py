@@ -16,9 +16,10 @@ from codend.meridian.problem import MeridianShape
 from codend.net import Net, rotate
 from codend.plan import Case, Plan
 from codend.problem import Problem
-from codend.solvers import dynamic_relaxation, newton, rigid_bars
+from codend.solvers import dynamic_relaxation, interior_point, newton, rigid_bars
 from codend.solvers.continuation import in_steps, predict
 from codend.solvers.dynamic_relaxation import RelaxationSettings
+from codend.solvers.linear_systems import BandedSystem
 from codend.solvers.newton import DIRECT, NewtonSettings
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 from codend.solvers.rigid_bars import RigidBarsSettings
@@ -75,13 +76,14 @@ def solve(
 ) -> tuple[Problem, Solution]:
     """Equilibrium of one case, helped by the equilibria known of others of the same scene.
 
-    ``auto`` tries, in this order: Newton from where the last equilibria lead, from the meridian method's shape under
-    uniform pressure without drag (of one sector, set all round for a full net), from its equilibrium under the loads
-    themselves, along a path of catches from the nearest equilibrium, for full nets from the equilibrium of a sector set
-    all round, from rough relaxations of a crude bag; and relaxation alone. Where the catch is not given by its meshes,
-    the meridian method must search for the front and so comes after the crude bag. The other methods try what they can
-    of that; rigid bars that lead nowhere try again with bars that go slack. The report of what is returned tells every
-    attempt; its time is that of all of them, the guesses included.
+    ``auto`` tries, in this order: Newton from where the last equilibria lead (on a wide net only where the catch is the
+    same or not given by its meshes), from the meridian method's shape under uniform pressure without drag (of one
+    sector, set all round for a full net), from its equilibrium under the loads themselves, along a path of catches from
+    the nearest equilibrium, for full nets from the equilibrium of a sector set all round; the interior-point method
+    from a crude bag; Newton from rough relaxations of that; and relaxation alone. Where the catch is not given by its
+    meshes, the meridian method must search for the front and so comes after the crude bag. The other methods try what
+    they can of that; rigid bars that lead nowhere try again with bars that go slack. The report of what is returned
+    tells every attempt; its time is that of all of them, the guesses included.
     """
     problem = problem_of(scene.net, scene.plan, case)
     attempts: list[str] = []
@@ -136,8 +138,11 @@ def _attempts(
         return None if start is None else _later(from_start(problem, start), sector_ms)
 
     if method in ("auto", "newton"):
-        # on a full net a start that leads nowhere costs minutes: there the last equilibria must be near
-        led = known and (scene.columns == 1 or _near(case, known))
+        path = _at_its_speed(case, known)
+        same = any(other.catch_value == case.catch_value for other, _ in known)
+        # on a wide net a start that leads nowhere costs minutes, and the meridian method's shape next to nothing
+        near = _reaches(path, case.catch_value) and (isinstance(scene.prepared.system, BandedSystem) or not by_meshes)
+        led = known and (scene.columns == 1 or same or near)
         if led:
             yield "where the last equilibria lead", from_the_last
         if by_meshes:
@@ -145,7 +150,7 @@ def _attempts(
             yield "the meridian method's equilibrium", lambda: from_meridian(equilibrium_guess, DIRECT)
         if known and not led:
             yield "where the last equilibria lead", from_the_last
-        others = [pair for pair in _at_its_speed(case, known) if pair[0] != case.catch_value]
+        others = [pair for pair in path if pair[0] != case.catch_value]
         if others:
             catch, solution = min(others, key=lambda pair: abs(pair[0] - case.catch_value))
             # a catch given by its mass is a volume to the net
@@ -153,7 +158,11 @@ def _attempts(
             yield "the nearest equilibrium, in steps", lambda: in_steps(problem, (known_catch, solution), from_start)
         if scene.columns is None and scene.plan.model.bars_per_side == 1:
             yield "the equilibrium of a sector", from_sector
-        yield "a crude bag", from_crude
+        yield (
+            "a crude bag",
+            lambda: interior_point.solve(problem, tolerance, None, progress, prepared=scene.prepared),
+        )
+        yield "a crude bag, relaxed", from_crude
         if not by_meshes:
             yield "the meridian method's equilibrium", lambda: from_meridian(equilibrium_guess, DIRECT)
     if method in ("auto", "dynamic-relaxation"):
@@ -194,12 +203,6 @@ def _reaches(path: Sequence[tuple[float, Solution]], catch: float) -> bool:
         return False
     (before, _), (last, _) = path[-2:]
     return abs(catch - last) <= FARTHEST_PREDICTION * abs(last - before)
-
-
-def _near(case: Case, known: Sequence[tuple[Case, Solution]]) -> bool:
-    """Whether the same catch is known, or the last ones lead as far as the case's."""
-    same = any(other.catch_value == case.catch_value for other, _ in known)
-    return same or _reaches(_at_its_speed(case, known), case.catch_value)
 
 
 def _from_limp(problem: Problem, start: Solution, solve: Callable[[Problem, Solution], Solution]) -> Solution:

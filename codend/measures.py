@@ -81,14 +81,13 @@ def opening_force(bar_tension_n: Floats, opening_deg: Floats, wanted_deg: float 
     return np.asarray(along * (np.tan(np.radians(wanted_deg) / 2.0) - np.tan(half)))
 
 
-def mesh_openings(net: Net, positions: Floats) -> tuple[Floats, Floats]:
-    """Opening angles in degrees (k,) and outward normals (k, 3) of all meshes.
+def mesh_openings(corners: Floats) -> tuple[Floats, Floats]:
+    """Opening angles in degrees (k,) and outward normals (k, 3) of meshes by their ``mesh_corners``.
 
     The opening is 2 atan(transverse / longitudinal diagonal), both taken over the twine only, without the knots. Where
     a strap lies across the widest part of a mesh, the longitudinal one is taken along the netting, which a tight strap
     folds there: the twines of such a mesh are as far apart as if it lay flat.
     """
-    corners = mesh_corners(net, positions)
     side = corners[:, :, 1] - corners[:, :, 0]
     fore, aft = 0.5 * (side[:, 0] - side[:, 3]), 0.5 * (side[:, 1] - side[:, 2])
     longitudinal = fore + aft
@@ -108,12 +107,13 @@ def mesh_openings(net: Net, positions: Floats) -> tuple[Floats, Floats]:
 def measure_meshes(problem: Problem, solution: Solution) -> Meshes:
     """Opening, tension, opening force and net pressure of every mesh of the model."""
     net = problem.net
-    opening, normal = mesh_openings(net, solution.positions)
+    corners = mesh_corners(net, solution.positions)
+    opening, normal = mesh_openings(corners)
     tension = _mean_over(solution.bar_tension, net.mesh_bars) / net.globalisation
     band = np.minimum(net.mesh_row, net.bands - 1)
     filled = 0.5 * (solution.share[np.maximum(band - 1, 0)] + solution.share[band])
     return Meshes(
-        centre_m=mesh_corners(net, solution.positions).mean(axis=(1, 2)),
+        centre_m=corners.mean(axis=(1, 2)),
         opening_deg=opening,
         bar_tension_n=tension,
         opening_force_n=opening_force(tension, opening),
@@ -155,13 +155,21 @@ def measure_rows(problem: Problem, solution: Solution, meshes: Meshes) -> Rows:
     )
 
 
+def current_loads(problem: Problem, solution: Solution) -> tuple[Floats, Floats]:
+    """Forces of the current on the nodes, N: its drag on the twine, and the catch's pressure, each (n, 3)."""
+    position = np.ascontiguousarray(solution.positions)
+    on_twine, by_catch = np.zeros_like(position), np.zeros_like(position)
+    drag.add_drag(position, problem.structure, problem.loading, solution.share, on_twine)
+    pressure.add_pressure(position, problem.structure, problem.loading, solution.share, by_catch)
+    return on_twine, by_catch
+
+
 def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
     """Drag, volume, sizes and openings of a solved net."""
     net, structure, loading = problem.net, problem.structure, problem.loading
     position, share = np.ascontiguousarray(solution.positions), solution.share
-    twine_load, catch_load, pull = (np.zeros_like(position) for _ in range(3))
-    drag.add_drag(position, structure, loading, share, twine_load)
-    pressure.add_pressure(position, structure, loading, share, catch_load)
+    twine_load, catch_load = current_loads(problem, solution)
+    pull = np.zeros_like(position)
     length = np.empty(len(net.bars))
     bars.bar_lengths(position, structure, length)
     density = np.divide(solution.bar_tension, length, out=np.zeros_like(length), where=length > 0.0)

@@ -137,8 +137,8 @@ def solve(plan: Plan, progress: StudyProgress | None = None, choice: Choice | No
         result = _measured(case, problem, solution)
         if result.converged:
             known.append((case, solution))
-            errors = accuracy.estimate(scene, case, problem, solution, result.measures, choice.weight_share)
             pivots = newton.negative_pivots(problem, solution, scene.prepared)
+            errors = accuracy.estimate(scene, case, problem, solution, result.measures, choice.weight_share)
             result = replace(result, errors=errors, negative_pivots=pivots)
         results[case.number] = result
     if progress is not None:

@@ -1,10 +1,12 @@
-"""Studies as tables: the columns of ``results.csv``, ``profile.csv`` and ``meshes.csv``."""
+"""Results as tables: the columns of ``results.csv``, ``profile.csv``, ``meshes.csv`` and ``opening_force.csv``."""
 
+from collections.abc import Sequence
 from dataclasses import asdict
 
 import numpy as np
 import pandas as pd
 
+from codend.opening_force import Pull
 from codend.study import CaseResult, Study
 
 RESULT_COLUMNS = [
@@ -40,6 +42,29 @@ RESULT_COLUMNS = [
 
 STRAP_COLUMNS = ["max_strap_tension_n"]
 """Further columns of plans with straps."""
+
+
+OPENING_FORCE_COLUMNS = [
+    "case",
+    "speed_m_s",
+    "filled_meshes",
+    "meshes_from_entry",
+    "opening_deg",
+    "wanted_opening_deg",
+    "opening_force_alone_n",
+    "opening_force_in_net_n",
+    "opening_force_in_net_error_n",
+    "sectors",
+    "slack_bars",
+    "residual",
+    "converged",
+]
+
+
+def opening_force_table(pulls: Sequence[Pull]) -> pd.DataFrame:
+    """``opening_force.csv``: a row a mesh that was pulled open, or was to be."""
+    rows = [asdict(pull) | {"case": pull.case.number, "speed_m_s": pull.case.speed_m_s} for pull in pulls]
+    return pd.DataFrame(rows, columns=OPENING_FORCE_COLUMNS)
 
 
 def results_table(study: Study) -> pd.DataFrame:

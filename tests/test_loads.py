@@ -12,7 +12,7 @@ from codend.build import build_net
 from codend.loads import problem_of
 from codend.mechanics import bars, pressure
 from codend.mechanics.arrays import structure_of
-from codend.mechanics.relaxation import add_loads
+from codend.mechanics.balance import add_loads
 from codend.net import rotate
 from tests.plans import NO_DRAG, UNIFORM, make_plan
 from validation.reference import nodal_loads

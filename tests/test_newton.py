@@ -12,9 +12,10 @@ from codend.mechanics.tangent import add_bar_tangent, pattern_of
 from codend.net import all_round, bar_vectors
 from codend.plan import plan_from_dict
 from codend.solvers import continuation, dynamic_relaxation, newton
-from codend.solvers.linear_systems import BandedSystem, SparseSystem, _band_numbering, _scalar_places
+from codend.solvers.linear_systems import BandedSystem, _band_numbering, _scalar_places
 from codend.solvers.newton import NewtonSettings
 from codend.solvers.outcome import Outcome
+from codend.solvers.sparse_system import SparseSystem
 
 
 def _problem(columns=1, catch=None, drag=1.36, **section):
@@ -250,3 +251,25 @@ def test_prediction_is_exact_for_quadratics():
 
     predicted = continuation.predict([(v, at(v)) for v in (1.0, 2.0, 4.0)], 5.0)
     np.testing.assert_allclose(predicted.positions, at(5.0).positions, atol=1e-9)
+
+
+def test_a_solve_nearby_that_keeps_the_factors_makes_no_new_ones_and_ends_at_the_same_equilibrium(monkeypatch):
+    problem = _problem(None, meshes_round=60, meshes_long=10, knot_mm=5.0, catch={"filled_meshes": 4.0})
+    prepared = newton.prepare(problem.structure)
+    assert isinstance(prepared.system, SparseSystem)
+    assert not prepared.system.ready
+    known = newton.solve(problem, 1e-9, prepared=prepared)
+    nearby = continuation.with_catch(problem, 4.1)
+    expected = newton.solve(nearby, 1e-10, known, newton.DIRECT)
+    made = []
+    factorise = SparseSystem.factorise
+    monkeypatch.setattr(SparseSystem, "factorise", lambda self, blocks: made.append(1) or factorise(self, blocks))
+    assert newton.negative_pivots(problem, known, prepared) == 0
+    keeping = replace(newton.DIRECT, keeps_factors=True)
+    solution = newton.solve(nearby, 1e-10, known, keeping, prepared=prepared)
+    assert solution.report.outcome is Outcome.CONVERGED
+    np.testing.assert_allclose(solution.positions, expected.positions, atol=1e-9)
+    assert len(made) == 1
+    # without any to keep, it makes its own
+    newton.solve(nearby, 1e-10, known, keeping)
+    assert len(made) > 1

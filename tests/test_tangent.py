@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from catch_models.pressure import sphere_law
 from codend.build import build_net
 from codend.loads import problem_of
-from codend.mechanics import newton_step
+from codend.mechanics import newton_state, newton_step
 from codend.mechanics.arrays import Structure, structure_of
 from codend.mechanics.bars import add_bar_forces, bar_lengths
 from codend.mechanics.bending import add_bending
@@ -217,13 +217,13 @@ def test_newtons_linearisation_is_the_derivative_of_all_that_is_out_of_balance(m
     problem = distorted(mesh, columns, catch=catch, shake=0.003)
     net, structure, loading, position = problem.net, problem.structure, problem.loading, problem.net.positions
     pattern = pattern_of(structure)
-    state, step = newton_step.empty_state(structure), newton_step.empty_step(structure, pattern)
+    state, step = newton_state.empty_state(structure), newton_step.empty_step(structure, pattern)
     state.position[:] = position
     bar_lengths(position, structure, state.length)
     stretch = 1.0 / net.bar_length - 1.0 / state.length
     state.density[:] = np.maximum(stretch, 0.0) / net.bar_flexibility
-    newton_step.measure(structure, loading, 1.0, 1.0, state)
-    sides = newton_step.linearise(structure, loading, pattern, 1.0, 0.0, state, step)
+    newton_state.measure(structure, loading, 1.0, 1.0, 0.0, state)
+    sides = newton_step.linearise(structure, loading, pattern, 1.0, 0.0, 0.0, state, step)
     assert sides == (1 if catch is None else 2)
 
     def out_of_balance(at):

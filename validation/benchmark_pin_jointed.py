@@ -25,7 +25,6 @@ from codend.problem import Problem
 from codend.solvers import dynamic_relaxation, newton
 from codend.solvers.newton import DIRECT
 from codend.solvers.outcome import Solution
-from codend.solvers.pardiso_system import library_for_wide_nets
 from validation.plain_nets import plain_net, plain_problem
 
 LOAD = 0.01
@@ -222,7 +221,7 @@ def main(size: int, others: bool) -> None:
     problem = square_net(size, size)
     through = (size // 4, size // 2, size)
     exact = ours("", by_newton, [size], tolerance=1e-10, repeats=1)
-    library = library_for_wide_nets()
+    library = newton.prepare(problem.structure).system.name
     print(f"{size} x {size} nodes, {len(problem.net.bars)} bars, residual {RESIDUAL:g}; goal at 100: {GOAL_S:g} s")
     print(f"mean strain of the bars {np.mean(_tensions(problem, exact.positions)):.2e}")
     print(f"{'':44}{'s':>9}{'residual':>10}{'difference':>12}{'largest sag':>16}   iterations")

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from codend.report.files import whole_file, write_table
+from codend.report.style import png
 from validation.section import Picture, Section, Verdict
 
 REPORT = "REPORT.md"
 _LINKED = re.compile(r"\]\(((?:figures|data)/[^/)]+)\)")
-_DOTS_PER_INCH = 120
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def write_report(folder: Path, parts: Sequence[Part], how: str, machine: Sequenc
     for part in parts:
         for picture in part.section.pictures:
             with whole_file(folder / _place(picture)) as temporary:
-                picture.figure.savefig(temporary, format="png", dpi=_DOTS_PER_INCH)
+                temporary.write_bytes(png(picture.figure))
         for stem, table in part.section.data.items():
             write_table(table, folder / f"data/{stem}.csv")
     text = report_text(parts, how, machine)

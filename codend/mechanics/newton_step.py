@@ -1,11 +1,10 @@
 """Newton's method on shape and force densities together: kernels.
 
-Unknowns are the free coordinates x and the force density q of every bar. With gap = 1/l0 - 1/l, a bar is taut where
-q + w (gap - q / EA) > 0, for any w > 0 (in newtons); then gap = q / EA must hold, else q = 0: together that is the law
-of twine that carries no compression (a semismooth complementarity problem). The densities are eliminated from the
-linear system bar by bar, which leaves the nodes' coordinates only. For that an inextensible bar is given a compliance
-so small, that of ``STIFFEST`` times the reference tension, that it changes nothing but the last digits of a step; the
-lengths themselves are held exactly, since each step corrects the gap that is left.
+Unknowns are the free coordinates x and the force density q of every bar, whose law is in ``newton_state``. The
+densities are eliminated from the linear system bar by bar, which leaves the nodes' coordinates only. For that an
+inextensible bar is given a compliance so small, that of ``STIFFEST`` times the reference tension, that it changes
+nothing but the last digits of a step; the lengths themselves are held exactly, since each step corrects the gap that
+is left.
 """
 
 from typing import NamedTuple
@@ -14,10 +13,10 @@ import numpy as np
 
 from codend.compiled import njit
 from codend.mechanics.arrays import Loading, Structure
-from codend.mechanics.bars import add_bar_forces, bar_vector
+from codend.mechanics.bars import bar_vector
+from codend.mechanics.broyden import PastSteps, no_steps
 from codend.mechanics.images import add_turned_back
-from codend.mechanics.pressure import fill
-from codend.mechanics.relaxation import add_loads, out_of_balance
+from codend.mechanics.newton_state import State, measure
 from codend.mechanics.tangent import Pattern, add_bar_tangent
 from codend.mechanics.tangent_bending import add_bending_tangent
 from codend.mechanics.tangent_front import front_band, load_by_share, share_gradient
@@ -25,25 +24,6 @@ from codend.mechanics.tangent_loads import add_drag_tangent, add_pressure_tangen
 from codend.net import Floats
 
 STIFFEST = 1e8
-LENGTH_WEIGHT = 10.0
-"""Force, in units of the reference tension, that a bar's strain of 1 counts as in the merit."""
-
-
-class State(NamedTuple):
-    """A shape with its tensions, and what is left of them out of balance."""
-
-    position: Floats
-    density: Floats
-    """Force densities q, N/m, (m,); exactly 0 in slack bars."""
-    gap: Floats
-    """1/l0 - 1/l - q / EA of the bars that count as taut, 0 for the others, 1/m, (m,)."""
-    length: Floats
-    share: Floats
-    force: Floats
-    """Out-of-balance force of the nodes, N, (n, 3)."""
-    load: Floats
-    marks: Floats
-    """Merit, residual, axial imbalance, length error, 1 if the catch fits."""
 
 
 class Step(NamedTuple):
@@ -65,22 +45,7 @@ class Step(NamedTuple):
     """Change of the force densities, (m,)."""
     hardening: Floats
     """(dq/dl) / l of the taut bars, N/m3, (m,)."""
-
-
-def empty_state(structure: Structure) -> State:
-    """Arrays for a state of a net."""
-    nodes, bars = len(structure.free), len(structure.first)
-    at_nodes, at_bars = (nodes, 3), (bars,)
-    return State(
-        np.zeros(at_nodes),
-        np.zeros(at_bars),
-        np.zeros(at_bars),
-        np.zeros(at_bars),
-        np.zeros(len(structure.band_meshes)),
-        np.zeros(at_nodes),
-        np.zeros(at_nodes),
-        np.zeros(5),
-    )
+    past: PastSteps
 
 
 def empty_step(structure: Structure, pattern: Pattern) -> Step:
@@ -95,54 +60,8 @@ def empty_step(structure: Structure, pattern: Pattern) -> Step:
         np.zeros((nodes, 3)),
         np.zeros(bars),
         np.zeros(bars),
+        no_steps(nodes, bars),
     )
-
-
-@njit(cache=True, error_model="numpy")
-def measure(structure: Structure, loading: Loading, tension: float, switch: float, state: State) -> None:
-    """Cut the density of bars that are slack, and write all that follows from positions and densities.
-
-    The merit is the root of the sum of the squares of the free out-of-balance forces and of the bars' strain errors
-    times ``LENGTH_WEIGHT`` x ``tension`` (or the bar's own stiffness if less).
-
-    Args:
-        structure: the net.
-        loading: what acts on it.
-        tension: reference tension, N.
-        switch: the w in the test for taut bars, in units of the reference tension. Any positive value gives the same
-            answer; a small one lets bars go slack only as their tension passes through 0.
-        state: positions and densities; the rest of it is written.
-    """
-    firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
-    rests, flexibilities = structure.length, structure.flexibility
-    position, density, gaps, lengths = state.position, state.density, state.gap, state.length
-    force, load, free = state.force, state.load, structure.free
-    merit, worst = 0.0, 0.0
-    for bar in range(len(density)):
-        dx, dy, dz = bar_vector(position, firsts[bar], seconds[bar], images[bar], rotations)
-        length = np.sqrt(dx * dx + dy * dy + dz * dz)
-        rest = rests[bar]
-        weight = 1.0 / max(flexibilities[bar], 1.0 / (LENGTH_WEIGHT * tension))
-        gap = 1.0 / rest - 1.0 / max(length, 1e-6 * rest) - flexibilities[bar] * density[bar]
-        if density[bar] + min(weight, switch * tension) * gap <= 0.0:
-            density[bar] = gap = 0.0
-        lengths[bar], gaps[bar] = length, gap
-        error = abs(gap) * length
-        worst = max(worst, error)
-        merit += (weight * error) ** 2
-    fits = fill(position, structure, loading, state.share)
-    load[:] = 0.0
-    add_loads(position, structure, loading, state.share, load)
-    for node in range(len(force)):
-        for i in range(3):
-            force[node, i] = load[node, i]
-    add_bar_forces(position, structure, density, force)
-    for node in range(len(force)):
-        for i in range(3):
-            merit += free[node, i] * force[node, i] ** 2
-    residual, imbalance = out_of_balance(structure, force, load)
-    marks = state.marks
-    marks[0], marks[1], marks[2], marks[3], marks[4] = np.sqrt(merit), residual, imbalance, worst, 1.0 if fits else 0.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -168,7 +87,14 @@ def right_side(structure: Structure, here: State, there: State, step: Step) -> N
 
 @njit(cache=True, error_model="numpy")
 def linearise(
-    structure: Structure, loading: Loading, pattern: Pattern, tension: float, shift: float, state: State, step: Step
+    structure: Structure,
+    loading: Loading,
+    pattern: Pattern,
+    tension: float,
+    shift: float,
+    barrier: float,
+    state: State,
+    step: Step,
 ) -> int:
     """Write tangent and right sides at a state, shifted by ``shift`` times a bound on the taut net's own stiffness.
 
@@ -183,6 +109,8 @@ def linearise(
         hardening[bar] = 0.0
         if density[bar] != 0.0 or gaps[bar] != 0.0:
             compliance = max(flexibilities[bar], 1.0 / (STIFFEST * tension))
+            if barrier > 0.0:
+                compliance += barrier / density[bar] ** 2
             hardening[bar] = 1.0 / (compliance * lengths[bar] ** 3)
     right_side(structure, state, state, step)
     add_bar_tangent(position, structure, pattern, density, hardening, blocks)
@@ -286,6 +214,7 @@ def take(
     loading: Loading,
     tension: float,
     switch: float,
+    barrier: float,
     size: float,
     here: State,
     there: State,
@@ -300,5 +229,5 @@ def take(
             position[node, i] = last_position[node, i] + size * move[node, i]
     for bar in range(len(density)):
         density[bar] = last_density[bar] + size * change[bar]
-    measure(structure, loading, tension, switch, new)
+    measure(structure, loading, tension, switch, barrier, new)
     right_side(structure, here, new, step)

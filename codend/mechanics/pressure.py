@@ -10,7 +10,8 @@ from codend.net import Floats, Ints
 
 
 @njit(cache=True)
-def _corners(position: Floats, facets: Ints, images: Ints, rotations: Floats, facet: int) -> tuple[float, ...]:
+def corners_of_facet(position: Floats, facets: Ints, images: Ints, rotations: Floats, facet: int) -> tuple[float, ...]:
+    """x, y and z of a facet's first, second and third corner, each in its own sector."""
     a, b, c = facets[facet, 0], facets[facet, 1], facets[facet, 2]
     ay, az = turned(position[a, 1], position[a, 2], images[facet, 0], rotations)
     by, bz = turned(position[b, 1], position[b, 2], images[facet, 1], rotations)
@@ -19,7 +20,7 @@ def _corners(position: Floats, facets: Ints, images: Ints, rotations: Floats, fa
 
 
 @njit(cache=True)
-def _area_vector(corners: tuple[float, ...]) -> tuple[float, float, float]:
+def area_vector(corners: tuple[float, ...]) -> tuple[float, float, float]:
     """Half the cross product of two edges: points outward, as long as the facet's area."""
     ax, ay, az, bx, by, bz, cx, cy, cz = corners
     ux, uy, uz = bx - ax, by - ay, bz - az
@@ -59,7 +60,7 @@ def add_pressure(position: Floats, structure: Structure, loading: Loading, share
         filled = share[bands[facet]]
         if filled == 0.0:
             continue
-        x, y, z = _area_vector(_corners(position, facets, images, rotations, facet))
+        x, y, z = area_vector(corners_of_facet(position, facets, images, rotations, facet))
         if uniform:
             coefficient = coefficients[3, 0]
         else:
@@ -93,8 +94,8 @@ def band_geometry(position: Floats, structure: Structure, band_area: Floats, ban
     facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
     bands, weights = structure.facet_band, structure.facet_weight
     for facet in range(len(bands)):
-        corners = _corners(position, facets, images, rotations, facet)
-        area = _area_vector(corners)[0] * weights[facet] * structure.order
+        corners = corners_of_facet(position, facets, images, rotations, facet)
+        area = area_vector(corners)[0] * weights[facet] * structure.order
         band = bands[facet]
         band_area[band] += area
         band_moment[band] += area * (corners[0] + corners[3] + corners[6]) / 3.0

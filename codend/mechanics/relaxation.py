@@ -13,11 +13,11 @@ import numpy as np
 
 from codend.compiled import njit
 from codend.mechanics.arrays import Loading, Structure
+from codend.mechanics.balance import add_loads, out_of_balance
 from codend.mechanics.bars import bar_vector
-from codend.mechanics.bending import add_bending, add_bending_bound
-from codend.mechanics.drag import add_drag
+from codend.mechanics.bending import add_bending_bound
 from codend.mechanics.images import add_turned_back
-from codend.mechanics.pressure import add_pressure, fill
+from codend.mechanics.pressure import fill
 from codend.net import Floats, Ints
 
 REFRESH = 25
@@ -85,40 +85,6 @@ def workspace(structure: Structure, position: Floats) -> Workspace:
         stiffness=np.zeros(nodes),
         load_bound=np.zeros(nodes),
     )
-
-
-@njit(cache=True)
-def add_loads(position: Floats, structure: Structure, loading: Loading, share: Floats, force: Floats) -> None:
-    """Add dead loads, stiff twine, twine drag and catch pressure to the nodal forces: all but the tension."""
-    dead = loading.dead
-    for node in range(len(force)):
-        for i in range(3):
-            force[node, i] += dead[node, i]
-    add_bending(position, structure, force)
-    add_drag(position, structure, loading, share, force)
-    add_pressure(position, structure, loading, share, force)
-
-
-@njit(cache=True)
-def out_of_balance(structure: Structure, force: Floats, load: Floats) -> tuple[float, float]:
-    """Largest nodal residual and axial imbalance of the free nodes, both over the resultant of the loads."""
-    largest, axial = 0.0, 0.0
-    x, y, z = 0.0, 0.0, 0.0
-    free, order = structure.free, structure.order
-    for node in range(len(force)):
-        squares = 0.0
-        for i in range(3):
-            squares += free[node, i] * force[node, i] ** 2
-        largest = max(largest, squares)
-        axial += order * free[node, 0] * force[node, 0]
-        x, y, z = x + order * load[node, 0], y + load[node, 1], z + load[node, 2]
-    # across the axis the loads of a sector's images cancel
-    resultant = abs(x) if order > 1.0 else np.sqrt(x * x + y * y + z * z)
-    if not np.isfinite(largest) or not np.isfinite(resultant):
-        return np.inf, np.inf
-    if resultant == 0.0:
-        return (0.0, 0.0) if largest == 0.0 else (np.inf, np.inf)
-    return np.sqrt(largest) / resultant, abs(axial) / resultant
 
 
 @njit(cache=True)

@@ -59,6 +59,14 @@ def pattern_of(structure: Structure) -> Pattern:
 
 
 @njit(cache=True)
+def _add_turned_row(blocks: Floats, slot: int, i: int, x: float, y: float, z: float, c: float, s: float) -> None:
+    """Add (x, y, z) R to row ``i`` of a block, R a turn with cosine c and sine s."""
+    blocks[slot, i, 0] += x
+    blocks[slot, i, 1] += c * y + s * z
+    blocks[slot, i, 2] += c * z - s * y
+
+
+@njit(cache=True)
 def add_turned_block(
     blocks: Floats, slot: int, sign: float, h: Floats, row_image: int, column_image: int, rotations: Floats
 ) -> None:
@@ -78,9 +86,7 @@ def add_turned_block(
             x, y, z = c * h[1, 0] + s * h[2, 0], c * h[1, 1] + s * h[2, 1], c * h[1, 2] + s * h[2, 2]
         else:
             x, y, z = c * h[2, 0] - s * h[1, 0], c * h[2, 1] - s * h[1, 1], c * h[2, 2] - s * h[1, 2]
-        blocks[slot, i, 0] += x
-        blocks[slot, i, 1] += e * y + t * z
-        blocks[slot, i, 2] += e * z - t * y
+        _add_turned_row(blocks, slot, i, x, y, z, e, t)
 
 
 @njit(cache=True, error_model="numpy")
@@ -105,23 +111,15 @@ def add_bar_blocks(
     c, s = rotations[middle + image, 0], rotations[middle + image, 1]
     for i in range(3):
         x, y, z = h[i, 0], h[i, 1], h[i, 2]
-        blocks[fore_fore, i, 0] += x
-        blocks[fore_fore, i, 1] += y
-        blocks[fore_fore, i, 2] += z
-        blocks[fore_aft, i, 0] -= x
-        blocks[fore_aft, i, 1] -= c * y + s * z
-        blocks[fore_aft, i, 2] -= c * z - s * y
+        _add_turned_row(blocks, fore_fore, i, x, y, z, 1.0, 0.0)
+        _add_turned_row(blocks, fore_aft, i, -x, -y, -z, c, s)
         if i == 1:
             x, y, z = c * x + s * h[2, 0], c * y + s * h[2, 1], c * z + s * h[2, 2]
         elif i == 2:
             x, y, z = c * x - s * h[1, 0], c * y - s * h[1, 1], c * z - s * h[1, 2]
         x, y, z = sense * x, sense * y, sense * z
-        blocks[aft_fore, i, 0] += x
-        blocks[aft_fore, i, 1] += y
-        blocks[aft_fore, i, 2] += z
-        blocks[aft_aft, i, 0] -= x
-        blocks[aft_aft, i, 1] -= c * y + s * z
-        blocks[aft_aft, i, 2] -= c * z - s * y
+        _add_turned_row(blocks, aft_fore, i, x, y, z, 1.0, 0.0)
+        _add_turned_row(blocks, aft_aft, i, -x, -y, -z, c, s)
 
 
 @njit(cache=True, error_model="numpy")

@@ -11,7 +11,7 @@ from codend.compiled import njit
 from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, Loading, Structure
 from codend.mechanics.drag import add_drag
 from codend.mechanics.images import add_turned_back
-from codend.mechanics.pressure import _area_vector, _corners, add_pressure, row_positions
+from codend.mechanics.pressure import add_pressure, area_vector, corners_of_facet, row_positions
 from codend.net import Floats
 
 
@@ -52,10 +52,10 @@ def share_gradient(
             place = bands[facet]
             if share[place] == 0.0:
                 continue
-            corners = _corners(position, facets, images, rotations, facet)
+            corners = corners_of_facet(position, facets, images, rotations, facet)
             ax, ay, az, bx, by, bz, cx, cy, cz = corners
             weight = weights[facet] * structure.order
-            projected = _area_vector(corners)[0] * weight
+            projected = area_vector(corners)[0] * weight
             plane = row_x[band] if place == band else lid
             depth_behind = (ax + bx + cx) / 3.0 - plane
             if place == band:

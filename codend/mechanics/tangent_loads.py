@@ -8,7 +8,7 @@ import numpy as np
 from codend.compiled import njit
 from codend.mechanics.arrays import LE_BRIS_1999, Loading, Structure
 from codend.mechanics.bars import bar_vector
-from codend.mechanics.pressure import _area_vector, _corners, is_uniform
+from codend.mechanics.pressure import area_vector, corners_of_facet, is_uniform
 from codend.mechanics.tangent import Pattern, add_bar_blocks
 from codend.net import Floats, Ints
 
@@ -127,9 +127,9 @@ def add_pressure_tangent(
         filled = share[bands[facet]]
         if filled == 0.0:
             continue
-        corners = _corners(position, facets, images, rotations, facet)
+        corners = corners_of_facet(position, facets, images, rotations, facet)
         ax, ay, az, bx, by, bz, cx, cy, cz = corners
-        x, y, z = _area_vector(corners)
+        x, y, z = area_vector(corners)
         third = filled * weights[facet] * loading.stagnation_pressure / 3.0
         b[:] = 0.0
         coefficient = coefficients[3, 0]

@@ -107,7 +107,7 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
 
     folder.mkdir(parents=True, exist_ok=True)
     # most of a VTK file's time is compression, which lets other threads make tables and plots and go on with the next
-    with ThreadPoolExecutor(2) as beside:
+    with ThreadPoolExecutor(1) as beside:
         nets = {
             folder / f"net_{result.case.number}.vtu": beside.submit(
                 write_vtu, result, folder / f"net_{result.case.number}.vtu"

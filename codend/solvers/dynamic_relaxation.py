@@ -10,6 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from codend.mechanics import relaxation
+from codend.mechanics.balance import add_loads
 from codend.mechanics.bars import augmented_law, bar_lengths, length_error
 from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.relaxation import Workspace
@@ -225,7 +226,7 @@ def reference_tension(problem: Problem) -> float:
     force: Floats = np.zeros_like(problem.net.positions)
     share = np.zeros_like(structure.band_meshes)
     relaxation.fill(problem.net.positions, structure, loading, share)
-    relaxation.add_loads(problem.net.positions, structure, loading, share, force)
+    add_loads(problem.net.positions, structure, loading, share, force)
     resultant = force.sum(axis=0) * [1.0, structure.order == 1.0, structure.order == 1.0]
     bars_abreast = max(len(structure.first) / len(structure.band_meshes), 1.0)
     return float(np.linalg.norm(resultant)) / bars_abreast

@@ -15,6 +15,9 @@ from codend.compiled import njit
 from codend.mechanics.arrays import Structure
 from codend.mechanics.tangent import Pattern
 from codend.net import Floats, Ints
+from codend.solvers import pardiso_system
+from codend.solvers.pardiso_system import PardisoSystem
+from codend.solvers.sparse_system import SparseSystem
 
 WIDEST_BAND = 100
 """Half-bandwidth beyond which SuperLU is the faster (measured)."""
@@ -23,8 +26,14 @@ WIDEST_BAND = 100
 class LinearSystem(Protocol):
     """A factorised tangent; fixed coordinates are left out of it and come back as 0."""
 
+    name: str
+    """What factorises it, for reports."""
     worthwhile_gain: float
     """Fall of the merit at which one more step with the same factors costs less than it saves."""
+
+    @property
+    def ready(self) -> bool:
+        """Whether it holds factors to solve with."""
 
     def factorise(self, blocks: Floats) -> int:
         """Factorise the tangent ``blocks`` (b, 3, 3).
@@ -45,15 +54,13 @@ def linear_system(structure: Structure, pattern: Pattern) -> LinearSystem:
 
     Sparse ones are factorised by PARDISO where it is installed, else by SuperLU.
     """
-    from codend.solvers import pardiso_system
-
     unknown = _band_numbering(structure, pattern)
     row, column = _scalar_places(pattern, unknown)
     used = (row >= 0) & (column >= 0)
     half_band = int(np.abs(row - column)[used].max(initial=0))
     if half_band <= WIDEST_BAND:
         return BandedSystem(unknown, row, column, half_band)
-    wide = pardiso_system.PardisoSystem if pardiso_system.installed() else SparseSystem
+    wide = PardisoSystem if pardiso_system.installed() else SparseSystem
     return wide(unknown, row, column)
 
 
@@ -93,7 +100,8 @@ class Band(NamedTuple):
 class BandedSystem:
     """Band LU without pivoting."""
 
-    worthwhile_gain = 0.05
+    name = "a band LU"
+    worthwhile_gain = 0.2
 
     def __init__(self, unknown: Ints, row: Ints, column: Ints, half_band: int) -> None:
         size = int(unknown.max(initial=-1)) + 1
@@ -101,6 +109,12 @@ class BandedSystem:
         used = (row >= 0) & (column >= 0)
         place = np.where(used, row.astype(np.int64) * width + column - row + half_band, -1).ravel()
         self.arrays = Band(np.zeros((size, width)), place, unknown)
+
+    @property
+    def ready(self) -> bool:
+        """See ``LinearSystem``."""
+        rows = self.arrays.rows
+        return bool(rows[:, rows.shape[1] // 2].all())
 
     def factorise(self, blocks: Floats) -> int:
         """See ``LinearSystem``."""
@@ -176,57 +190,3 @@ def solve_band(band: Floats, unknown: Ints, right: Floats, solution: Floats) -> 
             for i in range(3):
                 if unknown[node, i] >= 0:
                     solution[side, node, i] = x[unknown[node, i]]
-
-
-class SparseSystem:
-    """SuperLU in its symmetric mode."""
-
-    worthwhile_gain = 0.5
-
-    def __init__(self, unknown: Ints, row: Ints, column: Ints) -> None:
-        self.size = int(unknown.max(initial=-1)) + 1
-        self._used = np.flatnonzero(((row >= 0) & (column >= 0)).ravel())
-        self._row, self._column = row.ravel()[self._used], column.ravel()[self._used]
-        self._free = unknown >= 0
-        self._number = unknown[self._free]
-        self._lay_out()
-
-    def _lay_out(self) -> None:
-        """Columns in order, and in each the rows in order: where every entry goes."""
-        order = np.lexsort((self._row, self._column))
-        self._gather = self._used[order]
-        self._indices = self._row[order].astype(np.int32)
-        self._starts = np.searchsorted(self._column[order], np.arange(self.size + 1)).astype(np.int32)
-
-    def factorise(self, blocks: Floats) -> int:
-        """See ``LinearSystem``."""
-        from scipy.sparse import csc_array
-        from scipy.sparse.linalg import splu
-
-        # the entries are gathered, never added up by scipy, which would drop zeros and with them the pattern
-        matrix = csc_array(
-            (blocks.reshape(-1)[self._gather], self._indices, self._starts), shape=(self.size, self.size)
-        )
-        try:
-            self._factors = splu(
-                matrix,
-                permc_spec="MMD_AT_PLUS_A",
-                diag_pivot_thresh=0.0,
-                options={"SymmetricMode": True},
-            )
-        except RuntimeError:
-            return -1
-        return 0
-
-    def solve(self, right: Floats) -> Floats:
-        """See ``LinearSystem``."""
-        sides = np.empty((self.size, len(right)))
-        sides[self._number] = right[:, self._free].T
-        solved = self._factors.solve(sides)
-        solution = np.zeros_like(right)
-        solution[:, self._free] = solved[self._number].T
-        return solution
-
-    def negative_pivots(self) -> int:
-        """See ``LinearSystem``; the factor must be copied out of SuperLU, which takes about half a factorisation."""
-        return int(np.count_nonzero(self._factors.U.diagonal() < 0.0))

@@ -14,16 +14,17 @@ import numpy as np
 from codend.mechanics import newton_step as kernels
 from codend.mechanics.arrays import Structure
 from codend.mechanics.bars import bar_lengths
+from codend.mechanics.broyden import correct
 from codend.mechanics.compiling import compile_kernel
 from codend.mechanics.crossing import passed_through_itself
-from codend.mechanics.newton_step import State, Step
+from codend.mechanics.newton_state import State, empty_state, measure
+from codend.mechanics.newton_step import Step
 from codend.mechanics.tangent import Pattern, pattern_of
 from codend.problem import Problem
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension, rough_shape
 from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
 from codend.solvers.newton_advance import FAILED, IN_FIRST, IN_SECOND, Limits, advance, advance_banded, within
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
-from codend.solvers.pardiso_system import library_for_wide_nets
 
 METHOD = "newton"
 CLEAR_GAIN = 0.1
@@ -35,10 +36,12 @@ class NewtonSettings:
     """What may be tuned; the defaults hold for all plans the project knows."""
 
     switches: tuple[float, ...] = (0.1, 0.01, 1.0)
-    """Weights of the test for taut bars (``newton_step.measure``), tried in order: where one makes bars go taut and
+    """Weights of the test for taut bars (``newton_state.measure``), tried in order: where one makes bars go taut and
     slack in turns for ever, another does not."""
     iterations_allowed: int = 30
     """Iterations with each of them; from a start that was given only the first is tried before the net is relaxed."""
+    keeps_factors: bool = False
+    """Whether the first iteration takes the factors there are, of the tangent at an equilibrium nearby."""
     largest_turn: float = 1.0
     """Largest change of a taut bar's vector in one step, over its length."""
     shortest_step: float = 0.01
@@ -80,7 +83,7 @@ def prepare(structure: Structure) -> Prepared:
     return Prepared(
         pattern=pattern,
         system=linear_system(structure, pattern),
-        states=(kernels.empty_state(structure), kernels.empty_state(structure), kernels.empty_state(structure)),
+        states=(empty_state(structure), empty_state(structure), empty_state(structure)),
         step=kernels.empty_step(structure, pattern),
     )
 
@@ -140,12 +143,15 @@ def solve(
 def negative_pivots(problem: Problem, solution: Solution, prepared: Prepared) -> int:
     """Negative pivots of the tangent at an equilibrium: 0 where it is stable, -1 if the tangent is singular.
 
-    Loads that follow the net make the tangent slightly unsymmetric, so this is a sign of stability and no proof.
+    Loads that follow the net make the tangent slightly unsymmetric, so this is a sign of stability and no proof. The
+    tangent's factors stay in ``prepared``, for solves nearby that keep them.
     """
     run = _Run(problem, prepared, DIRECT, None)
     run._set_start(solution, DIRECT.switches[0])
     step, system = prepared.step, prepared.system
-    sides = kernels.linearise(problem.structure, problem.loading, prepared.pattern, run.tension, 0.0, run.state, step)
+    sides = kernels.linearise(
+        problem.structure, problem.loading, prepared.pattern, run.tension, 0.0, 0.0, run.state, step
+    )
     if system.factorise(step.blocks) == -1:
         return -1
     # a front that follows the net adds a product to the tangent, and with it the sign of one more factor
@@ -166,16 +172,17 @@ def _seconds_to_compile(problem: Problem, prepared: Prepared, settings: NewtonSe
     run.tension = run.switch = 1.0
     structure, loading, state, step = run.structure, run.loading, run.state, prepared.step
     solved = step.solved[:1]
-    compile_kernel(kernels.measure, structure, loading, 1.0, 1.0, state)
+    compile_kernel(measure, structure, loading, 1.0, 1.0, 0.0, state)
     compile_kernel(passed_through_itself, state.position, structure)
     if isinstance(system, BandedSystem):
         compile_kernel(advance_banded, system.arrays, *run.arguments(0.0, 0.0))
     else:
-        compile_kernel(kernels.linearise, structure, loading, prepared.pattern, 1.0, 0.0, state, step)
+        compile_kernel(kernels.linearise, structure, loading, prepared.pattern, 1.0, 0.0, 0.0, state, step)
         compile_kernel(kernels.finish_step, structure, state, state, solved, step)
         compile_kernel(kernels.simplified_move, solved, 1.0, step)
+        compile_kernel(correct, step.past, 0, state.length, 1.0, step.move, step.change)
         compile_kernel(within, state, run.arguments(0.0, 0.0)[6])
-        compile_kernel(kernels.take, structure, loading, 1.0, 1.0, 1.0, state, state, step, state)
+        compile_kernel(kernels.take, structure, loading, 1.0, 1.0, 0.0, 1.0, state, state, step, state)
     return perf_counter() - started
 
 
@@ -196,12 +203,11 @@ class _Run:
         self, start: Solution, tolerance: float, switches: tuple[float, ...], attempts: list[str]
     ) -> Outcome:
         """Try the weights of the test for taut bars in order, and note each attempt."""
-        library = "a band LU" if isinstance(self.prepared.system, BandedSystem) else library_for_wide_nets()
         for switch in switches:
             before = self.iterations
             outcome = self.to_equilibrium(tolerance, start, switch)
             attempts.append(
-                f"{METHOD} with {library}, switch {switch:g}: {self.iterations - before} iterations, "
+                f"{METHOD} with {self.prepared.system.name}, switch {switch:g}: {self.iterations - before} iterations, "
                 f"residual {self.state.marks[1]:.1e}. {outcome.value}"
             )
             if outcome in (Outcome.CONVERGED, Outcome.OVERFULL, Outcome.NOT_FINITE):
@@ -215,6 +221,7 @@ class _Run:
             return Outcome.NOT_FINITE
         self._set_start(start, switch)
         settings, shift = self.settings, 0.0
+        kept = settings.keeps_factors and self.prepared.system.ready
         last = self.iterations + settings.iterations_allowed
         while True:
             merit, residual, imbalance, length_error, fits = self.state.marks
@@ -234,6 +241,10 @@ class _Run:
             if self.iterations >= last:
                 return Outcome.STEPS_SPENT
             self.iterations += 1
+            if kept:
+                kept = False
+                if self._advance(0.0, tolerance, fresh=False):
+                    continue
             while not self._advance(shift, tolerance):
                 shift = max(10.0 * shift, settings.first_shift)
                 if shift > settings.largest_shift:
@@ -255,9 +266,9 @@ class _Run:
         if self.tension == 0.0:
             self.tension = reference_tension(self.problem)
             state.density[:] = self.tension / structure.length
-        kernels.measure(structure, self.loading, self.tension, switch, state)
+        measure(structure, self.loading, self.tension, switch, 0.0, state)
 
-    def arguments(self, shift: float, tolerance: float) -> tuple:
+    def arguments(self, shift: float, tolerance: float, fresh: bool = True) -> tuple:
         """What ``advance`` takes after the linear system."""
         settings = self.settings
         limits = Limits(
@@ -269,15 +280,15 @@ class _Run:
             LENGTH_TOLERANCE,
         )
         fixed = self.structure, self.loading, self.prepared.pattern, self.tension, self.switch
-        return *fixed, shift, limits, self.state, self.first, self.second, self.prepared.step
+        return *fixed, shift, limits, self.state, self.first, self.second, self.prepared.step, fresh
 
-    def _advance(self, shift: float, tolerance: float) -> bool:
+    def _advance(self, shift: float, tolerance: float, fresh: bool = True) -> bool:
         """Take one step with the tangent shifted; False if no good one was found."""
         system = self.prepared.system
         if isinstance(system, BandedSystem):
-            where, negative = advance_banded(system.arrays, *self.arguments(shift, tolerance))
+            where, negative = advance_banded(system.arrays, *self.arguments(shift, tolerance, fresh))
         else:
-            where, negative = advance(system, *self.arguments(shift, tolerance))
+            where, negative = advance(system, *self.arguments(shift, tolerance, fresh))
         self.singular = negative == -1
         if where == IN_FIRST:
             self.state, self.first = self.first, self.state

@@ -11,7 +11,9 @@ from numba.extending import overload
 
 from codend.compiled import njit
 from codend.mechanics.arrays import Loading, Structure
-from codend.mechanics.newton_step import State, Step, finish_step, linearise, simplified_move, take
+from codend.mechanics.broyden import MOST_STEPS, correct
+from codend.mechanics.newton_state import State
+from codend.mechanics.newton_step import Step, finish_step, linearise, simplified_move, take
 from codend.mechanics.tangent import Pattern
 from codend.net import Floats
 from codend.solvers.linear_systems import Band, LinearSystem, factorise_band, solve_band
@@ -73,17 +75,20 @@ def advance(
     first: State,
     second: State,
     step: Step,
+    fresh: bool,
 ) -> tuple[int, int]:
     """Take a step from ``state`` with the tangent shifted, shortened as far as need be.
 
-    While a whole step with the unshifted tangent does well, more follow with the same factors (Shamanskii's method).
+    Unless ``fresh``, the factors that the system holds stand for those of the tangent, which is near to theirs.
+
+    While a whole step with the unshifted tangent does well, more follow with the same factors (Broyden's method).
 
     Returns:
         where the new state is, and the number of negative pivots, -1 if the tangent was singular.
     """
-    sides = linearise(structure, loading, pattern, tension, shift, state, step)
+    sides = linearise(structure, loading, pattern, tension, shift, 0.0, state, step)
     right, solved = step.right, step.solved[:sides]
-    negative = factorise(system, step.blocks)
+    negative = factorise(system, step.blocks) if fresh else 0
     if negative != 0:
         return FAILED, negative
     solve(system, right[:sides], solved)
@@ -92,27 +97,36 @@ def advance(
         return FAILED, 1
     size = min(1.0, limits.largest_turn / turn) if turn > 0.0 else 1.0
     while True:
-        take(structure, loading, tension, switch, size, state, state, step, first)
-        if first.marks[0] <= limits.clear_gain * state.marks[0]:
+        take(structure, loading, tension, switch, 0.0, size, state, state, step, first)
+        gain = first.marks[0] / state.marks[0]
+        if gain <= limits.clear_gain:
             break
         solve(system, right[:1], solved[:1])
         left, bend = simplified_move(solved, size, step)
         # a shifted step leaves what the shift took, so there only growth is refused
         if left <= ((1.0 - 0.25 * size) if shift == 0.0 else 2.0) * length:
+            # what is left to go may fall where the forces, of which stiff bars make much, do not
+            gain = min(gain, left / length)
             break
         size = min(0.5 * size, 0.5 * size * size * length / bend)
         if size < limits.shortest_step:
             return FAILED, 0
-    gain = first.marks[0] / state.marks[0]
     if shift > 0.0 or size < 1.0:
         return IN_FIRST, 0
-    there, new, where = first, second, IN_FIRST
-    while gain <= limits.worthwhile_gain and not within(there, limits):
+    past = step.past
+    correct(past, 0, state.length, tension, step.move, step.change)
+    there, new, where, last_gain = first, second, IN_FIRST, gain
+    for count in range(1, MOST_STEPS):
+        # over two steps, since the first of a bend may seem to lead away
+        if not gain * last_gain <= limits.worthwhile_gain**2 or within(there, limits):
+            break
         solve(system, right[:1], solved[:1])
         finish_step(structure, state, there, solved, step)
-        take(structure, loading, tension, switch, 1.0, state, there, step, new)
-        gain = new.marks[0] / there.marks[0]
-        if gain < 1.0:
+        if not correct(past, count, state.length, tension, step.move, step.change):
+            break
+        take(structure, loading, tension, switch, 0.0, 1.0, state, there, step, new)
+        last_gain, gain = gain, new.marks[0] / there.marks[0]
+        if gain < 1.0 or gain * last_gain <= limits.worthwhile_gain**2:
             there, new, where = new, there, IN_FIRST + IN_SECOND - where
     return where, 0
 

@@ -23,7 +23,7 @@ from importlib.util import find_spec
 from typing import Any
 
 from codend.net import Floats, Ints
-from codend.solvers.linear_systems import SparseSystem
+from codend.solvers.sparse_system import SparseSystem
 
 _ORDERING, _PERTURBATION, _SCALING, _MATCHING, _PERTURBED = 1, 9, 10, 12, 13
 """Places of PARDISO's parameters, counted from 0."""
@@ -35,13 +35,10 @@ def installed() -> bool:
     return find_spec("pymklpardiso") is not None
 
 
-def library_for_wide_nets() -> str:
-    """What factorises the tangent of nets that are too wide for a band."""
-    return "PARDISO" if installed() else "SuperLU"
-
-
 class PardisoSystem(SparseSystem):
     """PARDISO for matrices of symmetric pattern, its order found once: no scaling or exchange by the first values."""
+
+    name = "PARDISO"
 
     def __init__(self, unknown: Ints, row: Ints, column: Ints) -> None:
         super().__init__(unknown, column, row)  # it wants the rows in order, which are the transpose's columns

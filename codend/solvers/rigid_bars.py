@@ -15,9 +15,9 @@ from time import perf_counter
 
 import numpy as np
 
+from codend.mechanics.balance import out_of_balance
 from codend.mechanics.bars import add_bar_forces, bar_lengths, length_error
 from codend.mechanics.crossing import passed_through_itself
-from codend.mechanics.relaxation import out_of_balance
 from codend.net import Floats
 from codend.problem import Problem
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE

@@ -7,6 +7,7 @@ import numpy as np
 from codend.mechanics.rigid import RigidPattern
 from codend.net import Floats, Ints
 from codend.solvers.linear_systems import BandedSystem
+from codend.solvers.sparse_system import columns_in_order
 
 WIDEST_BAND = 80
 """Half-bandwidth beyond which SuperLU is the faster (measured)."""
@@ -40,10 +41,8 @@ class TensionSystem:
             self._ordering: Literal["MMD_AT_PLUS_A", "NATURAL"] = "MMD_AT_PLUS_A"
 
     def _lay_out(self, row: Ints, column: Ints, place: Ints) -> None:
-        row, column = place[row], place[column]
-        self._gather = np.lexsort((row, column))
-        self._indices = row[self._gather].astype(np.int32)
-        self._starts = np.searchsorted(column[self._gather], np.arange(self._bars + 1)).astype(np.int32)
+        order = columns_in_order(place[row], place[column], self._bars)
+        self._gather, self._indices, self._starts = order
 
     def factorise(self, entries: Floats) -> bool:
         """Factorise the system with these entries, (entries,); False if it is singular."""

@@ -152,14 +152,6 @@ def table_of(scene: str, rows: list[dict[str, object]], reference: pd.Series) ->
     return table
 
 
-def next_of_a_series_ms(scene: Scene) -> float:
-    """Least time of the scene's catch where the catches before it are known, ms: an equilibrium within a study."""
-    plan = scene.plan("model.fidelity=sector")
-    filled = plan.cases()[0].catch_value
-    series = scene.plan("model.fidelity=sector", f"catch.filled_meshes={[filled - 3, filled - 2, filled - 1, filled]}")
-    return min(solve(series).cases[-1].report.solve_ms for _ in range(3))
-
-
 def _reference(scene: Scene) -> pd.Series:
     model = ("model.fidelity=full", f"model.tolerance={CONFIRMING_TOLERANCE:g}")
     if not scene.weighed:

@@ -5,11 +5,11 @@ import pandas as pd
 
 from codend.report.speed_plot import speed_figure
 from codend.speed_accuracy.choices import choices
-from codend.speed_accuracy.measuring import ACCURACIES, QUANTITIES, Measured, measure, next_of_a_series_ms
+from codend.speed_accuracy.measuring import ACCURACIES, QUANTITIES, Measured, measure
 from validation.section import Picture, Section, Verdict
 from validation.work_precision import words
 from validation.work_precision.orders import growth, orders
-from validation.work_precision.scenes import scenes, weighed_scene
+from validation.work_precision.scenes import next_of_a_series_ms, scenes, weighed_scene
 
 CONFIRMED = 1e-7
 """Relative distance within which a sector's relaxation must confirm the reference."""

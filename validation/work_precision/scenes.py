@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from codend.speed_accuracy.contenders import Scene
+from codend.study import solve
 
 CASES = Path(__file__).parents[1] / "cases"
 
@@ -41,3 +42,11 @@ def weighed_scene(quick: bool) -> Scene:
     )
     factors = (4, 2, 1) if quick else (8, 4, 2, 1)
     return Scene("slow tow of heavy twine", CASES / "flume_150x140.toml", keys, factors, weighed=True)
+
+
+def next_of_a_series_ms(scene: Scene) -> float:
+    """Least time of the scene's catch where the catches before it are known, ms: an equilibrium within a study."""
+    plan = scene.plan("model.fidelity=sector")
+    filled = plan.cases()[0].catch_value
+    series = scene.plan("model.fidelity=sector", f"catch.filled_meshes={[filled - 3, filled - 2, filled - 1, filled]}")
+    return min(solve(series).cases[-1].report.solve_ms for _ in range(3))

@@ -1,0 +1,230 @@
+"""The force that opens one mesh of a solved net: as if it were alone, and in the net, its neighbours and all.
+
+Alone a mesh is a rhombus under the load along the netting that it carries (``measures.opening_force``; Le Bris et al.
+1999, figure 11). In the net its two knots across the netting are pulled apart by hooks, long bars of no stretch from
+the knots to fixed points abeam of them, shortened until the mesh is as wide as wanted: the force is what the hooks
+carry. Neighbours must give way for that and many of their bars go slack, so the pull is solved by the interior-point
+method. One mesh among all round is modelled by sectors side by side, as many as it takes until their number no longer
+tells.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from codend import equilibrium
+from codend.build import build_net
+from codend.errors import InputError
+from codend.loads import problem_of
+from codend.measures import WANTED_OPENING_DEG, mesh_openings, opening_force
+from codend.net import Floats, Ints, Net, mesh_corners
+from codend.plan import Case, Plan
+from codend.solvers import interior_point, newton
+from codend.solvers.outcome import Progress, Solution
+
+FEWEST_COLUMNS = 10
+WIDER = 1.4
+"""Factor by which the model is made wider at least, from one to the next."""
+ENOUGH = 0.03
+"""Change of the force from one width to the next, relative, at which the model is wide enough."""
+HOOK = 10.0
+"""Length of a hook over that of a mesh side."""
+NEAR_DEG = 0.02
+"""Opening within which the force is led to the wanted one by a straight line."""
+MOST_PULLS = 8
+
+
+@dataclass(frozen=True)
+class Pull:
+    """One mesh, and the force that opens it; the names of its numbers are those of the columns of the table."""
+
+    case: Case
+    filled_meshes: float
+    meshes_from_entry: float
+    opening_deg: float
+    """Before it is pulled."""
+    wanted_opening_deg: float
+    opening_force_alone_n: float
+    """0 or less where the mesh is open that far already."""
+    opening_force_in_net_n: float
+    """0 where the mesh is open that far already; nan where it was not found."""
+    opening_force_in_net_error_n: float
+    """Estimate: the change from a narrower model to this one."""
+    sectors: int
+    """That were modelled side by side."""
+    slack_bars: int
+    """Of that model, in the pulled net."""
+    residual: float
+    """Of the pulled net, or of the solved one where nothing was to be pulled."""
+    converged: bool
+    attempts: tuple[str, ...]
+    """What was tried, in order, a line each."""
+
+
+def pull_mesh(
+    plan: Plan,
+    case: Case,
+    meshes_from_entry: float | None = None,
+    wanted_deg: float = WANTED_OPENING_DEG,
+    progress: Progress | None = None,
+) -> Pull:
+    """Force that opens the mesh nearest to a place along the codend, alone and in the net.
+
+    Wet weight is left out, as of a sector. Takes seconds where twine stretches; a net of inextensible twine gives way
+    only far around, which takes a minute or two.
+
+    Args:
+        plan: the net plan.
+        case: speed and catch.
+        meshes_from_entry: where the mesh is, in meshes from the entry; None for the one ahead of the catch
+            that needs most when alone.
+        wanted_deg: opening to bring it to.
+        progress: told the residual of every step.
+
+    Raises:
+        InputError: the plan has hinges in its bars, or there is no mesh at that place.
+    """
+    if plan.model.bars_per_side > 1:
+        raise InputError(plan.source, "model.bars_per_side", plan.model.bars_per_side, "1 where a mesh is pulled open")
+    sector = equilibrium.scene_of(plan, 1, 1)
+    net = sector.net
+    places = np.concatenate([[0.0], np.cumsum(net.band_meshes)])
+    if meshes_from_entry is not None and not 0.0 < meshes_from_entry < places[-1]:
+        raise InputError(plan.source, "meshes from the entry", meshes_from_entry, f"above 0 and below {places[-1]:g}")
+    _, solution = equilibrium.solve(sector, case, (), progress)
+    attempts, nothing = solution.report.attempts, float("nan")
+    pull = Pull(case, nothing, nothing, nothing, wanted_deg, nothing, nothing, nothing, 1, 0, nothing, False, attempts)
+    if not solution.report.outcome.converged:
+        return pull
+    opening, _ = mesh_openings(mesh_corners(net, solution.positions))
+    sides = net.mesh_bars
+    tension = (solution.bar_tension[sides] * (sides >= 0)).sum(axis=1) / (sides >= 0).sum(axis=1)
+    alone = opening_force(tension, opening, wanted_deg)
+    ahead = places[net.mesh_row] <= float((1.0 - solution.share) @ net.band_meshes)
+    fits = np.where(ahead, alone, -np.inf)
+    if meshes_from_entry is not None:
+        fits = -np.abs(places[net.mesh_row] - meshes_from_entry)
+    mesh = int(np.argmax(fits))
+    row = int(net.mesh_row[mesh])
+    pull = replace(
+        pull,
+        filled_meshes=float(solution.share @ net.band_meshes),
+        meshes_from_entry=float(places[row]),
+        opening_deg=float(opening[mesh]),
+        opening_force_alone_n=float(alone[mesh]),
+    )
+    if pull.opening_deg >= wanted_deg:
+        return replace(
+            pull,
+            opening_force_in_net_n=0.0,
+            opening_force_in_net_error_n=0.0,
+            residual=solution.report.residual,
+            converged=True,
+        )
+    for columns in _widths(net.order):
+        pulled = _pulled(plan, columns, row, _all_round(net, solution, columns), pull, progress)
+        attempts += tuple(f"{columns} of {net.order} sectors: {line}" for line in pulled.attempts)
+        change = abs(pulled.opening_force_in_net_n - pull.opening_force_in_net_n)
+        pull = replace(pulled, opening_force_in_net_error_n=change, attempts=attempts)
+        if not pull.converged or change <= ENOUGH * pull.opening_force_in_net_n:
+            break
+    return pull
+
+
+def _widths(sectors: int) -> Iterator[int]:
+    """Numbers of sectors to model side by side, from narrow to the full net."""
+    last = 0.0
+    for columns in range(1, sectors + 1):
+        if sectors % columns == 0 and (columns == sectors or columns >= max(FEWEST_COLUMNS, WIDER * last)):
+            yield columns
+            last = columns
+
+
+def _all_round(sector: Net, solution: Solution, columns: int) -> Solution:
+    return equilibrium.all_round_start(sector, solution.positions, solution.bar_tension, columns)
+
+
+def _pulled(plan: Plan, columns: int, row: int, start: Solution, pull: Pull, progress: Progress | None) -> Pull:
+    """The pull with ``columns`` sectors side by side: its force, not yet the error."""
+    net = replace(build_net(plan, columns=columns), positions=start.positions)
+    mesh = _middle_mesh(net, row)
+    right = np.unique([net.mesh_sides[mesh, 0, 1], net.mesh_sides[mesh, 1, 0]])
+    left = np.unique([net.mesh_sides[mesh, 2, 1], net.mesh_sides[mesh, 3, 0]])
+    abeam = net.positions[right].mean(axis=0) - net.positions[left].mean(axis=0)
+    abeam /= np.linalg.norm(abeam)
+    side = float(net.bar_length[net.mesh_bars[mesh]].max())
+    hooks = len(right) + len(left)
+    solution = replace(
+        start,
+        positions=_with_hooks(net, right, left, abeam, HOOK * side, 0.0).positions,
+        bar_tension=np.append(start.bar_tension, np.zeros(hooks)),
+    )
+    wanted, opening = np.radians(pull.wanted_opening_deg), np.radians(pull.opening_deg)
+    pulled_by = [(0.0, pull.opening_deg, 0.0)]
+    goal = side * (np.sin(wanted / 2.0) - np.sin(opening / 2.0))
+    attempts: list[str] = []
+    prepared: newton.Prepared | None = None
+    while len(attempts) < MOST_PULLS:
+        hooked = _with_hooks(net, right, left, abeam, HOOK * side, goal)
+        problem = problem_of(hooked, plan, pull.case)
+        prepared = newton.prepare(problem.structure) if prepared is None else prepared
+        trial = interior_point.solve(problem, plan.model.tolerance, solution, progress, prepared=prepared)
+        attempts.append(f"pulled by {2e3 * goal:.4g} mm: {'; '.join(trial.report.attempts)}")
+        if not trial.report.outcome.converged:
+            goal = 0.5 * (goal + pulled_by[-1][0])
+            continue
+        solution = trial
+        reached = float(mesh_openings(mesh_corners(hooked, trial.positions)[[mesh]])[0][0])
+        force = 0.5 * float(trial.bar_tension[-hooks:].sum())
+        last_goal, last_opening, last_force = pulled_by[-1]
+        pulled_by.append((goal, reached, force))
+        short = (pull.wanted_opening_deg - reached) / (reached - last_opening)
+        if abs(pull.wanted_opening_deg - reached) <= NEAR_DEG:
+            slack = np.count_nonzero(trial.bar_tension[:-hooks] == 0.0)
+            return replace(
+                pull,
+                opening_force_in_net_n=force + short * (force - last_force),
+                sectors=columns,
+                slack_bars=int(slack),
+                residual=trial.report.residual,
+                converged=True,
+                attempts=tuple(attempts),
+            )
+        goal += short * (goal - last_goal)
+    return replace(
+        pull, opening_force_in_net_n=float("nan"), sectors=columns, converged=False, attempts=tuple(attempts)
+    )
+
+
+def _middle_mesh(net: Net, row: int) -> int:
+    """The mesh of a row that lies in the middle of a sector, no side of it in another."""
+    inside = np.flatnonzero((net.mesh_row == row) & ~net.mesh_side_image.any(axis=(1, 2)))
+    return int(inside[len(inside) // 2])
+
+
+def _with_hooks(net: Net, right: Ints, left: Ints, abeam: Floats, length: float, pulled: float) -> Net:
+    """The net with a hook at each of the knots, shortened by ``pulled``: straight, without stretch, drag or weight."""
+    knots = np.concatenate([right, left])
+    away = np.repeat([length, -length], [len(right), len(left)])
+    hooks = len(knots)
+    anchors = net.positions[knots] + away[:, None] * abeam
+    numbers = len(net.positions) + np.arange(hooks)
+
+    def extended(values: np.ndarray, value: float) -> np.ndarray:
+        return np.append(values, np.full(hooks, value, dtype=values.dtype))
+
+    return replace(
+        net,
+        positions=np.concatenate([net.positions, anchors]),
+        fixed=np.concatenate([net.fixed, np.ones((hooks, 3), dtype=bool)]),
+        node_row=extended(net.node_row, -1),
+        bars=np.concatenate([net.bars, np.stack([knots, numbers], axis=1).astype(np.int32)]),
+        bar_image=extended(net.bar_image, 0),
+        bar_length=extended(net.bar_length, length - pulled),
+        bar_flexibility=extended(net.bar_flexibility, 0.0),
+        bar_drag_diameter=extended(net.bar_drag_diameter, 0.0),
+        bar_solid_diameter=extended(net.bar_solid_diameter, 0.0),
+        bar_density=extended(net.bar_density, np.nan),
+        bar_band=extended(net.bar_band, 0),
+    )

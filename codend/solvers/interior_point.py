@@ -1,0 +1,152 @@
+"""Newton's method with a barrier that keeps all bars taut, made lower and lower: for nets whose bars go slack by many.
+
+Which bars end slack is not tried out but emerges: with the barrier b every bar obeys (q / EA - gap) q = b (see
+``newton_state``), so that its force density q and what it is short of its length stay above 0 and their product falls
+to nothing (a primal-dual interior-point method: Nocedal and Wright, Numerical Optimization, 2006, sections 16.6 and
+19.3). It needs some thirty factorisations where Newton's method alone, near its equilibrium, needs one or two, and
+leaves the last digits to it; but it needs no start nearby.
+"""
+
+from dataclasses import replace
+from time import perf_counter
+
+import numpy as np
+
+from codend.mechanics import newton_step as kernels
+from codend.mechanics.compiling import compile_kernel
+from codend.mechanics.newton_state import State, measure
+from codend.problem import Problem
+from codend.solvers import newton
+from codend.solvers.dynamic_relaxation import reference_tension
+from codend.solvers.newton import DIRECT, Prepared
+from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+
+METHOD = "interior point"
+FIRST_BARRIER, LAST_BARRIER = 1e-3, 1e-12
+"""In units of the reference tension over the square of the mean length of bars."""
+LOWERED, LOWERED_WARILY = 0.2, 0.5
+"""Factor on the barrier after a step that was nearly whole, and after one that was more than half of it."""
+NEAREST_TO_SLACK = 0.99
+"""Share of the way to the first bar's slackness that a step may go."""
+LARGEST_TURN = 0.5
+"""Largest change of a bar's vector in one step, over its length."""
+LEAST_TENSION = 0.01
+"""Tension that bars are given at least to start with, over the mean."""
+STEPS_ALLOWED = 120
+STALLED = 25
+"""Steps in a row that do not lower the barrier, after which none will."""
+FINISH = replace(DIRECT, switches=(1.0, 0.1, 0.01))
+"""Newton's method at the end: the first of these weights parts taut and slack bars as the barrier did."""
+
+
+def solve(
+    problem: Problem,
+    tolerance: float,
+    start: Solution | None = None,
+    progress: Progress | None = None,
+    *,
+    prepared: Prepared,
+) -> Solution:
+    """Equilibrium of a net from a start that need not be near: bars may go slack on the way, and slack ones taut.
+
+    A solve that fails returns nan positions and tensions, and why.
+
+    Args:
+        problem: the net under its loads.
+        tolerance: largest residual and axial imbalance over the resultant of the loads.
+        start: positions and tensions to start from; without one the net's own shape with even tension.
+        progress: told the residual of every step.
+        prepared: what ``newton.prepare`` returned for this structure.
+    """
+    started = perf_counter()
+    structure, loading, step = problem.structure, problem.loading, prepared.step
+    state, new, _ = prepared.states
+    started += _seconds_to_compile(problem, prepared)
+    tension = reference_tension(problem) if start is None else float(start.bar_tension.mean())
+    unit = tension / float(structure.length.mean()) ** 2
+    barrier, last_barrier = FIRST_BARRIER * unit, LAST_BARRIER * unit
+    state.position[:] = problem.net.positions if start is None else start.positions
+    tensions = tension if start is None else np.maximum(start.bar_tension, LEAST_TENSION * tension)
+    state.density[:] = tensions / structure.length
+    measure(structure, loading, tension, 1.0, barrier, state)
+    outcome, steps, lowered = Outcome.STEPS_SPENT, 0, 0
+    while steps < STEPS_ALLOWED:
+        residual = float(state.marks[1])
+        if progress is not None:
+            progress(METHOD, residual)
+        if not np.isfinite(residual):
+            outcome = Outcome.NOT_FINITE
+            break
+        if barrier <= last_barrier and residual <= tolerance:
+            outcome = Outcome.CONVERGED
+            break
+        if steps - lowered >= STALLED and barrier > last_barrier:
+            outcome = Outcome.NOT_IMPROVING
+            break
+        steps += 1
+        turn = _step(problem, tension, barrier, state, prepared)
+        if not np.isfinite(turn):
+            outcome = Outcome.SINGULAR
+            break
+        falling = step.change < 0.0
+        to_slack = float(np.min(-state.density[falling] / step.change[falling], initial=np.inf))
+        size = min(1.0, NEAREST_TO_SLACK * to_slack, LARGEST_TURN / turn if turn > 0.0 else 1.0)
+        if size > 0.5:
+            lowered = steps
+            barrier = max((LOWERED if size > 0.9 else LOWERED_WARILY) * barrier, last_barrier)
+        kernels.take(structure, loading, tension, 1.0, barrier, size, state, state, step, new)
+        state, new = new, state
+    attempt = f"{METHOD} with {prepared.system.name}: {steps} steps, residual {state.marks[1]:.1e}. {outcome.value}"
+    report = SolverReport(
+        method=METHOD,
+        outcome=outcome,
+        iterations=steps,
+        residual=float(state.marks[1]),
+        imbalance=float(state.marks[2]),
+        length_error=float(state.marks[3]),
+        solve_ms=1e3 * (perf_counter() - started),
+        attempts=(attempt,),
+    )
+    if not outcome.converged:
+        nothing = np.full_like(state.position, np.nan), np.full_like(state.density, np.nan)
+        return Solution(*nothing, state.share.copy(), report)
+    reached = Solution(state.position.copy(), state.density * state.length, state.share.copy(), report)
+    solution = newton.solve(problem, tolerance, reached, FINISH, progress, prepared)
+    finished = replace(
+        solution.report,
+        method=METHOD,
+        iterations=steps + solution.report.iterations,
+        solve_ms=1e3 * (perf_counter() - started),
+        attempts=(attempt, *solution.report.attempts),
+    )
+    return replace(solution, report=finished)
+
+
+def _seconds_to_compile(problem: Problem, prepared: Prepared) -> float:
+    """Have the kernels compiled or read from the cache, and tell the time, which is no part of a solve's."""
+    if kernels.take.overloads:
+        return 0.0
+    started = perf_counter()
+    structure, loading, state, step = problem.structure, problem.loading, prepared.states[0], prepared.step
+    compile_kernel(measure, structure, loading, 1.0, 1.0, 1.0, state)
+    compile_kernel(kernels.linearise, structure, loading, prepared.pattern, 1.0, 0.0, 1.0, state, step)
+    compile_kernel(kernels.finish_step, structure, state, state, step.solved[:1], step)
+    compile_kernel(kernels.take, structure, loading, 1.0, 1.0, 1.0, 1.0, state, state, step, state)
+    return perf_counter() - started
+
+
+def _step(problem: Problem, tension: float, barrier: float, state: State, prepared: Prepared) -> float:
+    """Write the step at a state, with the tangent shifted until it can be factorised.
+
+    Returns:
+        the largest change of a bar's vector over its length; infinite if no shift helps.
+    """
+    structure, loading, step, system = problem.structure, problem.loading, prepared.step, prepared.system
+    shift = 0.0
+    while shift <= DIRECT.largest_shift:
+        sides = kernels.linearise(structure, loading, prepared.pattern, tension, shift, barrier, state, step)
+        if system.factorise(step.blocks) == 0:
+            solved = system.solve(step.right[:sides])
+            return float(kernels.finish_step(structure, state, state, solved, step)[1])
+        shift = max(10.0 * shift, DIRECT.first_shift)
+    return np.inf
