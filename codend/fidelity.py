@@ -9,8 +9,9 @@ from codend.loads import wet_weight
 from codend.net import Net
 from codend.plan import Plan
 
-SLOW_KNOTS = 2000
-"""From here on a case may take minutes: full nets of 3 700 knots from a crude bag took 12 and 56 s."""
+SLOW_KNOTS, SLOW_MESHES = 3000, 10
+"""Knots of a model, and meshes round it, from which a case takes seconds or more: full nets of joined sections took 2 s
+with 3 800 knots and 23 s with 15 000. Narrow sectors, however long, take milliseconds."""
 FEWEST_MESHES_ROUND = 8
 """Merged meshes round below which a globalised net is no bag any more."""
 
@@ -91,17 +92,19 @@ def _sector(plan: Plan, order: int) -> str:
 
 
 def _slow(plan: Plan, sector: Net, merged: int | None = None) -> str:
-    """What a model of many knots costs in time, in words; empty for others.
+    """What a large model costs in time, in words; empty for others.
 
     The model is the sector, or the full net with so many meshes merged into one each way.
     """
+    counts = {part.meshes_round for part in plan.netting}
+    sectors, g = (1, 1) if merged is None else (sector.order, merged)
     # all knots but the codline, which every sector has
-    knots = 1.0 + (len(sector.positions) - 1) * (1.0 if merged is None else sector.order / merged**2)
-    if knots < SLOW_KNOTS:
+    knots = 1 + (len(sector.positions) - 1) * sectors // g**2
+    if knots < SLOW_KNOTS or max(counts) * sectors // sector.order < SLOW_MESHES * g:
         return ""
-    wide = merged is None and len({part.meshes_round for part in plan.netting}) > 1
+    wide = merged is None and len(counts) > 1
     narrower = "; meshes round with a larger common divisor make a narrower sector" if wide else ""
-    return f" Its {round(knots)} knots may take minutes a case{narrower}."
+    return f" Its {knots} knots take seconds to minutes a case{narrower}."
 
 
 def _listed(counts: list[int]) -> str:
