@@ -17,7 +17,7 @@ from codend.net import Net, rotate
 from codend.plan import Case, Plan
 from codend.problem import Problem
 from codend.solvers import dynamic_relaxation, interior_point, newton, rigid_bars
-from codend.solvers.continuation import in_steps, predict
+from codend.solvers.continuation import in_steps, predict, with_catch
 from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.linear_systems import BandedSystem
 from codend.solvers.newton import DIRECT, NewtonSettings
@@ -80,7 +80,8 @@ def solve(
     same or not given by its meshes), from the meridian method's shape under uniform pressure without drag (of one
     sector, set all round for a full net), from its equilibrium under the loads themselves, along a path of catches from
     the nearest equilibrium, for full nets from the equilibrium of a sector set all round; the interior-point method
-    from a crude bag; Newton from rough relaxations of that; and relaxation alone. Where the catch is not given by its
+    from a crude bag; Newton from rough relaxations of that, and for small catches along a path from half a bag, in which
+    fewer bars are slack; and relaxation alone. Where the catch is not given by its
     meshes, the meridian method must search for the front and so comes after the crude bag. The other methods try what
     they can of that; rigid bars that lead nowhere try again with bars that go slack. The report of what is returned
     tells every attempt; its time is that of all of them, the guesses included.
@@ -131,6 +132,14 @@ def _attempts(
             return None
         return _later(_from_limp(problem, start, partial(from_start, settings=settings)), guess_ms)
 
+    half = 0.5 * float(scene.net.band_meshes.sum())
+
+    def from_half() -> Solution:
+        larger = interior_point.solve(with_catch(problem, half), tolerance, None, progress, prepared=scene.prepared)
+        if not larger.report.outcome.converged:
+            return larger
+        return _later(in_steps(problem, (half, larger), from_start), larger.report.solve_ms)
+
     def from_sector() -> Solution | None:
         began = perf_counter()
         start = _sector_equilibrium(scene, case)
@@ -163,6 +172,8 @@ def _attempts(
             lambda: interior_point.solve(problem, tolerance, None, progress, prepared=scene.prepared),
         )
         yield "a crude bag, relaxed", from_crude
+        if by_meshes and case.catch_value < half:
+            yield "half a bag, in steps", from_half
         if not by_meshes:
             yield "the meridian method's equilibrium", lambda: from_meridian(equilibrium_guess, DIRECT)
     if method in ("auto", "dynamic-relaxation"):
