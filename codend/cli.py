@@ -2,6 +2,7 @@
 
 import atexit
 import gc
+import math
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -14,7 +15,7 @@ from codend.cli_force import force
 from codend.cli_selectivity import fit, selectivity, species
 from codend.cli_sweep import sweep
 from codend.console import shown_progress, text_table
-from codend.errors import InputError
+from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
     from codend.comparison import Comparison
@@ -33,6 +34,7 @@ TABLE_COLUMNS = {
     "converged": "converged",
 }
 """Columns of ``results.csv`` that ``codend run`` prints, and their headings."""
+MOST_ROD_MM = 1000.0
 
 
 class _OneLineErrors(click.Group):
@@ -113,10 +115,11 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     from codend.plan import load_plan
 
     checked = load_plan(plan, changes)
-    check_writable(folder)
     from codend.fidelity import choose
-    from codend.report.page import write_report
+    from codend.report.page import files_of, write_report
     from codend.study import solve
+
+    check_writable(folder, files_of(checked))
 
     with shown_progress() as progress:
         progress(0, len(checked.cases()), "choosing the model")
@@ -143,12 +146,26 @@ def _explain_failures(study: "Study") -> None:
                 click.echo(f"  tried {attempt}", err=True)
 
 
+def _rod_mm(_: click.Context, option: click.Parameter, text: str | None) -> float | None:
+    """The thickness of a rod, mm, refused in the words of a plan's numbers."""
+    if text is None:
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value <= MOST_ROD_MM:
+        shown = text if math.isnan(value) else value
+        raise InputError(OPTIONS, option.opts[0], shown, f"a number above 0, at most {MOST_ROD_MM:g}, in mm")
+    return value
+
+
 @main.command()
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.argument("table", metavar="TABLE.csv", type=click.Path(path_type=Path))
 @click.option(
     "--hoop-rod-mm",
-    type=click.FloatRange(0.0, 1000.0, min_open=True),
+    callback=_rod_mm,
     metavar="MM",
     help="Thickness you assume for the hoop's rod: its drag is computed and added, where TABLE.csv has an empty "
     "hoop_drag_n column.",
@@ -163,7 +180,7 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
     from codend.comparison import Hoop, read_flume_table, read_results
     from codend.comparison import compare as compare_with
     from codend.plan import load_plan
-    from codend.report.comparison_plot import comparison_figure
+    from codend.report.comparison_plot import FILES, comparison_figure
     from codend.report.files import whole_file, write_table
     from codend.report.style import png
 
@@ -173,10 +190,12 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
         plan = load_plan(folder / "plan.toml")
         hoop = Hoop(plan.entry.radius_m, hoop_rod_mm / 1000.0, plan.tow.water_density_kg_m3)
     comparison = compare_with(read_results(results), read_flume_table(table), results, hoop)
+    check_writable(folder, FILES)
     with written_into(folder):
-        write_table(comparison.points, folder / "comparison.csv")
-        write_table(comparison.summary, folder / "comparison_summary.csv")
-        with whole_file(folder / "comparison.png") as temporary:
+        points, summary, picture = (folder / name for name in FILES)
+        write_table(comparison.points, points)
+        write_table(comparison.summary, summary)
+        with whole_file(picture) as temporary:
             temporary.write_bytes(png(comparison_figure(comparison)))
     _print_comparison(comparison)
 

@@ -44,7 +44,8 @@ def chart(plan: str, folder: Path, number: int, quick: bool, changes: tuple[str,
     from codend.speed_accuracy.measuring import QUANTITIES, measure
 
     scene = scene_from(plan, changes, number)
-    check_writable(folder)
+    pictures = {short: f"chart_{short}.png" for short in QUANTITIES.values()}
+    check_writable(folder, ("chart.csv", "chart_choices.csv", *pictures.values()))
     with shown_progress() as progress:
         try:
             measured = measure(scene, quick, progress)
@@ -55,8 +56,8 @@ def chart(plan: str, folder: Path, number: int, quick: bool, changes: tuple[str,
     with written_into(folder):
         write_table(measured.points, folder / "chart.csv")
         write_table(chosen, folder / "chart_choices.csv")
-        for short in QUANTITIES.values():
-            with whole_file(folder / f"chart_{short}.png") as temporary:
+        for short, picture in pictures.items():
+            with whole_file(folder / picture) as temporary:
                 temporary.write_bytes(png(speed_figure((measured,), short)))
     click.echo(text_table(list(COLUMNS.values()), chosen[list(COLUMNS)].itertuples(index=False)))
     click.echo(_confirmed(measured.confirmations))

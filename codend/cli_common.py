@@ -1,7 +1,7 @@
 """What the commands share: exit statuses, options of KEY=VALUE, and folders they write into."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn
@@ -35,8 +35,21 @@ class SeveralPairs(click.Command):
 _OF_PAIRS = ("--set", "--vary")
 
 
-def check_writable(folder: Path) -> None:
-    """Find out before the work is done whether a folder can be made or written to."""
+def check_writable(folder: Path, files: Iterable[str] = ()) -> None:
+    """Find out before the work is done whether a folder and files in it can be made or written to.
+
+    Raises:
+        InputError: one cannot; it is named.
+    """
+    paths = [folder / file for file in files]
+    for needed in dict.fromkeys((folder, *(path.parent for path in paths))):
+        _check_folder(needed)
+    for path in paths:
+        if path.is_dir():
+            _refuse(path, "it is a folder", "a file that can be written")
+
+
+def _check_folder(folder: Path) -> None:
     try:
         there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     except OSError as error:  # a name too long for the file system
@@ -49,13 +62,15 @@ def check_writable(folder: Path) -> None:
 
 @contextmanager
 def written_into(folder: Path) -> Iterator[None]:
-    """Make a folder for the block to write to; one that cannot be written is an input error."""
+    """Make a folder for the block to write to; what cannot be written is an input error."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         yield
     except OSError as error:
-        _refuse(folder, error.strerror or str(error))
+        # of a file that was to be renamed, the second name is that which it was to have
+        path = Path(error.filename2 or error.filename or folder)
+        _refuse(path, error.strerror or str(error), "a file or folder that can be written")
 
 
-def _refuse(folder: Path, reason: str) -> NoReturn:
-    raise InputError(folder, "", None, "a folder that can be written", f"cannot be written: {reason}") from None
+def _refuse(path: Path, reason: str, allowed: str = "a folder that can be written") -> NoReturn:
+    raise InputError(path, "", None, allowed, f"cannot be written: {reason}") from None

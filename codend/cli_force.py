@@ -55,7 +55,7 @@ def force(plan: str, folder: Path, places: tuple[float, ...], wanted_deg: float,
     from codend.tables import opening_force_table
 
     checked = load_plan(plan, changes)
-    check_writable(folder)
+    check_writable(folder, ["opening_force.csv"])
     wanted = [(case, place) for case in checked.cases() for place in (places or (None,))]
     pulls = []
     with shown_progress() as progress:

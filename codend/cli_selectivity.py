@@ -8,7 +8,7 @@ import click
 
 from codend.cli_common import NOT_CONVERGED, check_writable, written_into
 from codend.console import shown_progress, text_table
-from codend.errors import InputError
+from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
     from codend.selectivity.analysis import FieldFit
@@ -48,7 +48,8 @@ def selectivity(
     `codend species` shows an example of a species file.
 
     With --field, together.csv and together_l50.csv hold predicted and fitted retention and L50 against the catch (of
-    each haul, from a column catch_volume_m3 or catch_kg), and a plot shows both. With --calibrate, calibration.csv
+    each haul, from a column catch_volume_m3 or catch_kg), and a plot shows both. L50 is compared between the same fits
+    at the same catches: to the field's fish, and to those fish retained as computed. With --calibrate, calibration.csv
     holds the estimates, and calibrated_species.toml the species with them. Status 3 when a fit did not converge.
     """
     for key, value, good, allowed in (
@@ -58,16 +59,16 @@ def selectivity(
         ("--calibrate", calibrated, calibrated is None or field is not None, "together with --field"),
     ):
         if not good:
-            raise InputError("command line", key, value, allowed)
+            raise InputError(OPTIONS, key, value, allowed)
     from codend.selectivity.catches import read_run
     from codend.selectivity.predict import predict
     from codend.selectivity.species import load_species
 
     species, read = [load_species(file) for file in files], read_run(folder)
-    check_writable(folder)
-    from codend.report.selectivity_page import notes, write_selectivity
+    from codend.report.selectivity_page import FILES, notes, write_selectivity
     from codend.selectivity.tables import HAUL, selectivity_table
 
+    check_writable(folder, FILES)
     trial, names = None, calibrated.split(",") if calibrated is not None else []
     if field is not None:
         from codend.selectivity.calibrate import calibrated_names
@@ -98,18 +99,16 @@ def _print_together(many: "Sequence[Together]") -> int:
     """Predicted beside fitted, and the calibration; the exit status."""
     if not many:
         return 0
-    from codend.selectivity.together import calibration_table, together_l50_table
+    from codend.selectivity.together import calibration_table
+    from codend.selectivity.together_l50 import together_l50_table
 
     table = together_l50_table(many)
-    last = table[table["what"].str.endswith("haul") & (table["what"] != "field haul")]
-    last = last.groupby(["species", "speed_m_s", "what"], sort=False).tail(1)
-    fitted = table[table["what"] == "field mean"]
-    rows = [
-        (row.species, row.what, row.catch_volume_m3, row.l50_cm, row.l50_lower_95_cm, row.l50_upper_95_cm, row.sr_cm)
-        for one in (last, fitted)
-        for row in one.itertuples()
-    ]
-    click.echo(text_table(["species", "what", "m3", "L50 cm", "lower 95 %", "upper", "SR cm"], rows))
+    means = table[table["what"].str.endswith("field mean")]
+    columns = ["species", "what", "l50_of", "catch_volume_m3", "l50_cm", "l50_lower_95_cm", "l50_upper_95_cm", "sr_cm"]
+    headers = ["species", "mean of hauls", "L50 and SR of", "mean m3", "L50 cm", "lower 95 %", "upper", "SR cm"]
+    click.echo(text_table(headers, means[columns].itertuples(index=False)))
+    if not means["what"].str.startswith("predicted").any():
+        click.echo("no prediction stands beside the field mean: a field haul's catch is larger than any computed")
     good = True
     for one in many:
         good &= one.trial.fit.converged
@@ -145,7 +144,7 @@ def species() -> None:
 @click.option("--out", "folder", required=True, metavar="DIR", type=click.Path(path_type=Path), help="Where to write.")
 def fit(data: str, design: str, folder: Path, replicates: int, **choices: Any) -> int:
     """Fit retention curves to a covered-codend or paired-gear trial; writes fit.csv and diagnostics.csv into DIR."""
-    check_writable(folder)
+    check_writable(folder, ("fit.csv", "diagnostics.csv"))
     from codend.report.files import write_table
     from codend.selectivity.analysis import diagnostics_table, fit_field_data, fit_table
 
@@ -164,6 +163,8 @@ def _print_fit(fitted: "FieldFit") -> None:
     table = fit_table(fitted).set_index("group")
     groups = [group for group in ("between-hauls", "bootstrap", "pooled") if group in table.index]
     shown = table.loc[groups].reset_index()
+    if not fitted.pooled.model.estimate_split:
+        shown["parameter"] = shown["parameter"].replace("split", "split, fixed")
     headers = ["group", "parameter", "estimate", "standard error", "lower 95 %", "upper 95 %"]
     click.echo(text_table(headers, shown.drop(columns="curve").itertuples(index=False)))
     if fitted.between_hauls is not None:

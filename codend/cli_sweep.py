@@ -35,15 +35,16 @@ def sweep(plan: str, folder: Path, vary: tuple[str, ...], changes: tuple[str, ..
 
     Writes sweep.csv (results.csv of all runs with columns for what varies) and sweep.png into DIR, and every run's
     plan and tables into DIR/runs/NUMBER, where `codend selectivity` and `codend compare` take them. A sweep that was
-    interrupted goes on where it stopped: runs that DIR holds already are not solved again.
+    interrupted goes on where it stopped: runs that DIR holds already are not solved again. Runs that a longer sweep
+    left in DIR/runs are removed.
     """
     from codend.report.files import whole_file, write_table
     from codend.report.style import png
     from codend.report.sweep_plot import sweep_figure
-    from codend.sweep import runs_of, solve_runs
+    from codend.sweep import files_of, runs_of, solve_runs
 
     runs = runs_of(plan, vary, changes)
-    check_writable(folder)
+    check_writable(folder, ("sweep.csv", "sweep.png", *files_of(runs)))
     with shown_progress() as progress, written_into(folder):
         table = solve_runs(runs, folder, processes, progress)
         write_table(table, folder / "sweep.csv")

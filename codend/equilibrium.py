@@ -77,14 +77,14 @@ def solve(
     """Equilibrium of one case, helped by the equilibria known of others of the same scene.
 
     ``auto`` tries, in this order: Newton from where the last equilibria lead (on a wide net only where the catch is the
-    same or not given by its meshes), from the meridian method's shape under uniform pressure without drag (of one
-    sector, set all round for a full net), from its equilibrium under the loads themselves, along a path of catches from
-    the nearest equilibrium, for full nets from the equilibrium of a sector set all round; the interior-point method
-    from a crude bag; Newton from rough relaxations of that, and for small catches along a path from half a bag, in which
-    fewer bars are slack; and relaxation alone. Where the catch is not given by its
-    meshes, the meridian method must search for the front and so comes after the crude bag. The other methods try what
-    they can of that; rigid bars that lead nowhere try again with bars that go slack. The report of what is returned
-    tells every attempt; its time is that of all of them, the guesses included.
+    same or not given by its meshes), for full nets Newton from the equilibrium of a sector set all round; the
+    interior-point method from a crude bag; Newton from the meridian method's shape under uniform pressure without drag,
+    from its equilibrium under the loads themselves, along a path of catches from the nearest equilibrium, from rough
+    relaxations of the crude bag, for small catches along a path from half a bag, in which fewer bars are slack; and
+    relaxation alone. Where the catch is not given by its meshes, the meridian method must search for the front and so
+    comes last of these. The other methods try what they can of that; rigid bars that lead nowhere try again with bars
+    that go slack. The report of what is returned tells every attempt; its time is that of all of them, the guesses
+    included.
     """
     problem = problem_of(scene.net, scene.plan, case)
     attempts: list[str] = []
@@ -118,6 +118,9 @@ def _attempts(
         joined = len({section.meshes_round for section in scene.plan.netting}) > 1
         return newton.solve(problem, tolerance, None, LONGER if joined else NewtonSettings(), progress, scene.prepared)
 
+    def through_the_interior() -> Solution:
+        return interior_point.solve(problem, tolerance, None, progress, prepared=scene.prepared)
+
     def from_the_last() -> Solution:
         began = perf_counter()
         start = _led(case, known)
@@ -141,19 +144,26 @@ def _attempts(
         return _later(in_steps(problem, (half, larger), from_start), larger.report.solve_ms)
 
     def from_sector() -> Solution | None:
-        began = perf_counter()
-        start = _sector_equilibrium(scene, case)
-        sector_ms = 1e3 * (perf_counter() - began)
-        return None if start is None else _later(from_start(problem, start), sector_ms)
+        sector = scene_of(scene.plan, scene.globalisation, 1)
+        known_part = solve(sector, case, (), None)[1]
+        if not known_part.report.outcome.converged:
+            return None
+        start = all_round_start(sector.net, known_part.positions, known_part.bar_tension, sector.net.order)
+        # the weight that a sector leaves out is still to come
+        settings = replace(first_settings, least_iterations=int(problem.loading.dead.any()))
+        return _later(from_start(problem, start, settings), known_part.report.solve_ms)
 
     if method in ("auto", "newton"):
         path = _at_its_speed(case, known)
         same = any(other.catch_value == case.catch_value for other, _ in known)
-        # on a wide net a start that leads nowhere costs minutes, and the meridian method's shape next to nothing
+        # on a wide net a start that leads nowhere costs minutes, and the equilibrium of a sector next to nothing
         near = _reaches(path, case.catch_value) and (isinstance(scene.prepared.system, BandedSystem) or not by_meshes)
         led = known and (scene.columns == 1 or same or near)
         if led:
             yield "where the last equilibria lead", from_the_last
+        if scene.columns is None and scene.plan.model.bars_per_side == 1:
+            yield "the equilibrium of a sector", from_sector
+        yield "a crude bag", through_the_interior
         if by_meshes:
             yield "the meridian method's shape", lambda: from_meridian(first_guess, first_settings)
             yield "the meridian method's equilibrium", lambda: from_meridian(equilibrium_guess, DIRECT)
@@ -165,12 +175,6 @@ def _attempts(
             # a catch given by its mass is a volume to the net
             known_catch = catch * problem.loading.catch_value / case.catch_value
             yield "the nearest equilibrium, in steps", lambda: in_steps(problem, (known_catch, solution), from_start)
-        if scene.columns is None and scene.plan.model.bars_per_side == 1:
-            yield "the equilibrium of a sector", from_sector
-        yield (
-            "a crude bag",
-            lambda: interior_point.solve(problem, tolerance, None, progress, prepared=scene.prepared),
-        )
         yield "a crude bag, relaxed", from_crude
         if by_meshes and case.catch_value < half:
             yield "half a bag, in steps", from_half
@@ -245,15 +249,6 @@ def _laid_out(scene: Scene, shape: MeridianShape | None) -> Solution | None:
     sector = build_net(scene.plan, globalisation=g, columns=1, rows=rows)
     tension = g * tensions_on(sector, shape, g)
     return all_round_start(sector, sector.positions, tension, sector.order // scene.net.order)
-
-
-def _sector_equilibrium(scene: Scene, case: Case) -> Solution | None:
-    """Equilibrium of one sector, set all round for a full net; None where it is not found."""
-    sector = scene_of(scene.plan, scene.globalisation, 1)
-    solution = solve(sector, case, (), None)[1]
-    if not solution.report.outcome.converged:
-        return None
-    return all_round_start(sector.net, solution.positions, solution.bar_tension, sector.net.order)
 
 
 def all_round_start(sector: Net, positions: np.ndarray, tension: np.ndarray, columns: int) -> Solution:

@@ -1,7 +1,12 @@
 """The one exception for errors a user can mend: a file, a key in it, the value found and what is allowed there."""
 
+from collections.abc import Mapping
+from datetime import date, time
 from pathlib import Path
+from typing import Final
 
+OPTIONS: Final = "options"
+"""In the place of the file where what is wrong was asked for on the command line or in a call."""
 _LONGEST_VALUE = 60
 
 
@@ -23,7 +28,7 @@ class InputError(Exception):
         """Hold the four parts of the message.
 
         Args:
-            file: the file the error is in.
+            file: the file the error is in, or ``OPTIONS``.
             key: dotted key or column, as the user would write it; "" when the whole file is at fault.
             value: what was found; None when nothing was, and then it is not shown.
             allowed: what would have been accepted.
@@ -43,14 +48,25 @@ class InputError(Exception):
 
 def _shown(value: object) -> str:
     """The value as TOML would spell it, shortened."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        return _shortened(f'"{value}"')
     try:
-        return _shortened(repr(value))
+        return _shortened(_as_toml(value))
     except (ValueError, RecursionError):  # whole numbers too long to print, arrays nested too deep
         return f"a {type(value).__name__} too long to show"
+
+
+def _as_toml(value: object) -> str:
+    match value:
+        case bool():
+            return str(value).lower()
+        case str():
+            return f'"{value}"'
+        case list() | tuple():
+            return f"[{', '.join(map(_as_toml, value))}]"
+        case Mapping():
+            return f"{{{', '.join(f'{key} = {_as_toml(item)}' for key, item in value.items())}}}"
+        case date() | time():
+            return value.isoformat()
+    return repr(value)
 
 
 def _shortened(text: str) -> str:

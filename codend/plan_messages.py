@@ -106,7 +106,7 @@ def _value_at(data: object, location: Sequence[str | int]) -> tuple[int, Any]:
     """How deep ``location`` goes in ``data`` (a single number stands for a list of one) and the value found there."""
     value: Any = data
     for depth, part in enumerate(location):
-        if isinstance(value, Mapping):
+        if isinstance(value, Mapping) and isinstance(part, str):
             if part not in value:
                 return depth + 1, None
             value = value[part]

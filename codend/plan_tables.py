@@ -31,7 +31,8 @@ class Table(BaseModel):
 class Tow(Table):
     """Speed of the codend through the water, and the water."""
 
-    speed_m_s: Annotated[tuple[Annotated[Number, Gt(0), Le(10)], ...], *Several]
+    speed_m_s: Annotated[tuple[Annotated[Number, Ge(1e-4), Le(10)], ...], *Several]
+    """As slow as the methods are mapped in ``validation.stability``; slower is a slip, not a tow."""
     water_density_kg_m3: Annotated[Number, Ge(900), Le(1300)]
 
 
@@ -72,8 +73,11 @@ class Netting(Table):
             raise Contradiction("knot_mm", "0 for square mesh")
         if self.bar_m <= 0:
             raise Contradiction("mesh_mm", f"more than two knots, {2 * self.knot_mm:g} mm")
-        if self.twine_m >= self.bar_m:
-            raise Contradiction("twine_mm", f"thinner than a bar is long, {1000 * self.bar_m:g} mm")
+        if self.knot_m > self.bar_m:
+            raise Contradiction("knot_mm", f"at most the length of a bar, {1000 * self.bar_m:g} mm")
+        if self.drag_width_m >= self.bar_m:
+            side_by_side = ", both twines together" if self.twines == 2 else ""
+            raise Contradiction("twine_mm", f"thinner than a bar is long, {1000 * self.bar_m:g} mm{side_by_side}")
         return self
 
     @property

@@ -1,5 +1,6 @@
 """Studies over many plans: every combination of chosen values, solved side by side and taken up where it stopped."""
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
@@ -10,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from codend.errors import InputError
+from codend.errors import OPTIONS, InputError
 from codend.overrides import parsed_override
 from codend.plan import Plan, load_plan
 from codend.report.files import whole_file, write_table
@@ -20,6 +21,8 @@ from codend.study import solve
 SweepProgress = Callable[[int, int, str], None]
 """Told how many runs are done, of how many, and what was done last."""
 
+TABLES = ("plan.toml", "results.csv", "profile.csv", "meshes.csv")
+"""Files of a run; the last one for nets without symmetry."""
 _VALUES = "KEY=[VALUE, VALUE, ...], such as netting.0.bar_mm=[20, 25, 30]"
 
 
@@ -48,16 +51,23 @@ def runs_of(path: str | Path, vary: Sequence[str], changes: Sequence[str] = ()) 
         changes: ``KEY=VALUE`` that hold for all of them, as ``load_plan`` takes them.
 
     Raises:
-        InputError: a key or value is not allowed, or what varies is no list of values.
+        InputError: a key or value is not allowed, what varies is no list of different values, or has one value by
+            ``changes``.
     """
     axes: dict[str, list[Any]] = {}
+    fixed = {parsed_override(text, path)[0] for text in changes}
     for text in vary:
         key, values = parsed_override(text, path)
         dotted = ".".join(key)
         if not isinstance(values, list) or not values:
-            raise InputError(path, dotted, values, _VALUES, "is no list of values to vary")
+            raise InputError(OPTIONS, f"--vary {dotted}", values, _VALUES, "is no list of values to vary")
         if dotted in axes:
-            raise InputError(path, dotted, values, "each key once", "is varied twice")
+            raise InputError(OPTIONS, f"--vary {dotted}", values, "each key once", "is varied twice")
+        if key in fixed:
+            raise InputError(OPTIONS, f"--vary {dotted}", values, "--vary or --set", "is set to one value as well")
+        for i, value in enumerate(values):
+            if value in values[:i]:
+                raise InputError(OPTIONS, f"--vary {dotted}", values, "each value once", "has a value twice")
         axes[dotted] = values
     runs = []
     for number, combination in enumerate(product(*axes.values()), start=1):
@@ -73,7 +83,9 @@ def solve_runs(
     """Solve the runs and keep each in ``folder/runs/<number>`` as ``codend run`` does, but for plots and VTK.
 
     A run whose folder holds its plan and results already is not solved again, however it ended: remove the folder to
-    have it solved anew, as after an update of the program or of a Cp curve that the plan names.
+    have it solved anew, as after an update of the program or of a Cp curve that the plan names. Once all are solved,
+    runs that a longer sweep left behind are removed, and what ``codend selectivity`` and ``codend compare`` made of
+    them; other files stay.
 
     Args:
         runs: the plans, from ``runs_of``.
@@ -96,6 +108,7 @@ def solve_runs(
         for place, (key, value) in enumerate({"run": run.number, **run.values}.items()):
             table.insert(place, key, toml_value(value) if isinstance(value, list) else value)
         tables.append(table)
+    _remove_leftovers(len(runs), folder)
     return pd.concat(tables, ignore_index=True)
 
 
@@ -120,8 +133,17 @@ def _solved(runs: Sequence[Run], folder: Path, processes: int) -> Iterator[Run]:
             yield futures[future]
 
 
+def files_of(runs: Sequence[Run]) -> list[str]:
+    """Every file that ``solve_runs`` may write or remove, relative to its folder."""
+    return [f"{_place_of(run)}/{name}" for run in runs for name in TABLES]
+
+
 def _folder_of(run: Run, folder: Path) -> Path:
-    return folder / "runs" / f"{run.number:03d}"
+    return folder / _place_of(run)
+
+
+def _place_of(run: Run) -> str:
+    return f"runs/{run.number:03d}"
 
 
 def _is_done(run: Run, folder: Path) -> bool:
@@ -134,13 +156,34 @@ def _solve_into(plan: Plan, folder: Path) -> None:
     """Solve a plan and write its tables; the plan's copy comes last and tells that all is there."""
     study = solve(plan)
     folder.mkdir(parents=True, exist_ok=True)
-    copy = folder / "plan.toml"
-    copy.unlink(missing_ok=True)
+    _remove_run(folder)
     write_table(study.table, folder / "results.csv")
     write_table(study.profile, folder / "profile.csv")
-    if study.meshes.empty:
-        (folder / "meshes.csv").unlink(missing_ok=True)
-    else:
+    if not study.meshes.empty:
         write_table(study.meshes, folder / "meshes.csv")
-    with whole_file(copy) as temporary:
+    with whole_file(folder / "plan.toml") as temporary:
         temporary.write_text(plan_toml(plan), encoding="utf-8")
+
+
+def _remove_leftovers(count: int, folder: Path) -> None:
+    """Remove runs beyond so many. A folder with a report is one that ``codend run`` wrote, not a sweep."""
+    for own in (folder / "runs").iterdir():
+        beyond = re.fullmatch(r"\d{3,}", own.name) is not None and int(own.name) > count
+        of_sweep = all((own / name).is_file() for name in TABLES[:3]) and not (own / "report.html").exists()
+        if beyond and of_sweep and not own.is_symlink():
+            _remove_run(own)
+            if not any(own.iterdir()):
+                own.rmdir()
+
+
+def _remove_run(folder: Path) -> None:
+    """Remove an earlier run from its folder, the plan's copy first, and what other commands made of it."""
+    from codend.report import comparison_plot, selectivity_page
+
+    derived = (*comparison_plot.FILES, *selectivity_page.FILES)
+    for name in (*TABLES, *(name for name in derived if name != "report.html")):
+        if (folder / name).is_file():
+            (folder / name).unlink()
+    plots = folder / "plots"
+    if plots.is_dir() and not any(plots.iterdir()):
+        plots.rmdir()

@@ -28,6 +28,8 @@ def test_the_command_charts_one_case_and_says_what_is_fastest_and_what_is_chosen
     assert np.all(choices["chosen_drag_error"] <= choices["accuracy"])
     assert np.all(choices["fastest_error"] <= choices["accuracy"])
     assert "others confirm in drag: sector by relaxation" in done.stdout
+    known = {f"{row.model}, {row.method}" for row in points.itertuples()}
+    assert set(choices["chosen"]) <= known  # one spelling for what is tried and what is chosen
     for name in ("drag", "opening", "volume"):
         assert (folder / f"chart_{name}.png").stat().st_size > 10_000
 

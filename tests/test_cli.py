@@ -1,4 +1,5 @@
 import io
+import itertools
 import os
 import signal
 import subprocess
@@ -230,6 +231,60 @@ def test_a_folder_that_cannot_be_made_is_refused_before_anything_is_solved(plan,
     assert_refused(codend_cli("run", plan, "--out", plan.parent / inside), "cannot be written", "is no folder")
 
 
+def as_folder(path: Path) -> Path:
+    path.mkdir(parents=True)
+    return path
+
+
+def as_file(path: Path) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.touch()
+    return path
+
+
+@pytest.mark.parametrize(
+    ("command", "make", "name"),
+    [
+        ("run", as_file, "plots"),
+        ("run", as_folder, "plots/net.png"),
+        ("run", as_folder, "net_2.vtu"),
+        ("sweep", as_file, "runs/002"),
+        ("sweep", as_folder, "runs/001/results.csv"),
+        ("chart", as_folder, "chart_drag.png"),
+    ],
+)
+def test_a_file_that_cannot_be_written_is_named_before_anything_is_solved(command, make, name, plan, monkeypatch):
+    for solver in ("codend.sweep.solve", "codend.speed_accuracy.measuring.measure", "codend.study.solve"):
+        monkeypatch.setattr(solver, lambda *_: pytest.fail("solved what should have been refused"))
+    there = make(plan.parent / "out" / name)
+    more = ["--vary", "netting.0.bar_mm=[40,50]"] if command == "sweep" else []
+    result = codend_cli(command, plan, "--out", plan.parent / "out", *more)
+    assert_refused(result, f"{there}:", "cannot be written", "no folder" if make is as_file else "is a folder")
+    assert list((plan.parent / "out").rglob("*.csv")) == [path for path in (there,) if path.suffix == ".csv"]
+
+
+@pytest.mark.parametrize(("make", "name"), [(as_file, "plots"), (as_folder, "retention.csv")])
+def test_selectivity_and_fit_name_what_they_cannot_write(make, name, ran, tmp_path):
+    folder, species = tmp_path / "out", tmp_path / "fish.toml"
+    folder.mkdir()
+    for table in ("plan.toml", "results.csv", "profile.csv"):
+        (folder / table).write_bytes((ran[0] / table).read_bytes())
+    species.write_text(codend_cli("species").stdout, encoding="utf-8")
+    there = make(folder / name)
+    assert_refused(codend_cli("selectivity", folder, "--species", species), f"{there}:", "cannot be written")
+    assert not (folder / "selectivity.csv").exists()
+    there = as_folder(folder / "fit.csv")
+    assert_refused(codend_cli("fit", HADDOCK, "--design", "paired", "--out", folder), f"{there}:", "cannot be written")
+
+
+def test_what_cannot_be_written_in_the_end_is_named_itself(ran, plan, monkeypatch):
+    monkeypatch.setattr(codend.study, "solve", lambda *_: None)
+    monkeypatch.setattr(page, "write_report", lambda _, folder, __: (folder / "new" / "plots").mkdir())
+    out = plan.parent / "out"
+    told = f"{out / 'new' / 'plots'}: cannot be written: No such file"
+    assert_refused(codend_cli("run", plan, "--out", out), told, printed=reason(plan))
+
+
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="nothing is forbidden to root")
 def test_a_folder_without_permission_is_refused_before_anything_is_solved(plan, no_solving):
     closed = plan.parent / "closed"
@@ -256,10 +311,10 @@ def test_interrupted_while_solving_it_writes_nothing(plan, monkeypatch):
 
 def test_interrupted_while_writing_it_leaves_no_half_files(plan, ran, monkeypatch):
     whole, _ = ran
-    renamed = []
+    renamed, calls = [], itertools.count()  # threads rename at once: only one of them may find itself the fourth
 
     def replace(source: Path, target: Path) -> None:
-        if len(renamed) == 3:
+        if next(calls) == 3:
             signal.raise_signal(signal.SIGINT)
         renamed.append(target)
         os.rename(source, target)
@@ -316,6 +371,12 @@ def test_compare_computes_the_hoops_drag_for_an_assumed_rod(ran, tmp_path):
     assert points.loc[("drag_n", 3), "hoop_origin"] == "computed, rod of 8 mm ASSUMED"
 
 
+@pytest.mark.parametrize("thickness", ["thick", "0", "-5", "1e4", "nan"])
+def test_a_rod_that_cannot_be_is_refused_with_what_is_allowed(thickness, tmp_path):
+    result = codend_cli("compare", tmp_path, tmp_path / "flume.csv", "--hoop-rod-mm", thickness)
+    assert_refused(result, "options: --hoop-rod-mm = ", "allowed: a number above 0, at most 1000, in mm")
+
+
 def test_compare_with_a_bad_table_writes_nothing(ran, tmp_path):
     folder = tmp_path / "results"
     folder.mkdir()
@@ -365,6 +426,17 @@ def test_fit_of_several_hauls_shows_their_mean_first_then_bootstrap_then_pooled(
     assert set(table["group"]) == {"between-hauls", "bootstrap", "pooled", *(f"haul {n}" for n in range(1, 6))}
 
 
+@pytest.mark.parametrize(("split", "named"), [("equal", "split, fixed"), ("estimated", "split")])
+def test_only_an_estimated_split_has_a_standard_error(split, named, tmp_path):
+    out = ("--bootstrap", "20", "--out", tmp_path)
+    result = codend_cli("fit", HADDOCK, "--design", "paired", "--split", split, *out)
+    table = pd.read_csv(tmp_path / "fit.csv").query("parameter == 'split'")
+    errors = table[["standard_error", "lower_95", "upper_95"]]
+    assert len(table) == 2
+    assert (errors.isna() if split == "equal" else errors.gt(0.0)).to_numpy().all()
+    assert any(line.startswith(f"pooled     {named}  ") for line in result.stdout.splitlines())
+
+
 def test_fit_takes_covariates(tmp_path):
     data = covered_hauls(tmp_path / "data.csv", [28.0, 29.0, 30.0, 31.0, 32.0])
     assert codend_cli("fit", data, "--design", "covered", "--covariate", "depth_m", "--out", tmp_path).exit_code == 0
@@ -384,16 +456,16 @@ def test_a_fit_that_finds_no_maximum_gives_status_3_and_says_why(tmp_path):
 @pytest.mark.parametrize(
     ("words", "named"),
     [
-        (["--design", "coverd"], "design"),
-        (["--design", "covered"], "codend"),
-        (["--design", "paired", "--curve", "spline"], "curve"),
-        (["--design", "paired", "--split", "0.4"], "split"),
-        (["--design", "paired", "--covariate", "depth_m"], "depth_m"),
-        (["--design", "paired", "--bootstrap", "-1"], "n_bootstrap"),
+        (["--design", "coverd"], "options: design"),
+        (["--design", "covered"], f"{HADDOCK}: codend"),
+        (["--design", "paired", "--curve", "spline"], "options: curve"),
+        (["--design", "paired", "--split", "0.4"], "options: split"),
+        (["--design", "paired", "--covariate", "depth_m"], f"{HADDOCK}: depth_m"),
+        (["--design", "paired", "--bootstrap", "-1"], "options: n_bootstrap"),
     ],
 )
 def test_a_fit_that_cannot_be_made_writes_nothing(words, named, tmp_path):
-    assert_refused(codend_cli("fit", HADDOCK, *words, "--out", tmp_path / "out"), f"{HADDOCK}: {named}")
+    assert_refused(codend_cli("fit", HADDOCK, *words, "--out", tmp_path / "out"), f"codend: {named} ")
     assert not (tmp_path / "out").exists()
 
 

@@ -473,3 +473,9 @@ def test_a_catch_too_small_for_the_membrane_is_refused_in_words(catch):
     plan = make_plan(24, 20, catch=catch, model={"fidelity": "meridian"})
     with pytest.raises(InputError, match="quarter of a mesh"):
         solve_plan(plan)
+
+
+def test_a_catch_of_a_billionth_of_a_mesh_asks_for_no_more_grid_than_there_is_room_for():
+    found = solve_plan(make_plan(24, 10, filled=1e-9))
+    assert found.converged
+    assert 0.0 < found.table["catch_volume_m3"].item() < 1e-12

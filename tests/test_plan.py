@@ -91,8 +91,24 @@ def test_an_error_shows_the_value_and_what_is_allowed(plan_file: Path):
     assert (caught.value.key, caught.value.value) == ("tow.speed_m_s", -1)
     assert str(caught.value) == (
         f"{plan_file}: tow.speed_m_s = -1 is not allowed; "
-        "allowed: a number above 0, at most 10, or a list of them that is not empty"
+        "allowed: a number at least 0.0001, at most 10, or a list of them that is not empty"
     )
+
+
+@pytest.mark.parametrize(
+    ("key", "written"),
+    [
+        ("title", '["a", [true, 1.5]]'),
+        ("title", '{a = 1, b = ["x"]}'),
+        ("tow.speed_m_s", '{a = "x"}'),
+        ("entry.radius_m", "1979-05-27"),
+        ("entry.radius_m", "inf"),
+    ],
+)
+def test_an_error_shows_the_value_as_toml_has_it(key: str, written: str, plan_file: Path):
+    with pytest.raises(InputError) as error:
+        load_plan(plan_file, [f"{key}={written}"])
+    assert f"{plan_file}: {key} = {written} is not allowed; allowed: " in str(error.value)
 
 
 def test_a_misspelt_key_is_told_the_closest_one(plan_file: Path):
@@ -167,6 +183,11 @@ def test_bar_and_full_mesh_describe_the_same_netting():
     by_bar, by_mesh = netting(bar_mm=40.0, knot_mm=5.0), netting(bar_mm=None, mesh_mm=90.0, knot_mm=5.0)
     assert by_bar.bar_m == by_mesh.bar_m
     assert by_bar.full_mesh_m == by_mesh.full_mesh_m
+
+
+def test_what_is_unusual_but_can_be_is_accepted(valid: dict):
+    plan = plan_from_dict(valid, overrides=["netting.0.knot_mm=40.0", "tow.speed_m_s=1e-4", "entry.radius_m=0.001"])
+    assert plan.netting[0].knot_m == plan.netting[0].bar_m
 
 
 def test_double_twine_has_twice_the_width_and_twice_the_volume_of_one():

@@ -15,7 +15,7 @@ from codend.plan import plan_from_dict
 from codend.report import page
 from codend.report.files import whole_file, write_table
 from codend.report.html import notes
-from codend.report.page import PLOTS, write_report
+from codend.report.page import PLOTS, files_of, write_report
 from codend.report.style import column_text, number_text, spread
 from codend.solvers.outcome import Outcome
 from codend.study import CaseResult, Study, solve
@@ -88,10 +88,11 @@ def cells_of(folder: Path) -> Iterator[str]:
     return (match[1] for match in re.finditer(r"<td[^>]*>(.*?)</td>", html, re.S))
 
 
-def test_a_study_leaves_every_file_that_is_promised_and_tells_of_each(written: Path):
+def test_a_study_leaves_every_file_that_is_promised_and_tells_of_each(study: Study, written: Path):
     names = {str(path.relative_to(written)) for path in written.rglob("*") if path.is_file()}
     plots = {f"plots/{plot.name}.png" for plot in PLOTS}
     assert names == {"plan.toml", "results.csv", "profile.csv", "net_1.vtu", "net_2.vtu", "report.html"} | plots
+    assert names == set(files_of(study.plan)) - {"meshes.csv"}
 
 
 def test_tables_read_back_as_the_study_has_them(study: Study, written: Path):

@@ -190,6 +190,14 @@ def test_sobol_indices_of_one_catch_are_what_the_closed_form_says(tmp_path):
     assert (lower <= upper).all()
 
 
+def test_a_single_number_with_a_range_makes_all_of_the_variance(tmp_path):
+    (haul,) = hauls_of(CATCHES)
+    found = sensitivity(haul, species_with_ranges(tmp_path, ("height_per_length",)), samples=16)
+    assert found is not None
+    assert found.parameters == ("section.height_per_length",)
+    np.testing.assert_array_equal([found.first_order, found.total], 1.0)
+
+
 def test_without_ranges_there_is_nothing_to_rank(tmp_path):
     (haul,) = hauls_of(CATCHES)
     assert sensitivity(haul, species_with_ranges(tmp_path, ())) is None

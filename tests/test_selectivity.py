@@ -1,9 +1,12 @@
 """From plan to selectivity: solved codends, tables, plots, the command, and the directions trials have found."""
 
+import itertools
+
 import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
+from matplotlib.text import Text
 
 import codend
 from codend.cli import main
@@ -11,6 +14,7 @@ from codend.errors import InputError
 from codend.plan import Plan, load_plan, plan_from_dict
 from codend.report.plan_copy import plan_toml
 from codend.report.selectivity_page import END, START, with_section, write_selectivity
+from codend.report.selectivity_plots import sensitivity_plot
 from codend.selectivity.catches import Run, catches_of, inside_mesh_m, read_run, run_of
 from codend.selectivity.predict import Prediction, predict
 from codend.selectivity.species import example_species_path, load_species
@@ -115,6 +119,19 @@ def test_the_command_writes_tables_plots_and_a_section_and_replaces_its_own(fold
     assert page.count(START) == page.count(END) == 1
     assert page.index("Selectivity</h2>") < page.index("Inputs</h2>")
     assert "assumed, not measured" in page
+
+
+def test_texts_of_the_sensitivity_plot_stand_apart_and_under_their_own_panel(found):
+    figure = sensitivity_plot(found)
+    figure.canvas.draw()
+    for axes in figure.axes:
+        panel, label = axes.get_window_extent(), axes.xaxis.label.get_window_extent()
+        assert panel.x0 < label.x0 < label.x1 < panel.x1
+        legend = axes.get_legend().get_window_extent()
+        assert not any(bar.get_window_extent().overlaps(legend) for bar in axes.patches)
+    boxes = [text.get_window_extent() for text in figure.findobj(Text) if text.get_visible() and text.get_text()]
+    for one, other in itertools.combinations(boxes, 2):
+        assert not one.padded(0.02 * figure.dpi).overlaps(other)
 
 
 def test_names_in_species_files_cannot_write_into_the_page(found, tmp_path):

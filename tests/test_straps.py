@@ -294,11 +294,9 @@ def test_twine_that_stretches_lets_a_strap_be_as_short_as_the_bundle_of_its_twin
     assert solved(length_m=0.07).measures.max_strap_tension_n > 1.0
 
 
-def test_the_meridian_method_refuses_straps_and_helps_only_where_they_are_slack():
+def test_the_meridian_method_refuses_straps():
     with pytest.raises(InputError, match="knows no straps"):
         solve(strapped(length_m=2.0, fidelity="meridian"))
-    assert "meridian" in solved(length_m=6.0).report.attempts[-1]
-    assert "meridian" not in solved(length_m=2.0).report.attempts[0]
 
 
 def test_globalisation_keeps_the_rows_of_straps():

@@ -1,5 +1,8 @@
 """Sweeps: every combination, the numbers of a run by itself, nothing solved twice, mistakes found before the work."""
 
+import re
+import signal
+
 import pandas as pd
 import pytest
 
@@ -62,6 +65,32 @@ def test_a_sweep_goes_on_where_it_stopped(plan, tmp_path, monkeypatch):
     assert first.stat().st_mtime_ns != before
 
 
+def test_a_shorter_sweep_removes_the_runs_of_a_longer_one_and_nothing_else(plan, tmp_path):
+    long, short = (runs_of(plan, [f"netting.0.bar_mm={values}"]) for values in ("[40.0,50.0,60.0,70.0]", "[45.0]"))
+    solve_runs(long, tmp_path)
+    runs = tmp_path / "runs"
+    stays = [runs / "003" / "notes.txt", runs / "mine" / "results.csv", runs / "010" / "results.csv"]
+    stays += [
+        runs / "011" / name for name in ("plan.toml", "results.csv", "profile.csv", "report.html")
+    ]  # codend run's
+    goes = [runs / "001" / "comparison.png", runs / "002" / "plots" / "selectivity_meshes.png"]
+    for path in (*stays, *goes):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("not of this sweep", encoding="utf-8")
+    solve_runs(short, tmp_path)
+    own = {runs / "001" / name for name in ("plan.toml", "results.csv", "profile.csv")}
+    assert {path for path in runs.rglob("*") if path.is_file()} == {*stays, *own}
+    assert {path.name for path in runs.iterdir()} == {"001", "003", "010", "011", "mine"}
+
+
+def test_an_interrupted_shorter_sweep_removes_nothing_yet(plan, tmp_path, monkeypatch):
+    solve_runs(runs_of(plan, VARY[:1]), tmp_path)
+    monkeypatch.setattr(codend.sweep, "solve", lambda _: signal.raise_signal(signal.SIGINT))
+    with pytest.raises(KeyboardInterrupt):
+        solve_runs(runs_of(plan, ["netting.0.bar_mm=[45.0]"]), tmp_path)
+    assert (tmp_path / "runs" / "002" / "results.csv").is_file()
+
+
 def test_the_plan_beside_a_run_is_the_one_that_was_solved(plan, tmp_path):
     runs = runs_of(plan, VARY[:1])
     solve_runs(runs, tmp_path)
@@ -78,13 +107,20 @@ def test_the_plan_beside_a_run_is_the_one_that_was_solved(plan, tmp_path):
         ("netting.0.bar_mm=[25, -1]", "netting.0.bar_mm"),
         ("netting.0.bar=[25]", "netting.0.bar"),
         ("bar_mm", "bar_mm"),
+        ("netting.0.bar_mm=[18, 25, 18.0]", "options: --vary netting.0.bar_mm = [18, 25, 18.0] has a value twice"),
+        ("catch.filled_meshes=[[4], [4]]", "options: --vary catch.filled_meshes = [[4], [4]] has a value twice"),
     ],
 )
 def test_what_cannot_vary_is_refused_before_anything_is_solved(vary, named, plan, tmp_path):
-    with pytest.raises(InputError, match=named):
+    with pytest.raises(InputError, match=re.escape(named)):
         runs_of(plan, [vary])
     assert_refused(codend_cli("sweep", plan, "--vary", vary, "--out", tmp_path / "sweep"), named)
     assert not (tmp_path / "sweep").exists()
+
+
+def test_a_key_that_varies_is_not_set_as_well(plan, tmp_path):
+    words = ["--vary", "netting.0.bar_mm=[25,30]", "--set", "netting.0.bar_mm=20", "--out", tmp_path / "sweep"]
+    assert_refused(codend_cli("sweep", plan, *words), "--vary netting.0.bar_mm = [25, 30] is set to one value as well")
 
 
 def test_a_key_varies_once(plan):

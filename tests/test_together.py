@@ -19,7 +19,8 @@ from codend.selectivity.penetration import Holes
 from codend.selectivity.predict import Prediction, predict_haul
 from codend.selectivity.simulate import computed_trial
 from codend.selectivity.species import example_species_path, load_species, species_toml
-from codend.selectivity.together import FieldTrial, haul_l50_sr, together_l50_table, together_table
+from codend.selectivity.together import FieldTrial, together_table
+from codend.selectivity.together_l50 import as_counted, haul_l50_sr, together_l50_table
 from codend.selectivity.trial import read_trial, set_beside
 from validation.calibration_study import changed
 
@@ -218,6 +219,59 @@ def test_l50_against_the_catch_holds_every_haul_its_catch_and_both_kinds_of_comp
     data = one.trial.data
     pooled = fit_pooled(data, selection_model(data, "logit"))
     np.testing.assert_allclose(one.trial.fit.pooled.estimates["l50_cm"], pooled.estimates["l50_cm"])
+
+
+@pytest.mark.parametrize(("design", "split"), [("covered", 0.5), ("paired", 0.6)])
+def test_fish_without_chance_are_fitted_with_the_l50_and_sr_predicted_for_their_hauls(design, split, tmp_path):
+    """The trial's own numbers of fish as expected: the same fit at the same catches finds the same.
+
+    But for the split of paired gear, which the trial estimates with a curve that is not the true one.
+    """
+    path = tmp_path / "hauls.csv"
+    table = trial(design, fish=1e9, split=split, contact=0.95)  # Poisson numbers of so many are their means
+    path.write_text(table.to_csv(index=False), encoding="utf-8")
+    truth = predict_haul(changed(SPECIES, TRUTH | {"behaviour.contact": 0.95}), HAUL, n_bootstrap=0, samples=0)
+    splits = "estimated" if design == "paired" else "equal"
+    (one,) = set_beside([truth], read_trial(path, 1000.0, design, split=splits))
+    rows = together_l50_table([one]).set_index("what")
+    for end in ("haul", "mean"):
+        computed, field = rows.loc[[f"predicted field {end}"]], rows.loc[[f"field {end}"]]
+        assert computed["name"].tolist() == field["name"].tolist()
+        np.testing.assert_allclose(computed["catch_volume_m3"], field["catch_volume_m3"])
+        np.testing.assert_allclose(computed[["l50_cm", "sr_cm"]], field[["l50_cm", "sr_cm"]], rtol=3e-3)
+    off_curve = rows.loc["predicted haul", "l50_cm"].iloc[-1]  # of the same catch as the last field haul's
+    assert abs(off_curve - rows.loc["field haul", "l50_cm"].iloc[-1]) > 0.1
+
+
+def test_raised_fish_are_shared_as_the_likelihood_has_it(file):
+    """A covered haul counted in part: retained over all fish, raised, is the computed retention."""
+    half = pd.read_csv(file, comment="#").assign(codend_raising=2.0, cover_raising=5.0)
+    path = file.parent / "raised.csv"
+    half.to_csv(path, index=False)
+    found = predict_haul(SPECIES, HAUL, n_bootstrap=0, samples=0)
+    field = read_trial(path, 1000.0, "covered")
+    counted = as_counted(found, field)
+    raised = counted.test_count * 2.0, counted.other_count * 5.0
+    own = field.data.haul == 0
+    expected = _retention_until(found, VOLUME_M3[0], field.data.length_cm[own])
+    np.testing.assert_allclose((raised[0] / (raised[0] + raised[1]))[own], expected, rtol=1e-9)
+    np.testing.assert_allclose(counted.test_count + counted.other_count, field.data.test_count + field.data.other_count)
+
+
+def test_every_row_says_what_its_l50_is_of_and_a_catch_beyond_the_computed_has_no_prediction(together, file):
+    table = together_l50_table(together)
+    said = table.groupby("what")["l50_of"].unique().map(list).to_dict()
+    assert said.pop("field haul") == said.pop("field mean") == ["logit fitted to the fish"]
+    computed = {what for what, of in said.items() if of == ["computed curve"]}
+    assert computed == {"predicted catch", "predicted haul", "calibrated haul"}
+    fitted = {f"{kind} field {end}" for kind in ("predicted", "calibrated") for end in ("haul", "mean")}
+    assert {what for what, of in said.items() if of == ["logit fitted to the computed curve"]} == fitted
+    beyond = pd.read_csv(file, comment="#")
+    beyond["catch_volume_m3"] *= 2.0
+    path = file.parent / "beyond.csv"
+    beyond.to_csv(path, index=False)
+    (one,) = set_beside([together[0].prediction], read_trial(path, 1000.0, "covered"))
+    assert not together_l50_table([one])["what"].str.startswith("predicted field").any()
 
 
 def test_a_mass_becomes_a_volume_by_the_density_of_the_plan(tmp_path):

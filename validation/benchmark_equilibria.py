@@ -67,11 +67,14 @@ def growth_with_rows() -> float:
 
 
 def growth_with_nodes(factors: tuple[int, ...]) -> float:
-    """Exponent of the full net's solve time over its nodes, from the meridian shape; prints the points."""
+    """Exponent of the full net's solve time over its nodes, from the equilibrium of a sector; prints the points.
+
+    The twine is given weight: without it the sector's equilibrium is that of the full net, with nothing left to solve.
+    """
     nodes, times = [], []
     for g in factors:
         model = ["model.fidelity=globalised", f"model.globalisation={g}"] if g > 1 else ["model.fidelity=full"]
-        plan = load_plan(FLUME, ["catch.filled_meshes=40", *model])
+        plan = load_plan(FLUME, ["catch.filled_meshes=40", "netting.0.twine_density_kg_m3=1140", *model])
         started = perf_counter()
         scene = equilibrium.scene_of(plan, g, None)
         built = perf_counter() - started

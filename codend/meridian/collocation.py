@@ -10,6 +10,7 @@ from codend.meridian.shell import Floats, Shell, rates
 
 LONGEST_STEP = 0.05  # in t: the shape varies over about 1
 CATCH_STEPS = 40
+MOST_STEPS = 10_000  # in one half-mesh row: of a catch far smaller than that nothing is resolved
 LOWER, UPPER = 3, 4  # bands of the Newton matrix below and above its diagonal
 
 
@@ -43,7 +44,7 @@ def make_grid(shell: Shell, half_mesh_rows: int, refinement: int = 1) -> Grid:
     """Half-mesh rows and front, with points between them so that no step is long against what it must resolve.
 
     Steps are at most ``LONGEST_STEP``, and at most a ``CATCH_STEPS``-th of the catch within it and for as much ahead of
-    it; ``refinement`` divides each again.
+    it, but a ``MOST_STEPS``-th of a half-mesh row at least; ``refinement`` divides each again.
     """
     rows = np.linspace(0.0, shell.rows, half_mesh_rows + 1)
     ends = rows
@@ -51,7 +52,7 @@ def make_grid(shell: Shell, half_mesh_rows: int, refinement: int = 1) -> Grid:
         ends = np.insert(rows, np.searchsorted(rows, shell.front), shell.front)
     depth = shell.rows - shell.front
     near = ends[1:] > shell.front - depth
-    longest = np.where(near, min(LONGEST_STEP, depth / CATCH_STEPS), LONGEST_STEP)
+    longest = np.where(near, min(LONGEST_STEP, max(depth / CATCH_STEPS, rows[1] / MOST_STEPS)), LONGEST_STEP)
     parts = refinement * np.ceil(np.diff(ends) / longest - 1e-9).astype(int)
     starts = np.concatenate([[0], np.cumsum(parts)])
     t = np.interp(np.arange(starts[-1] + 1), starts, ends)

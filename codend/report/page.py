@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from codend.plan import Plan
 from codend.report.drag_plot import drag_plot
 from codend.report.files import whole_file, write_table
 from codend.report.html import PageFigure, page_html
@@ -71,6 +72,13 @@ PLOTS = (
     ),
     Plot("drag", drag_plot, lambda _: "Drag of the codend, and the parts that the catch and the twine have in it."),
 )
+
+
+def files_of(plan: Plan) -> list[str]:
+    """Every file that ``write_report`` may write of a plan, relative to its folder."""
+    nets = [f"net_{case.number}.vtu" for case in plan.cases()]
+    plots = [f"plots/{plot.name}.png" for plot in PLOTS]
+    return ["plan.toml", "results.csv", "profile.csv", "meshes.csv", *plots, *nets, "report.html"]
 
 
 def write_report(study: Study, folder: Path, progress: StudyProgress | None = None) -> list[Path]:

@@ -15,7 +15,8 @@ from codend.report.together_plot import together_plot
 from codend.selectivity.predict import Prediction
 from codend.selectivity.species import species_toml
 from codend.selectivity.tables import HAUL, retention_table, selectivity_table, sensitivity_table
-from codend.selectivity.together import Together, calibration_table, together_l50_table, together_table
+from codend.selectivity.together import Together, calibration_table, together_table
+from codend.selectivity.together_l50 import together_l50_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -55,10 +56,16 @@ COLUMNS = {
 TOGETHER = (
     "Predicted and fitted together. Left: retention of the computed haul, the curve fitted to the trial and the shares "
     "observed (paired gear: test over control, scaled by the split; what exceeds 1.25 is not drawn). Right: L50 "
-    "against the catch at the end of a haul; a trial sees whole hauls, to be compared with the computed hauls and not "
-    "with the fish that meet one catch."
+    "against the catch at the end of a haul. Alike are the L50 of curves fitted in the same way, to the trial's fish "
+    "and to computed retention at the same catches and lengths; lines are L50 read off the computed curves, which do "
+    "not go to zero for small fish."
 )
 FIELD_TABLES = ("together.csv", "together_l50.csv", "calibration.csv", "calibrated_species.toml")
+FILES = (
+    *("selectivity.csv", "retention.csv", "sensitivity.csv", *FIELD_TABLES, "report.html"),
+    *(f"plots/selectivity_{name}.png" for name in ("together", *PLOTS)),
+)
+"""Every file that ``write_selectivity`` may write or remove."""
 START, END = "<!-- selectivity -->", "<!-- end of selectivity -->"
 
 _SECTION = """{{ start }}

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 WIDTH_IN = 10.0
 MOST_NAMED, MOST_DRAWN = 6, 3
 POINTS = 400
+LEAST_BARS = 4
+"""Room for so many numbers even where fewer have a range, so that bars stay bars."""
 
 
 def retention_plot(predictions: Sequence[Prediction]) -> Figure:
@@ -135,14 +137,16 @@ def sensitivity_plot(predictions: Sequence[Prediction]) -> Figure:
         left.axvline(0.0, color=INK, linewidth=0.8)
         names = [_with_range(found, effects.parameters[i], effects.ranges[i]) for i in order]
         left.set_yticks(place, names, fontsize="small")
-        left.set_xlabel("change of the haul's L50 (cm), one number at a time")
-        left.legend(frameon=False, fontsize="small", loc="lower right")
+        left.set_xlabel("change of the haul's L50 (cm),\none number at a time")
         for q, (name, colour) in enumerate((("L50", INK), ("SR", PALE))):
             share = np.clip(effects.total[order, q], 0.0, None)
             right.barh(place + 0.2 - 0.4 * q, share, 0.38, color=colour, label=name)
         right.set_yticks(place, [])
-        right.set_xlabel("share of the variance (total Sobol index)")
-        right.legend(frameon=False, fontsize="small", loc="lower right")
+        right.set_xlabel("share of the variance\n(total Sobol index)")
+        middle, reach = place.mean(), 0.5 * max(len(place), LEAST_BARS)
+        for axes in (left, right):
+            axes.set_ylim(middle - reach, middle + reach)
+            axes.legend(frameon=False, fontsize="small", loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=2)
         _title(left, found)
     return figure
 
@@ -178,7 +182,8 @@ def _panels(
     predictions: Sequence[Prediction], height_in: float, columns: int = 1
 ) -> tuple[Figure, list[tuple[Axes, Prediction]]]:
     figure = new_figure(WIDTH_IN, 0.3 + height_in * len(predictions))
-    grid = figure.subplots(len(predictions), columns, squeeze=False)
+    # so wide a gap that numbers at the ends of neighbouring axes stay apart
+    grid = figure.subplots(len(predictions), columns, squeeze=False, gridspec_kw={"wspace": 0.12})
     panels = [(axes, found) for row, found in zip(grid, predictions, strict=True) for axes in row]
     for axes, _ in panels:
         dress(axes)

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from codend.report.style import BLUE, INK, ORANGE, PALE, dress, new_figure, number_text
-from codend.selectivity.together import Together, haul_l50_sr, observed_retention, together_l50_table
+from codend.selectivity.together import Together, observed_retention
+from codend.selectivity.together_l50 import haul_l50_sr, together_l50_table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,8 +22,11 @@ MOST_OBSERVED = 1.25
 
 
 def together_plot(many: Sequence[Together]) -> Figure:
-    """Left: retention by length. Right: L50 against the catch. A row of panels each species and speed."""
-    figure = new_figure(12.0, 0.3 + 4.8 * len(many))
+    """Left: retention by length. Right: L50 against the catch, lines of computed curves, markers of fitted ones.
+
+    A row of panels each species and speed.
+    """
+    figure = new_figure(12.0, 0.3 + 5.7 * len(many))
     grid = figure.subplots(len(many), 2, squeeze=False, width_ratios=(1.3, 1.0))
     for (left, right), one in zip(grid, many, strict=True):
         dress(left)
@@ -30,7 +34,7 @@ def together_plot(many: Sequence[Together]) -> Figure:
         _retention(left, one)
         _l50(right, one)
         for axes in (left, right):
-            axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), frameon=False, fontsize="small", ncols=2)
+            axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), frameon=False, fontsize="small")
     return figure
 
 
@@ -74,24 +78,30 @@ def _retention(axes: Axes, one: Together) -> None:
 
 
 def _l50(axes: Axes, one: Together) -> None:
-    volume = one.prediction.haul.volume_m3
-    axes.plot(volume, haul_l50_sr(one.prediction)[:, 0], color=INK, lw=2.0, marker="o", ms=4, label="computed haul")
+    volume, curve = one.prediction.haul.volume_m3, one.trial.fit.pooled.model.curve.name
+    axes.plot(volume, haul_l50_sr(one.prediction)[:, 0], color=INK, lw=1.6, label="computed haul, of its curve")
     label = "computed, fish meeting this catch"
     axes.plot(volume, one.prediction.l50_sr[:-1, 0], color=INK, lw=0.9, ls=":", marker=".", label=label)
     if one.calibrated is not None:
-        label = "computed haul, calibrated"
+        label = "calibrated haul, of its curve"
         axes.plot(volume, haul_l50_sr(one.calibrated)[:, 0], color=GREEN, lw=1.6, ls="--", label=label)
     table = together_l50_table([one])
-    hauls = table[(table["what"] == "field haul") & table["catch_volume_m3"].notna() & table["l50_cm"].notna()]
-    mean = table[table["what"] == "field mean"].iloc[0]
+    table = table[table["catch_volume_m3"].notna() & table["l50_cm"].notna() | (table["what"] == "field mean")]
+    hauls, mean = table[table["what"] == "field haul"], table[table["what"] == "field mean"].iloc[0]
+    for kind, colour, marker in (("predicted", INK, "D"), ("calibrated", GREEN, "o")):
+        fitted = table[table["what"] == f"{kind} field haul"]
+        if len(fitted) and len(hauls):
+            label = f"{'computed' if kind == 'predicted' else kind} haul, {curve} as fitted to fish"
+            at = fitted["catch_volume_m3"]
+            axes.plot(at, fitted["l50_cm"], color=colour, ls="", marker=marker, ms=6, mfc="none", label=label)
     if len(hauls):
         reach = [hauls["l50_cm"] - hauls["l50_lower_95_cm"], hauls["l50_upper_95_cm"] - hauls["l50_cm"]]
         at = hauls["catch_volume_m3"]
-        label = "fitted to one haul, 95 %"
+        label = f"field haul, {curve} fitted to its fish, 95 %"
         axes.errorbar(at, hauls["l50_cm"], reach, color=BLUE, marker="s", ms=4, lw=0.8, ls="", label=label)
     if np.isfinite(mean["l50_cm"]):
         axes.axhspan(mean["l50_lower_95_cm"], mean["l50_upper_95_cm"], color=ORANGE, alpha=0.2, linewidth=0.0)
-        axes.axhline(mean["l50_cm"], color=ORANGE, lw=1.4, label=f"fitted, {one.trial.group.replace('-', ' ')}, 95 %")
+        axes.axhline(mean["l50_cm"], color=ORANGE, lw=1.4, label=f"field, {one.trial.group.replace('-', ' ')}, 95 %")
     axes.set(xlabel="catch at the end of the haul (m³)", ylabel="L50 (cm)")
     axes.set_xlim(left=0.0)
     note = "" if len(hauls) else "; the trial's table has no catches"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from codend.errors import InputError
+from codend.errors import OPTIONS, InputError
 from codend.selectivity.between_hauls import BetweenHauls, fit_between_hauls
 from codend.selectivity.bootstrap import Bootstrap, double_bootstrap
 from codend.selectivity.curves import CURVES
@@ -85,11 +85,11 @@ def fit_field_data(
     )
     for key, value, allowed in choices:
         if value not in allowed:
-            raise InputError(field_data.source, key, value, ", ".join(allowed))
+            raise InputError(OPTIONS, key, value, ", ".join(allowed))
     if split == "estimated" and design == "covered":
-        raise InputError(field_data.source, "split", split, "equal (only paired gear has a split)")
+        raise InputError(OPTIONS, "split", split, "equal (only paired gear has a split)")
     if n_bootstrap < 0:
-        raise InputError(field_data.source, "n_bootstrap", n_bootstrap, "0 or more")
+        raise InputError(OPTIONS, "n_bootstrap", n_bootstrap, "0 or more")
 
     model = selection_model(field_data, curve, split == "estimated")
     pooled = fit_pooled(field_data, model, overdispersion)
@@ -109,7 +109,8 @@ def fit_table(fit: FieldFit) -> pd.DataFrame:
 
     Groups: "pooled" (all hauls, delta-method intervals), "bootstrap" (the same curve, double-bootstrap errors and
     intervals), "between-hauls" (mean curve with between-haul variation), then "haul NAME" each. Parameters are named in
-    `codend.selectivity.parameters.parameter_names`. What could not be estimated is NaN.
+    `codend.selectivity.parameters.parameter_names`. What could not be estimated is NaN, and so are the error and
+    interval of a split that is fixed.
     """
     import pandas as pd
 
@@ -119,11 +120,12 @@ def fit_table(fit: FieldFit) -> pd.DataFrame:
     if fit.between_hauls is not None:
         groups.append(("between-hauls", fit.between_hauls.estimates))
     groups += [(haul.group, haul.estimates) for haul in fit.hauls]
+    model = fit.pooled.model
     frames = [
         pd.DataFrame(
             {
                 "group": group,
-                "curve": fit.pooled.model.curve.name,
+                "curve": model.curve.name,
                 "parameter": list(estimates.names),
                 "estimate": estimates.values,
                 "standard_error": estimates.standard_errors,
@@ -133,7 +135,10 @@ def fit_table(fit: FieldFit) -> pd.DataFrame:
         )
         for group, estimates in groups
     ]
-    return pd.concat(frames, ignore_index=True)
+    table = pd.concat(frames, ignore_index=True)
+    if not model.estimate_split:
+        table.loc[table["parameter"] == "split", ["standard_error", "lower_95", "upper_95"]] = np.nan
+    return table
 
 
 def diagnostics_table(fit: FieldFit) -> pd.DataFrame:

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc, chdtri
 
 from catch_models.fish import Sourced, Species
-from codend.errors import InputError
+from codend.errors import OPTIONS, InputError
 from codend.selectivity.fielddata import FieldData
 from codend.selectivity.haul import Haul
 from codend.selectivity.retention_likelihood import BOUNDS, SPLIT, RetentionLikelihood
@@ -79,9 +79,9 @@ def calibrated_names(asked: Sequence[str]) -> tuple[str, ...]:
     found = tuple(NAMES.get(name, name) for name in asked)
     for name, dotted in zip(asked, found, strict=True):
         if dotted not in BOUNDS or found.count(dotted) > 1:
-            raise InputError("command line", "calibrate", name, f"{', '.join(NAMES)}, each once")
+            raise InputError(OPTIONS, "calibrate", name, f"{', '.join(NAMES)}, each once")
     if not found:
-        raise InputError("command line", "calibrate", "", ", ".join(NAMES))
+        raise InputError(OPTIONS, "calibrate", "", ", ".join(NAMES))
     return found
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.errors import InputError
+from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -86,7 +86,7 @@ def read_field_data(data: str | Path | pd.DataFrame, design: str, covariates: Se
 
     source = "data frame" if isinstance(data, pd.DataFrame) else str(data)
     if design not in DESIGNS:
-        raise InputError(source, "design", design, " or ".join(DESIGNS))
+        raise InputError(OPTIONS, "design", design, " or ".join(DESIGNS))
     frame = data if isinstance(data, pd.DataFrame) else _read_csv(Path(data))
     if frame.empty:
         raise InputError(source, "", None, "a header and at least one row", "the table has no rows")

@@ -86,7 +86,11 @@ def sensitivity(haul: Haul, species: Species, samples: int = SAMPLES, seed: int 
     first_order, total = np.full((2, count, 2), np.nan)
     for quantity in range(2):
         f = found[:, quantity]
-        if np.isfinite(f).all() and np.ptp(f) > 0.0:
+        if not np.isfinite(f).all() or np.ptp(f) == 0.0:
+            continue
+        if count == 1:  # makes all of the variance; scipy takes two numbers or more
+            first_order[:, quantity] = total[:, quantity] = 1.0
+        else:
             indices = sobol_indices(
                 func={
                     "f_A": f[None, :samples],

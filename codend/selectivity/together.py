@@ -2,8 +2,7 @@
 
 Three kinds of numbers stand side by side. Predicted: computed from the plan's openings and the species' numbers, of
 which some are assumed. Fitted: a curve through the counted fish, with its interval. Observed: shares of the fish
-counted, raised. A trial sees whole hauls, so that its L50 belongs beside that of a computed haul which ends with the
-same catch, and not beside that of the fish which meet this catch; both are given.
+counted, raised. L50 and SR of all of them are in ``codend.selectivity.together_l50``.
 """
 
 from __future__ import annotations
@@ -22,6 +21,7 @@ from codend.selectivity.fielddata import FieldData
 from codend.selectivity.haul import shares_until, terms_of_haul
 from codend.selectivity.model import log_odds, without_covariates
 from codend.selectivity.predict import Prediction
+from codend.selectivity.retention import EscapeTerms
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -117,10 +117,22 @@ def set_together(
 def trial_retention(prediction: Prediction, trial: FieldTrial, length_cm: Floats) -> Floats:
     """Computed retention, mean over hauls that end with the trial's catches, (n,); see ``Together``."""
     haul, species = prediction.haul, prediction.species
-    if trial.volume_m3 is None or trial.volume_m3.max() > haul.volume_m3[-1] * (1.0 + MARGIN):
+    if trial.volume_m3 is None or beyond_computed(prediction, trial):
         return np.full(len(length_cm), np.nan)
     share = np.mean([shares_until(haul, species, float(volume)) for volume in trial.volume_m3], axis=0)
     return terms_of_haul(haul, prediction.terms[:-1], species, share).retention(length_cm)
+
+
+def beyond_computed(prediction: Prediction, trial: FieldTrial) -> bool:
+    """Whether a haul of the trial has a larger catch than any computed."""
+    largest = prediction.haul.volume_m3[-1] * (1.0 + MARGIN)
+    return trial.volume_m3 is not None and bool(trial.volume_m3.max() > largest)
+
+
+def haul_until(prediction: Prediction, volume_m3: float) -> EscapeTerms:
+    """Retention of a computed haul that ends with a catch."""
+    haul, species = prediction.haul, prediction.species
+    return terms_of_haul(haul, prediction.terms[:-1], species, shares_until(haul, species, volume_m3))
 
 
 def fitted_retention(trial: FieldTrial, length_cm: Floats) -> tuple[Floats, Floats]:
@@ -171,16 +183,6 @@ def observed_retention(trial: FieldTrial, length_cm: Floats, haul: int | None = 
     return summed(data.test_count + data.other_count), observed
 
 
-def haul_l50_sr(prediction: Prediction) -> Floats:
-    """L50 and SR of hauls that end with each of the computed catches, cm, (c, 2)."""
-    haul, species = prediction.haul, prediction.species
-    found = []
-    for volume in haul.volume_m3:
-        share = shares_until(haul, species, float(volume))
-        found.append(terms_of_haul(haul, prediction.terms[:-1], species, share).l50_sr())
-    return np.array(found)
-
-
 def together_table(many: Sequence[Together]) -> pd.DataFrame:
     """``together.csv``: a row a length, for every species and speed.
 
@@ -215,48 +217,6 @@ def together_table(many: Sequence[Together]) -> pd.DataFrame:
         frame["assumed"] = " ".join(one.prediction.species.assumed)
         frames.append(frame)
     return pd.concat(frames, ignore_index=True)
-
-
-def together_l50_table(many: Sequence[Together]) -> pd.DataFrame:
-    """``together_l50.csv``: L50 and SR against the catch, a row each.
-
-    ``what``: "predicted catch" (fish that meet this catch), "predicted haul" (one that ends with it), "calibrated haul"
-    (the same with calibrated numbers), "field haul" and "field mean" (fitted, with 95 % intervals).
-    """
-    import pandas as pd
-
-    rows: list[tuple[object, ...]] = []
-    for one in many:
-        start = (one.prediction.species.name, one.prediction.haul.speed_m_s)
-        none = (np.nan,) * 4
-        for found, prefix in ((one.prediction, "predicted"), (one.calibrated, "calibrated")):
-            if found is None:
-                continue
-            cases = [str(catch.case) for catch in found.haul.catches]
-            of_catches = zip(cases, found.haul.volume_m3, found.l50_sr[:-1], haul_l50_sr(found), strict=True)
-            for case, volume, at_catch, of_haul in of_catches:
-                if prefix == "predicted":
-                    rows.append((*start, "predicted catch", case, volume, *at_catch, *none))
-                rows.append((*start, f"{prefix} haul", case, volume, *of_haul, *none))
-        rows += [(*start, *row) for row in _field_rows(one.trial)]
-    columns = ["species", "speed_m_s", "what", "name", "catch_volume_m3", "l50_cm", "sr_cm"]
-    columns += [f"{quantity}_{end}_95_cm" for quantity in ("l50", "sr") for end in ("lower", "upper")]
-    return pd.DataFrame(rows, columns=columns)
-
-
-def _field_rows(trial: FieldTrial) -> list[tuple[object, ...]]:
-    fit, names = trial.fit, trial.data.haul_names
-    volume = np.full(len(names), np.nan) if trial.volume_m3 is None else trial.volume_m3
-    between = fit.between_hauls
-    mean = between.estimates if between is not None and trial.group == "between-hauls" else fit.pooled.estimates
-    singles = [one.estimates for one in fit.hauls] or [fit.pooled.estimates]
-    groups = [("field haul", name, v, one) for name, v, one in zip(names, volume, singles, strict=True)]
-    rows: list[tuple[object, ...]] = []
-    for what, name, at, estimates in [*groups, ("field mean", trial.group, volume.mean(), mean)]:
-        l50, sr = (estimates.names.index(quantity) for quantity in ("l50_cm", "sr_cm"))
-        ends = [end[i] for i in (l50, sr) for end in (estimates.lower_95, estimates.upper_95)]
-        rows.append((what, name, at, estimates.values[l50], estimates.values[sr], *ends))
-    return rows
 
 
 def calibration_table(found: Calibration) -> pd.DataFrame:

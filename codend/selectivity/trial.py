@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from codend.errors import InputError
+from codend.errors import OPTIONS, InputError
 from codend.selectivity.analysis import fit_field_data
 from codend.selectivity.calibrate import calibrate, calibrated_names
 from codend.selectivity.fielddata import catch_volumes_m3, is_simulated
@@ -55,7 +55,7 @@ def set_beside(
     names = calibrated_names(calibrated)
     if len(predictions) > 1:
         allowed = "one species and a run at one speed"
-        raise InputError("command line", "calibrate", ",".join(calibrated), allowed, f"has {len(predictions)} to serve")
+        raise InputError(OPTIONS, "calibrate", ",".join(calibrated), allowed, f"has {len(predictions)} to serve")
     found = predictions[0]
     result = calibrate(
         found.haul,

@@ -3,7 +3,7 @@
 Which bars end slack is not tried out but emerges: with the barrier b every bar obeys (q / EA - gap) q = b (see
 ``newton_state``), so that its force density q and what it is short of its length stay above 0 and their product falls
 to nothing (a primal-dual interior-point method: Nocedal and Wright, Numerical Optimization, 2006, sections 16.6 and
-19.3). It needs some thirty factorisations where Newton's method alone, near its equilibrium, needs one or two, and
+19.3). It needs ten to thirty factorisations where Newton's method alone, near its equilibrium, needs one or two, and
 leaves the last digits to it; but it needs no start nearby.
 """
 
@@ -18,13 +18,14 @@ from codend.mechanics.newton_state import State, measure
 from codend.problem import Problem
 from codend.solvers import newton
 from codend.solvers.dynamic_relaxation import reference_tension
+from codend.solvers.linear_systems import BandedSystem
 from codend.solvers.newton import DIRECT, Prepared
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
 METHOD = "interior point"
 FIRST_BARRIER, LAST_BARRIER = 1e-3, 1e-12
 """In units of the reference tension over the square of the mean length of bars."""
-LOWERED, LOWERED_WARILY = 0.2, 0.5
+LOWERED, LOWERED_WARILY = 0.1, 0.5
 """Factor on the barrier after a step that was nearly whole, and after one that was more than half of it."""
 NEAREST_TO_SLACK = 0.99
 """Share of the way to the first bar's slackness that a step may go."""
@@ -114,9 +115,8 @@ def solve(
     solution = newton.solve(problem, tolerance, reached, FINISH, progress, prepared)
     finished = replace(
         solution.report,
-        method=METHOD,
         iterations=steps + solution.report.iterations,
-        solve_ms=1e3 * (perf_counter() - started),
+        solve_ms=report.solve_ms + solution.report.solve_ms,
         attempts=(attempt, *solution.report.attempts),
     )
     return replace(solution, report=finished)
@@ -127,7 +127,11 @@ def _seconds_to_compile(problem: Problem, prepared: Prepared) -> float:
     if kernels.take.overloads:
         return 0.0
     started = perf_counter()
+    reference_tension(problem)
     structure, loading, state, step = problem.structure, problem.loading, prepared.states[0], prepared.step
+    if isinstance(prepared.system, BandedSystem):
+        prepared.system.factorise(step.blocks)
+        prepared.system.solve(step.right[:1])
     compile_kernel(measure, structure, loading, 1.0, 1.0, 1.0, state)
     compile_kernel(kernels.linearise, structure, loading, prepared.pattern, 1.0, 0.0, 1.0, state, step)
     compile_kernel(kernels.finish_step, structure, state, state, step.solved[:1], step)

@@ -40,6 +40,8 @@ class NewtonSettings:
     slack in turns for ever, another does not."""
     iterations_allowed: int = 30
     """Iterations with each of them; from a start that was given only the first is tried before the net is relaxed."""
+    least_iterations: int = 0
+    """Made even from a start within the tolerance, which is one of single nodes: a small load on all hides below it."""
     keeps_factors: bool = False
     """Whether the first iteration takes the factors there are, of the tangent at an equilibrium nearby."""
     largest_turn: float = 1.0
@@ -222,7 +224,7 @@ class _Run:
         self._set_start(start, switch)
         settings, shift = self.settings, 0.0
         kept = settings.keeps_factors and self.prepared.system.ready
-        last = self.iterations + settings.iterations_allowed
+        first, last = (self.iterations + n for n in (settings.least_iterations, settings.iterations_allowed))
         while True:
             merit, residual, imbalance, length_error, fits = self.state.marks
             error = float(max(residual, imbalance))
@@ -231,7 +233,7 @@ class _Run:
             self.history.append(error)
             if self.progress is not None:
                 self.progress(METHOD, error)
-            if error <= tolerance and length_error <= LENGTH_TOLERANCE:
+            if error <= tolerance and length_error <= LENGTH_TOLERANCE and self.iterations >= first:
                 if fits == 0.0:
                     return Outcome.OVERFULL
                 if self.state.density.min(initial=0.0) < 0.0:

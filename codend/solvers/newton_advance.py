@@ -22,6 +22,11 @@ FAILED, IN_FIRST, IN_SECOND = range(3)
 """Where the new state is: nowhere, or in the first or second of the spare states."""
 
 
+NEARBY = 1e-4
+"""Residual up to which a step with negative pivots is made if it is a good one: loads that follow a long net make its
+tangent so unsymmetric that pivots turn negative at stable equilibria too, and in steps that are shifted it crawls."""
+
+
 class Limits(NamedTuple):
     """Bounds of a step, and when it is good enough."""
 
@@ -89,7 +94,7 @@ def advance(
     sides = linearise(structure, loading, pattern, tension, shift, 0.0, state, step)
     right, solved = step.right, step.solved[:sides]
     negative = factorise(system, step.blocks) if fresh else 0
-    if negative != 0:
+    if negative < 0 or (negative > 0 and state.marks[1] > NEARBY):
         return FAILED, negative
     solve(system, right[:sides], solved)
     length, turn, determinant = finish_step(structure, state, state, solved, step)
@@ -101,6 +106,8 @@ def advance(
         gain = first.marks[0] / state.marks[0]
         if gain <= limits.clear_gain:
             break
+        if negative > 0:
+            return FAILED, negative
         solve(system, right[:1], solved[:1])
         left, bend = simplified_move(solved, size, step)
         # a shifted step leaves what the shift took, so there only growth is refused

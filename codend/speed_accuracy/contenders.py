@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from codend import fidelity
-from codend.errors import InputError
+from codend.errors import OPTIONS, InputError
 from codend.fidelity import FEWEST_MESHES_ROUND
 from codend.meridian.plan_case import why_not_exactly
 from codend.plan import Plan, load_plan
@@ -27,6 +27,8 @@ METHOD_KEYS = {
     RIGID: ("model.method=rigid-bars",),
     MERIDIAN: (),
 }
+SOLVER_NAMES = {"newton": NEWTON, "rigid-bars": RIGID, "meridian": MERIDIAN}
+"""Names that solvers go by in the results, and here; relaxation goes by two."""
 MOST_KNOTS = 50_000
 """Knots of a full net beyond which it is not tried."""
 MOST_FACTORS = 4
@@ -95,7 +97,7 @@ def scene_from(path: str | Path, changes: Sequence[str] = (), number: int = 1) -
     plan = load_plan(path, free)
     cases = plan.cases()
     if number > len(cases):
-        raise InputError(plan.source, "case", number, f"1 to {len(cases)}, the cases of the plan")
+        raise InputError(OPTIONS, "case", number, f"1 to {len(cases)}, the cases of the plan")
     case = cases[number - 1]
     only = (f"tow.speed_m_s={case.speed_m_s!r}", f"catch.{case.catch_kind}={case.catch_value!r}")
     least = min(section.meshes_round for section in plan.netting)

@@ -13,7 +13,17 @@ from codend.meridian.plan_case import first_guess, problem_for, solve_case
 from codend.meridian.problem import MeridianShape
 from codend.meridian.solve import solve_meridian
 from codend.plan import Plan
-from codend.speed_accuracy.contenders import FULL, KINETIC, MEMBRANE, MERIDIAN, SECTOR, Scene, contenders
+from codend.speed_accuracy.contenders import (
+    FULL,
+    KINETIC,
+    MEMBRANE,
+    MERIDIAN,
+    SECTOR,
+    SOLVER_NAMES,
+    VISCOUS,
+    Scene,
+    contenders,
+)
 from codend.study import CaseResult, StudyProgress, solve
 
 ACCURACIES = (0.1, 0.01, 0.001, 1e-6)
@@ -91,7 +101,7 @@ def measure(scene: Scene, quick: bool, progress: StudyProgress | None = None) ->
         began = perf_counter()
         choice = fidelity.choose(plan)
         choosing_ms = 1e3 * (perf_counter() - began)
-        model = choice.fidelity, choice.globalisation
+        model = MEMBRANE if choice.fidelity == "meridian" else choice.fidelity, choice.globalisation
         if model not in chosen:
             chosen[model] = _answer(plan)
         more = {"model": model[0], "globalisation": model[1], "accuracy": accuracy, "choosing_ms": choosing_ms}
@@ -107,7 +117,7 @@ def _answer(plan: Plan) -> Answer:
     study = solve(plan)
     result = study.cases[0]
     row = {
-        "method": result.report.method,
+        "method": SOLVER_NAMES.get(result.report.method) or (VISCOUS if plan.model.damping == "viscous" else KINETIC),
         "knots": len(result.net.positions),
         "outcome": result.report.outcome.name.lower(),
         "residual": result.report.residual,
