@@ -115,16 +115,20 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     from codend.plan import load_plan
 
     checked = load_plan(plan, changes)
+    from codend.fidelity import choose
     from codend.report.page import files_of, write_report
     from codend.study import solve
 
     check_writable(folder, files_of(checked))
 
     with shown_progress() as progress:
-        study = solve(checked, progress)
+        progress(0, len(checked.cases()), "choosing the model")
+        choice = choose(checked)
+    click.echo(choice.why)
+    with shown_progress() as progress:
+        study = solve(checked, progress, choice)
         with written_into(folder):
             written = write_report(study, folder, progress)
-    click.echo(study.choice.why)
     click.echo(text_table(list(TABLE_COLUMNS.values()), study.table[list(TABLE_COLUMNS)].itertuples(index=False)))
     click.echo(f"{len(written)} files written into {folder}; see {folder / 'report.html'}")
     _explain_failures(study)

@@ -17,7 +17,7 @@ from codend.net import Net, rotate
 from codend.plan import Case, Plan
 from codend.problem import Problem
 from codend.solvers import dynamic_relaxation, interior_point, newton, rigid_bars
-from codend.solvers.continuation import in_steps, predict
+from codend.solvers.continuation import in_steps, predict, with_catch
 from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.linear_systems import BandedSystem
 from codend.solvers.newton import DIRECT, NewtonSettings
@@ -80,10 +80,11 @@ def solve(
     same or not given by its meshes), for full nets Newton from the equilibrium of a sector set all round; the
     interior-point method from a crude bag; Newton from the meridian method's shape under uniform pressure without drag,
     from its equilibrium under the loads themselves, along a path of catches from the nearest equilibrium, from rough
-    relaxations of the crude bag; and relaxation alone. Where the catch is not given by its meshes, the meridian method
-    must search for the front and so comes last of these. The other methods try what they can of that; rigid bars that
-    lead nowhere try again with bars that go slack. The report of what is returned tells every attempt; its time is that
-    of all of them, the guesses included.
+    relaxations of the crude bag, for small catches along a path from half a bag, in which fewer bars are slack; and
+    relaxation alone. Where the catch is not given by its meshes, the meridian method must search for the front and so
+    comes last of these. The other methods try what they can of that; rigid bars that lead nowhere try again with bars
+    that go slack. The report of what is returned tells every attempt; its time is that of all of them, the guesses
+    included.
     """
     problem = problem_of(scene.net, scene.plan, case)
     attempts: list[str] = []
@@ -134,6 +135,14 @@ def _attempts(
             return None
         return _later(_from_limp(problem, start, partial(from_start, settings=settings)), guess_ms)
 
+    half = 0.5 * float(scene.net.band_meshes.sum())
+
+    def from_half() -> Solution:
+        larger = interior_point.solve(with_catch(problem, half), tolerance, None, progress, prepared=scene.prepared)
+        if not larger.report.outcome.converged:
+            return larger
+        return _later(in_steps(problem, (half, larger), from_start), larger.report.solve_ms)
+
     def from_sector() -> Solution | None:
         sector = scene_of(scene.plan, scene.globalisation, 1)
         known_part = solve(sector, case, (), None)[1]
@@ -167,6 +176,8 @@ def _attempts(
             known_catch = catch * problem.loading.catch_value / case.catch_value
             yield "the nearest equilibrium, in steps", lambda: in_steps(problem, (known_catch, solution), from_start)
         yield "a crude bag, relaxed", from_crude
+        if by_meshes and case.catch_value < half:
+            yield "half a bag, in steps", from_half
         if not by_meshes:
             yield "the meridian method's equilibrium", lambda: from_meridian(equilibrium_guess, DIRECT)
     if method in ("auto", "dynamic-relaxation"):

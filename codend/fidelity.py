@@ -6,8 +6,12 @@ from dataclasses import dataclass
 from codend.accuracy import WEIGHT_LEFT_OUT, sector_measures
 from codend.build import build_net
 from codend.loads import wet_weight
+from codend.net import Net
 from codend.plan import Plan
 
+SLOW_KNOTS, SLOW_MESHES = 3000, 10
+"""Knots of a model, and meshes round it, from which a case takes seconds or more: full nets of joined sections took 2 s
+with 3 800 knots and 23 s with 15 000. Narrow sectors, however long, take milliseconds."""
 FEWEST_MESHES_ROUND = 8
 """Merged meshes round below which a globalised net is no bag any more."""
 
@@ -46,16 +50,16 @@ def choose(plan: Plan) -> Choice:
     weighed = f"wet weight {weight:.3g} N, {100.0 * weight / drag:.2g} % of the drag of the smallest catch"
     left_out = f"; it leaves out the wet weight, which here matters ({weighed})" if heavy else ""
     if asked == "sector":
-        why = f"Asked for: one of {_sectors(plan, sector.order)} of the real net{left_out}."
+        why = f"Asked for: {_sector(plan, sector.order)}{left_out}.{_slow(plan, sector)}"
         return Choice("sector", 1, 1, why, error, unseen)
     if asked == "meridian":
         why = f"Asked for: the netting as a membrane, the same all round{left_out}."
         return Choice("meridian", 1, 1, why, math.nan, unseen)
     if asked == "globalised":
         why = f"Asked for: the full net, {g} x {g} real meshes merged into one."
-        return Choice("globalised", g, None, why, math.nan)
+        return Choice("globalised", g, None, why + _slow(plan, sector, g), math.nan)
     if asked == "full":
-        return Choice("full", 1, None, "Asked for: every mesh of the real net.", 0.0)
+        return Choice("full", 1, None, f"Asked for: every mesh of the real net.{_slow(plan, sector, 1)}", 0.0)
     if heavy:
         merged, error = _merged(plan)
         model = f"the full net, {merged} x {merged} meshes merged into one" if merged > 1 else "the full net"
@@ -63,9 +67,9 @@ def choose(plan: Plan) -> Choice:
             f"Wet weight breaks the symmetry ({weighed}): {model}, "
             f"which costs {100.0 * error:.2g} % in drag where {100.0 * plan.model.accuracy:g} % is allowed."
         )
-        return Choice("globalised" if merged > 1 else "full", merged, None, why, error)
+        return Choice("globalised" if merged > 1 else "full", merged, None, why + _slow(plan, sector, merged), error)
     light = "no twine density is given, so wet weight is left out" if weight == 0.0 else f"{weighed}, is negligible"
-    why = f"The plan is the same all round and {light}: one of {_sectors(plan, sector.order)} of the real net is exact."
+    why = f"The plan is the same all round and {light}: {_sector(plan, sector.order)} is exact.{_slow(plan, sector)}"
     return Choice("sector", 1, 1, why, error, unseen)
 
 
@@ -77,16 +81,35 @@ def _least_drag(plan: Plan) -> float:
     return drag if drag > 0.0 else 0.5 * plan.tow.water_density_kg_m3 * case.speed_m_s**2 * area
 
 
-def _sectors(plan: Plan, order: int) -> str:
-    """How many sectors there are, and how many meshes of each section make one if it is not a single one of each."""
+def _sector(plan: Plan, order: int) -> str:
+    """The narrowest sector: of how many, and how many meshes of each section make it if it is not a single one."""
+    counts = list(dict.fromkeys(part.meshes_round for part in plan.netting))
     if order == 1:
-        return "the full net, for the mesh counts have no common divisor: all"
-    wide = list(dict.fromkeys(part.meshes_round // order for part in plan.netting))
-    if wide == [1]:
-        return f"{order} equal sectors"
-    *others, last = map(str, wide)
-    meshes = f"{', '.join(others)} and {last}" if others else last
-    return f"{order} equal sectors, {meshes} meshes wide,"
+        return f"the full net, for its mesh counts {_listed(counts)} have no common divisor,"
+    wide = [count // order for count in counts]
+    meshes = "" if wide == [1] else f", {_listed(wide)} meshes wide,"
+    return f"one of {order} equal sectors{meshes} of the real net"
+
+
+def _slow(plan: Plan, sector: Net, merged: int | None = None) -> str:
+    """What a large model costs in time, in words; empty for others.
+
+    The model is the sector, or the full net with so many meshes merged into one each way.
+    """
+    counts = {part.meshes_round for part in plan.netting}
+    sectors, g = (1, 1) if merged is None else (sector.order, merged)
+    # all knots but the codline, which every sector has
+    knots = 1 + (len(sector.positions) - 1) * sectors // g**2
+    if knots < SLOW_KNOTS or max(counts) * sectors // sector.order < SLOW_MESHES * g:
+        return ""
+    wide = merged is None and len(counts) > 1
+    narrower = "; meshes round with a larger common divisor make a narrower sector" if wide else ""
+    return f" Its {knots} knots take seconds to minutes a case{narrower}."
+
+
+def _listed(counts: list[int]) -> str:
+    *others, last = map(str, counts)
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def _merged(plan: Plan) -> tuple[int, float]:

@@ -6,6 +6,7 @@ Everything is stated for the real netting: tensions of a globalised net are divi
 from dataclasses import dataclass, fields
 
 import numpy as np
+from numpy.typing import NDArray
 
 from catch_models.filling import enclosed_volume
 from catch_models.pressure import PressureLaw
@@ -81,18 +82,29 @@ def opening_force(bar_tension_n: Floats, opening_deg: Floats, wanted_deg: float 
     return np.asarray(along * (np.tan(np.radians(wanted_deg) / 2.0) - np.tan(half)))
 
 
-def mesh_openings(corners: Floats) -> tuple[Floats, Floats]:
+def over_straps(net: Net) -> NDArray[np.bool_]:
+    """Whether a strap lies across the widest part of a mesh, (k,); square meshes lie between two rows of knots."""
+    square = net.band_meshes[np.minimum(net.mesh_row, net.bands - 1)] == 1.0
+    return np.isin(net.mesh_row, net.node_row[net.bars[net.straps, 0]]) & ~square
+
+
+def mesh_openings(corners: Floats, folded: NDArray[np.bool_] | bool = False) -> tuple[Floats, Floats]:
     """Opening angles in degrees (k,) and outward normals (k, 3) of meshes by their ``mesh_corners``.
 
-    The opening is 2 atan(transverse / longitudinal diagonal), both taken over the twine only, without the knots.
+    The opening is 2 atan(transverse / longitudinal diagonal), both taken over the twine only, without the knots. In
+    meshes that are ``folded`` over their widest part, as by a tight strap, the longitudinal one is taken along the
+    netting: their twines are as far apart as if it lay flat.
     """
     side = corners[:, :, 1] - corners[:, :, 0]
-    longitudinal = 0.5 * (side[:, 0] + side[:, 1] - side[:, 2] - side[:, 3])
+    fore, aft = 0.5 * (side[:, 0] - side[:, 3]), 0.5 * (side[:, 1] - side[:, 2])
+    longitudinal = fore + aft
     transverse = 0.5 * (side[:, 0] - side[:, 1] - side[:, 2] + side[:, 3])
     normal = np.cross(transverse, longitudinal)
     with np.errstate(invalid="ignore"):
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    opening = 2.0 * np.arctan2(np.linalg.norm(transverse, axis=1), np.linalg.norm(longitudinal, axis=1))
+    flat = np.linalg.norm(fore, axis=1) + np.linalg.norm(aft, axis=1)
+    along = np.where(folded, flat, np.linalg.norm(longitudinal, axis=1))
+    opening = 2.0 * np.arctan2(np.linalg.norm(transverse, axis=1), along)
     return np.degrees(opening), normal
 
 
@@ -100,7 +112,7 @@ def measure_meshes(problem: Problem, solution: Solution) -> Meshes:
     """Opening, tension, opening force and net pressure of every mesh of the model."""
     net = problem.net
     corners = mesh_corners(net, solution.positions)
-    opening, normal = mesh_openings(corners)
+    opening, normal = mesh_openings(corners, over_straps(net))
     tension = _mean_over(solution.bar_tension, net.mesh_bars) / net.globalisation
     band = np.minimum(net.mesh_row, net.bands - 1)
     filled = 0.5 * (solution.share[np.maximum(band - 1, 0)] + solution.share[band])

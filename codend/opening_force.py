@@ -17,7 +17,7 @@ from codend import equilibrium
 from codend.build import build_net
 from codend.errors import InputError
 from codend.loads import problem_of
-from codend.measures import WANTED_OPENING_DEG, mesh_openings, opening_force
+from codend.measures import WANTED_OPENING_DEG, mesh_openings, opening_force, over_straps
 from codend.net import Floats, Ints, Net, mesh_corners
 from codend.plan import Case, Plan
 from codend.solvers import interior_point, newton
@@ -97,7 +97,7 @@ def pull_mesh(
     pull = Pull(case, nothing, nothing, nothing, wanted_deg, nothing, nothing, nothing, 1, 0, nothing, False, attempts)
     if not solution.report.outcome.converged:
         return pull
-    opening, _ = mesh_openings(mesh_corners(net, solution.positions))
+    opening, _ = mesh_openings(mesh_corners(net, solution.positions), over_straps(net))
     sides = net.mesh_bars
     tension = (solution.bar_tension[sides] * (sides >= 0)).sum(axis=1) / (sides >= 0).sum(axis=1)
     alone = opening_force(tension, opening, wanted_deg)
@@ -175,7 +175,7 @@ def _pulled(plan: Plan, columns: int, row: int, start: Solution, pull: Pull, pro
             goal = 0.5 * (goal + pulled_by[-1][0])
             continue
         solution = trial
-        reached = float(mesh_openings(mesh_corners(hooked, trial.positions)[[mesh]])[0][0])
+        reached = float(mesh_openings(mesh_corners(hooked, trial.positions), over_straps(hooked))[0][mesh])
         force = 0.5 * float(trial.bar_tension[-hooks:].sum())
         last_goal, last_opening, last_force = pulled_by[-1]
         pulled_by.append((goal, reached, force))

@@ -138,7 +138,8 @@ class Netting(Table):
 class Strap(Table):
     """A round strap: a rope ring on a row of knots that bounds its radius and is slack where the net is narrower.
 
-    It is laid through the knots and does not slide. Its weight is left out.
+    It is laid through the knots and does not slide. Its drag is that of its whole length, slack or tight; its weight is
+    left out.
     """
 
     meshes_from_codline: Annotated[Number, Gt(0)]

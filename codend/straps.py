@@ -3,6 +3,12 @@
 A strap through the N knots of a row is a polygon of N sides s, its corners on a circle of radius R. Merged knots lie on
 that same circle, fewer and with longer sides between them. Their rope carries the tension that does the same work when
 R changes, N T ds/dR, and stretches as the real one does at that R (derived).
+
+A strap can be too short for the netting it holds, whatever the loads. Lengths of inextensible twine and rope are bounds
+on distances, and a mean of two nets keeps what both keep: if any net fits, then so does the mean of all its turns and
+mirror images, and that net is the same all round. Seen along the axis it is a row of circles, from the entry's, which
+is held, to the strap's, and every band between takes the radius down by no more than its bars reach when they lie flat
+(derived; ``least_radius_m``). The codline asks for no width, and too long a strap is slack.
 """
 
 from dataclasses import replace
@@ -22,17 +28,63 @@ def with_straps(net: Net, plan: Plan, knots: Knots) -> Net:
     Where the knots of a row lie across the netting (T90) a strap runs from knot to knot, and the knots close its ring.
 
     Raises:
-        InputError: a strap is shorter than the knots of its row laid side by side.
+        InputError: a strap is shorter than the netting of its row allows.
     """
     for index, strap in enumerate(plan.strap):
         row = knots.lattice.bands - plan.strap_rows[index] // knots.lattice.globalisation
         across_m = knots.lattice.sections[row - 1].knot_m if knots.across[row] else 0.0
-        least_m = knots.lattice.globalisation * knots.lattice.order * knots.lattice.knots[row] * across_m
-        if strap.length_m <= least_m:
-            allowed = f"above {least_m:.4g} m, the knots of its row laid side by side"
-            raise InputError(file=plan.source, key=f"strap.{index}.length_m", value=strap.length_m, allowed=allowed)
+        _check_length(plan, index, knots, row, across_m)
         net = _with_strap(net, strap, knots, row, across_m)
     return net
+
+
+def _check_length(plan: Plan, index: int, knots: Knots, row: int, across_m: float) -> None:
+    """Refuse a strap too short for the knots of its row, for their twines, or for the netting from the entry."""
+    lattice, strap = knots.lattice, plan.strap[index]
+    section = lattice.sections[row - 1]
+    real = lattice.globalisation * lattice.order * int(lattice.knots[row])
+    # the circle round the sections of the twines that pass through the ring, two from a knot or in square mesh one
+    bundle_m = np.pi * section.solid_diameter_m * np.sqrt(section.rows_per_mesh * real)
+    bounds = [(real * across_m, "the knots of its row laid side by side"), (bundle_m, "round the twines of its row")]
+    radius = least_radius_m(plan, plan.strap_rows[index])
+    if strap.axial_stiffness_n is None and radius > across_m:
+        side = _side_and_slope(radius, real, across_m)[0]
+        bounds.append((real * (side + across_m), "as far as the netting from the entry reaches inwards"))
+    least_m, reason = max(bounds)
+    if strap.length_m <= least_m:
+        allowed = f"above {least_m:.4g} m, {reason}"
+        raise InputError(file=plan.source, key=f"strap.{index}.length_m", value=strap.length_m, allowed=allowed)
+
+
+def least_radius_m(plan: Plan, rows_to_codline: int) -> float:
+    """Radius to which a row of knots can be drawn in from the entry, whatever pulls, m; 0 where twine stretches.
+
+    From a ring of radius r a flat bar b reaches in to r', the lesser root of  b^2 = r^2 + r'^2 - 2 r r' cos(g),  where
+    its ends differ in azimuth by g: by half a mesh pi/N, in T90 netting by as much less as the knots take at either
+    end, in square mesh not at all. Knots along the netting reach inwards by their length (derived).
+
+    Where sections differ in their meshes round this is a bound from below, by chains of bars and knots straight from
+    the entry, whose ends are off by up to half a mesh for every section.
+    """
+    counts = [part.meshes_round for part in plan.netting]
+    joined = len(set(counts)) > 1
+    radius = plan.entry.radius_m
+    if joined:
+        radius = radius * np.cos(np.pi * len(counts) / min(counts)) - 0.5 * plan.netting[0].knot_m
+    rows = sum(part.rows_per_mesh * part.meshes_long for part in plan.netting) - rows_to_codline
+    for part in plan.netting:
+        across_m = part.knot_m if part.mesh == "t90" and not joined else 0.0
+        for _ in range(min(rows, part.rows_per_mesh * part.meshes_long)):
+            if part.axial_stiffness_n is not None or radius <= part.bar_m + part.knot_m:
+                return 0.0
+            # the nearest that the aft ring may come tells the most that its knots take, and so the least turn
+            turn = 0.0 if part.mesh == "square" or joined else np.pi / part.meshes_round
+            turn -= np.arcsin(0.5 * across_m / radius) + np.arcsin(0.5 * across_m / (radius - part.bar_m))
+            turn = max(turn, 0.0)
+            flat_m = np.sqrt(max(part.bar_m**2 - (radius * np.sin(turn)) ** 2, 0.0))
+            radius = radius * np.cos(turn) - flat_m - (part.knot_m - across_m)
+        rows -= min(rows, part.rows_per_mesh * part.meshes_long)
+    return float(radius)
 
 
 def _with_strap(net: Net, strap: Strap, knots: Knots, row: int, across_m: float) -> Net:

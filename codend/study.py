@@ -103,12 +103,13 @@ class Study:
         return tables.mesh_table(self)
 
 
-def solve(plan: Plan, progress: StudyProgress | None = None) -> Study:
+def solve(plan: Plan, progress: StudyProgress | None = None, choice: Choice | None = None) -> Study:
     """Solve every case of a plan.
 
     Args:
         plan: what to solve, and how (``plan.model``).
         progress: called before and during every case.
+        choice: the model, where ``fidelity.choose`` has been asked already.
 
     Returns:
         A study; a case that failed is in it, not converged, its numbers nan.
@@ -116,7 +117,7 @@ def solve(plan: Plan, progress: StudyProgress | None = None) -> Study:
     Raises:
         InputError: the plan asks for what its netting does not allow.
     """
-    choice = fidelity.choose(plan)
+    choice = fidelity.choose(plan) if choice is None else choice
     if choice.fidelity == "meridian":
         return Study(plan, choice, tuple(_solve_meridian(plan, choice, progress)))
     scene = equilibrium.scene_of(plan, choice.globalisation, choice.columns)

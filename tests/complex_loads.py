@@ -61,7 +61,10 @@ def elastic_pull(net: Net, position: np.ndarray) -> np.ndarray:
 
 
 def twine_drag(problem: Problem, position: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Le Bris et al. 1999, equations 4 and 5; Bessonneau and Marichal 1997, equations 2 and 3."""
+    """Le Bris et al. 1999, equations 4 and 5; Bessonneau and Marichal 1997, equations 2 and 3.
+
+    A bar is as long as its ends are apart, a strap as long as its rope.
+    """
     net, loading = problem.net, problem.loading
     vector = vectors(net, position)
     length = norm(vector)[:, None]
@@ -76,7 +79,9 @@ def twine_drag(problem: Problem, position: np.ndarray, share: np.ndarray) -> np.
         coefficient_along = loading.tangential
     law = loading.normal * speed_across[:, None] * across + coefficient_along * speed_along[:, None] * along
     exposed = (1.0 - share[net.bar_band]) * net.bar_drag_diameter
-    half = 0.25 * loading.density * exposed[:, None] * length * law
+    wetted = length.copy()
+    wetted[net.straps, 0] = net.bar_length[net.straps]
+    half = 0.25 * loading.density * exposed[:, None] * wetted * law
     return on_both_ends(net, half, half)
 
 

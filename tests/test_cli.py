@@ -13,8 +13,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 import codend.study
-from codend import console, doctor
+from codend import console, doctor, fidelity
 from codend.cli import main
+from codend.plan import load_plan
 from codend.report import files, page
 from codend.tables import RESULT_COLUMNS
 from tests.bad_plans import BAD_PLANS, VALID_PLAN, BadPlan
@@ -44,11 +45,11 @@ def codend_cli(*words: object) -> Result:
     return CliRunner().invoke(main, [str(word) for word in words], prog_name="codend")
 
 
-def assert_refused(result: Result, *words: str, status: int = 2) -> None:
-    """One line on standard error that holds the words, nothing else printed, no traceback."""
+def assert_refused(result: Result, *words: str, status: int = 2, printed: str = "") -> None:
+    """One line on standard error that holds the words, nothing else printed but ``printed``, no traceback."""
     assert result.exit_code == status
     assert isinstance(result.exception, SystemExit)
-    assert result.stdout == ""
+    assert result.stdout == printed
     assert result.stderr.startswith("codend: ")
     assert result.stderr.count("\n") == 1
     assert result.stderr.endswith("\n")
@@ -77,6 +78,11 @@ def ran(tmp_path_factory):
     home = tmp_path_factory.mktemp("run")
     (home / "plan.toml").write_text(TINY_PLAN, encoding="utf-8")
     return home / "new" / "out", codend_cli("run", home / "plan.toml", "--out", home / "new" / "out")
+
+
+def reason(plan: Path) -> str:
+    """What ``codend run`` prints before it solves anything: the model, and why."""
+    return f"{fidelity.choose(load_plan(plan)).why}\n"
 
 
 # --- the program as a whole ------------------------------------------------------------------------------------------
@@ -158,7 +164,7 @@ def test_a_bad_change_is_refused_like_a_bad_plan(tmp_path, no_solving):
 )
 def test_set_takes_several_changes_and_may_be_repeated(words, plan, monkeypatch):
     seen = []
-    monkeypatch.setattr(codend.study, "solve", lambda plan, _: seen.append(plan) or 1 // 0)
+    monkeypatch.setattr(codend.study, "solve", lambda plan, *_: seen.append(plan) or 1 // 0)
     names = {"PLAN": str(plan), "OUT": str(plan.parent / "out")}
     codend_cli("run", *(names.get(word, word) for word in words.split()))
     (changed,) = seen
@@ -180,6 +186,18 @@ def test_run_writes_the_tables_and_prints_a_short_one(ran):
     assert f"{results['drag_n'][0]:.4g}" in first.split()
     assert second.split()[0] == "2"
     assert second.split()[-1] == "yes"
+
+
+def test_the_model_and_what_it_costs_are_told_before_anything_is_solved(plan, monkeypatch):
+    """Mesh counts without a common divisor make a full net of many knots, which takes long."""
+    laced = (
+        "netting=[{mesh='diamond', meshes_round=97, meshes_long=10, bar_mm=40, twine_mm=2},"
+        "{mesh='diamond', meshes_round=89, meshes_long=10, bar_mm=40, twine_mm=2}]"
+    )
+    monkeypatch.setattr(codend.study, "solve", lambda *_: signal.raise_signal(signal.SIGINT))
+    result = codend_cli("run", plan, "--out", plan.parent / "out", "--set", laced)
+    assert "the full net, for its mesh counts 97 and 89 have no common divisor, is exact." in result.stdout
+    assert "Its 3721 knots take seconds to minutes a case; meshes round with a larger common" in result.stdout
 
 
 def test_a_case_that_does_not_converge_gives_status_3_and_the_others_are_written(plan):
@@ -263,7 +281,8 @@ def test_what_cannot_be_written_in_the_end_is_named_itself(ran, plan, monkeypatc
     monkeypatch.setattr(codend.study, "solve", lambda *_: None)
     monkeypatch.setattr(page, "write_report", lambda _, folder, __: (folder / "new" / "plots").mkdir())
     out = plan.parent / "out"
-    assert_refused(codend_cli("run", plan, "--out", out), f"{out / 'new' / 'plots'}: cannot be written: No such file")
+    told = f"{out / 'new' / 'plots'}: cannot be written: No such file"
+    assert_refused(codend_cli("run", plan, "--out", out), told, printed=reason(plan))
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="nothing is forbidden to root")
@@ -279,12 +298,14 @@ def test_a_full_disk_ends_in_one_line(ran, plan, monkeypatch):
 
     monkeypatch.setattr(codend.study, "solve", lambda *_: None)
     monkeypatch.setattr(page, "write_report", write_report)
-    assert_refused(codend_cli("run", plan, "--out", plan.parent / "out"), "No space left on device")
+    result = codend_cli("run", plan, "--out", plan.parent / "out")
+    assert_refused(result, "No space left on device", printed=reason(plan))
 
 
 def test_interrupted_while_solving_it_writes_nothing(plan, monkeypatch):
     monkeypatch.setattr(codend.study, "solve", lambda *_: signal.raise_signal(signal.SIGINT))
-    assert_refused(codend_cli("run", plan, "--out", plan.parent / "out"), "codend: interrupted", status=130)
+    result = codend_cli("run", plan, "--out", plan.parent / "out")
+    assert_refused(result, "codend: interrupted", status=130, printed=reason(plan))
     assert list(plan.parent.iterdir()) == [plan]
 
 
@@ -300,7 +321,7 @@ def test_interrupted_while_writing_it_leaves_no_half_files(plan, ran, monkeypatc
 
     monkeypatch.setattr(files.os, "replace", replace)
     out = plan.parent / "out"
-    assert_refused(codend_cli("run", plan, "--out", out), "codend: interrupted", status=130)
+    assert_refused(codend_cli("run", plan, "--out", out), "codend: interrupted", status=130, printed=reason(plan))
     left = sorted(path for path in out.rglob("*") if path.is_file())
     assert left == sorted(renamed)
     for path in left:

@@ -104,6 +104,20 @@ def test_automatic_choice_is_a_sector_unless_weight_breaks_the_symmetry():
     assert fidelity.choose(strict).fidelity == "full"
 
 
+def test_only_wide_models_of_many_knots_are_told_to_be_slow():
+    assert "minutes" not in fidelity.choose(make_plan(24, 20, model={"fidelity": "full"})).why
+    full = make_plan(120, 100, model={"fidelity": "full"})
+    assert "Its 24001 knots take seconds to minutes a case." in fidelity.choose(full).why
+    merged = make_plan(120, 100, model={"fidelity": "globalised", "globalisation": 2})
+    assert "Its 6001 knots take seconds to minutes a case." in fidelity.choose(merged).why
+    for plan in (full, merged):
+        choice = fidelity.choose(plan)
+        net = build_net(plan, globalisation=choice.globalisation, columns=choice.columns)
+        assert f" {len(net.positions)} knots" in choice.why
+    # one mesh wide and 3000 rows long
+    assert "minutes" not in fidelity.choose(make_plan(120, 1500)).why
+
+
 WEIGHED = {
     "small catch": {"filled": 2.0},
     "large catch": {"filled": 14.0},

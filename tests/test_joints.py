@@ -1,5 +1,6 @@
 """Sections of different mesh counts and kinds, laced together: the net as it is written, and its equilibria."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,8 @@ from codend.measures import Measures, measure_all, opening_rows_ahead
 from codend.net import Net, all_round, facet_corners
 from codend.net_parts import taken_up
 from codend.plan import Plan
+from codend.solvers import interior_point, newton
+from codend.solvers.outcome import Outcome, Solution
 from codend.study import CaseResult, solve
 from tests.plans import NO_DRAG, UNIFORM, joined_plan
 from validation.reference import residual
@@ -237,3 +240,27 @@ def test_counts_without_a_common_divisor_make_one_sector_of_the_whole_net():
     net = build_net(plan, columns=1)
     assert net.order == 1
     check(solve(plan).cases[0], 1e-6)
+
+
+def test_a_path_from_half_a_bag_leads_to_the_small_catch_that_no_crude_bag_led_to(monkeypatch):
+    plan = joined_plan(*USUAL["100 to 60"], catch={"filled_meshes": 2.0}, model={"fidelity": "sector"})
+    expected = solve(plan).cases[0]
+    of_any_catch, from_any_start = interior_point.solve, newton.solve
+
+    def of_larger_catches(problem, *given, **further):
+        solution = of_any_catch(problem, *given, **further)
+        return failed(solution) if problem.loading.catch_value == 2.0 else solution
+
+    def from_a_shape(problem, tolerance, start=None, *given, **further):
+        solution = from_any_start(problem, tolerance, start, *given, **further)
+        return failed(solution) if start is None else solution
+
+    monkeypatch.setattr(interior_point, "solve", of_larger_catches)
+    monkeypatch.setattr(newton, "solve", from_a_shape)
+    found = solve(plan).cases[0]
+    assert found.report.attempts[-1].startswith("from half a bag, in steps: ")
+    assert found.positions == pytest.approx(expected.positions, abs=1e-5)
+
+
+def failed(solution: Solution) -> Solution:
+    return replace(solution, report=replace(solution.report, outcome=Outcome.NOT_IMPROVING))

@@ -156,6 +156,13 @@ def test_tangent_of_the_drag_is_its_derivative_at_given_shares(mesh, columns, la
     check_drag(distorted(mesh, columns, law=law))
 
 
+@pytest.mark.parametrize("law", LAWS)
+def test_tangent_of_the_drag_of_taut_and_slack_straps_is_its_derivative(law):
+    problem = distorted("diamond", 2, law=law)
+    net = replace(problem.net, straps=np.arange(0, len(problem.net.bars), 3, dtype=np.int32))
+    check_drag(replace(problem, net=net, structure=structure_of(net)))
+
+
 @pytest.mark.parametrize("catch", [{}, UNIFORM], ids=["sphere", "uniform"])
 @pytest.mark.parametrize("columns", COLUMNS)
 @pytest.mark.parametrize("mesh", MESHES)

@@ -3,8 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.net import Floats, Ints, Net
+
+Flags = NDArray[np.bool_]
 
 FILLED_MESHES, FRONT_FROM_CODLINE, VOLUME = range(3)
 LE_BRIS_1999, BESSONNEAU_1997 = range(2)
@@ -22,6 +25,8 @@ class Structure(NamedTuple):
     flexibility: Floats
     drag_diameter: Floats
     bar_band: Ints
+    strap: Flags
+    """Whether a bar is a rope round the netting, (m,)."""
     facets: Ints
     facet_image: Ints
     facet_weight: Floats
@@ -78,6 +83,7 @@ def structure_of(net: Net) -> Structure:
         flexibility=net.bar_flexibility,
         drag_diameter=net.bar_drag_diameter,
         bar_band=net.bar_band,
+        strap=np.isin(np.arange(len(net.bars)), net.straps),
         facets=net.facets,
         facet_image=net.facet_image,
         facet_weight=net.facet_weight,

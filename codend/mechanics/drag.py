@@ -37,7 +37,8 @@ def drag_vector(
 def add_drag(position: Floats, structure: Structure, loading: Loading, share: Floats, force: Floats) -> None:
     """Add the drag of every bar to the nodal forces, half to each end; bars within the catch carry none.
 
-    The netting stands still in a current of ``speed`` along x.
+    The netting stands still in a current of ``speed`` along x. A strap meets it with its own length, in the direction
+    of its ends, however slack it hangs between them.
     """
     law, normal, tangential = loading.drag_law, loading.normal, loading.tangential
     density, speed = loading.density, loading.speed
@@ -54,7 +55,8 @@ def add_drag(position: Floats, structure: Structure, loading: Loading, share: Fl
         length = np.sqrt(dx * dx + dy * dy + dz * dz)
         if length == 0.0:
             continue
-        half = 0.25 * exposed * density * widths[bar] * length
+        wetted = structure.length[bar] if structure.strap[bar] else length
+        half = 0.25 * exposed * density * widths[bar] * wetted
         x, y, z = drag_vector(law, normal, tangential, speed, 0.0, 0.0, dx / length, dy / length, dz / length)
         force[first, 0] += half * x
         force[first, 1] += half * y
@@ -88,7 +90,8 @@ def add_moving_drag(
         vx = -0.5 * (velocity[first, 0] + velocity[second, 0])
         vy, vz = -0.5 * (velocity[first, 1] + y), -0.5 * (velocity[first, 2] + z)
         filled = share[bands[bar]]
-        half = 0.25 * density * widths[bar] * length
+        wetted = structure.length[bar] if structure.strap[bar] else length
+        half = 0.25 * density * widths[bar] * wetted
         x, y, z = 0.0, 0.0, 0.0
         if filled < 1.0:
             x, y, z = drag_vector(law, normal, tangential, speed + vx, vy, vz, tx, ty, tz)

@@ -24,6 +24,8 @@ def add_drag_tangent(
 
         LB99  F = S (Cd r^3 + f Cd |a|^3) / l^2,  W = S (f Cd |a| - Cd r) a / l^2
         BM97  F = S (Cd r^2 + Cf a^2) / l,        W = S (Cf - Cd) a / l
+
+    Those of a strap, whose own length is L, are L / l times as large, which falls by (a, y, z) / l^2 of itself.
     """
     if loading.normal == 0.0 and loading.tangential == 0.0:
         return
@@ -59,6 +61,11 @@ def add_drag_tangent(
             across = (tangential - normal) * a / length
             across_a = (tangential - normal) * r * r / (length * squared)
             across_r = -across * r / squared
+        if structure.strap[bar]:
+            ratio = structure.length[bar] / length
+            force_a, force_r = ratio * (force_a - a * force / squared), ratio * (force_r - r * force / squared)
+            across_a, across_r = ratio * (across_a - a * across / squared), ratio * (across_r - r * across / squared)
+            across *= ratio
         sideways, upward = (y / r, z / r) if r > 0.0 else (0.0, 0.0)
         h[0, 0], h[0, 1], h[0, 2] = force_a, force_r * sideways, force_r * upward
         h[1, 0], h[1, 1], h[1, 2] = across_a * y, across + across_r * y * sideways, across_r * y * upward

@@ -76,6 +76,8 @@ def results_table(study: Study) -> PageTable:
         "negative where it is wider open already. Length: from the entry to the codline along the axis. "
         "All digits are in results.csv."
     ]
+    if study.plan.strap:
+        remarks.append("Straps: a slack one keeps the drag of its whole length; their weight is not counted.")
     missing = [RESULT_HEADS[name].name.lower() for name in told if name not in shown]
     if missing:
         remarks.append(f"Not computed: {'; '.join(missing)}.")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.net import Floats, WholeNet, all_round
+from codend.net import Floats, Net, WholeNet, all_round
 from codend.report.polygons import joined_on_axis, mesh_polygons
 from codend.report.style import INK, new_figure, number_text
 from codend.study import CaseResult
@@ -23,6 +23,8 @@ TURN_DEG = 24.0
 RISE_DEG = 14.0
 """Angle by which the onlooker looks down."""
 WIDTH_IN = 12.0
+STRAP_WIDTH = 3.2
+"""Width of the line of a strap, which is a thick rope; other rings are thinner."""
 NEAR_OPACITY, FAR_OPACITY = 0.72, 0.38
 """Of netting ahead of the catch, on the near and on the far side; netting on the catch hides what is behind."""
 
@@ -54,11 +56,17 @@ def net_picture(result: CaseResult) -> "Figure":
     opening = np.tile(result.meshes.opening_deg, result.net.order)
     in_catch = np.tile(result.meshes.pressure_pa > 0.0, result.net.order)
     front = float(np.sum(1.0 - result.solution.share))
-    entry_ring, front_ring = (_ring(result, sectors, row) @ _screen_axes() for row in (0, round(front)))
+    entry_ring, front_ring, *straps = (
+        _ring(result, sectors, row) @ _screen_axes() for row in (0, round(front), *_strap_rows(result.net))
+    )
     _draw_meshes(axes, whole, flat, colours.to_rgba(opening), in_catch)
     axes.plot(entry_ring[:, 0], entry_ring[:, 1], color=INK, linewidth=1.8)
-    _draw_front(axes, front_ring)
+    _draw_ring(axes, front_ring, 1.8)
+    for ring in straps:
+        _draw_ring(axes, ring, STRAP_WIDTH)
     _label(axes, flat, entry_ring, front_ring, result)
+    if straps:
+        _label_straps(axes, flat, straps)
 
     bar = figure.colorbar(colours, ax=axes, orientation="horizontal", shrink=0.4, aspect=40, pad=0.02)
     bar.set_label("mesh opening angle (degrees)")
@@ -122,12 +130,17 @@ def _ring(result: CaseResult, sectors: WholeNet, row: int) -> Floats:
     return ring[np.append(order := np.argsort(np.arctan2(z, y)), order[0])]
 
 
-def _draw_front(axes: "Axes", ring: Floats) -> None:
-    """The front's near half as a line, the half behind the netting in dashes."""
+def _strap_rows(net: Net) -> list[int]:
+    """Rows of knots that have a strap, from the entry."""
+    return sorted(set(net.node_row[net.bars[net.straps, 0]].tolist()))
+
+
+def _draw_ring(axes: "Axes", ring: Floats, width: float) -> None:
+    """The near half of a ring on the netting as a line of that width, the half behind the netting in dashes."""
     near = ring[:, 2] >= ring[:-1, 2].mean()
     for which, style in ((near, "-"), (~near, (0, (4, 3)))):
         x, y = (np.where(which, ring[:, i], np.nan) for i in (0, 1))
-        axes.plot(x, y, color=INK, linestyle=style, linewidth=1.8 if style == "-" else 1.0)
+        axes.plot(x, y, color=INK, linestyle=style, linewidth=width if style == "-" else 1.0)
 
 
 def _label(axes: "Axes", flat: Floats, entry_ring: Floats, front_ring: Floats, result: CaseResult) -> None:
@@ -159,3 +172,19 @@ def _label(axes: "Axes", flat: Floats, entry_ring: Floats, front_ring: Floats, r
     axes.set_xlim(start[0], high[0] + 0.09 * size[0])
     top = max(high[1] + 0.03 * size[1], front_ring[:, 1].max() + 0.27 * size[1], entry_ring[:, 1].max() + 0.2 * size[1])
     axes.set_ylim(low[1] - 0.03 * size[1], top)
+
+
+def _label_straps(axes: "Axes", flat: Floats, straps: list[Floats]) -> None:
+    """Name the straps at the first of them, below the net, and make room for that."""
+    height = np.ptp(flat[:, 1])
+    x, y = straps[0][np.argmin(straps[0][:, 1]), :2]
+    below = flat[:, 1].min() - 0.05 * height
+    axes.annotate(
+        "strap" if len(straps) == 1 else "straps",
+        (x, y),
+        (x, below),
+        ha="center",
+        va="top",
+        arrowprops={"arrowstyle": "-", "color": INK, "linewidth": 0.8, "shrinkB": 1},
+    )
+    axes.set_ylim(bottom=below - 0.11 * height)
