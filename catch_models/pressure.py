@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import PchipInterpolator, PPoly
 
 UNIFORM_COEFFICIENT = 1.4
 """Net pressure over stagnation pressure in common practice: 1 inside, 0.4 of suction outside."""
@@ -33,12 +32,19 @@ class PressureLaw:
 
     def __call__(self, theta_rad: ArrayLike) -> NDArray[np.float64]:
         """Net pressure coefficient at ``theta_rad`` (any shape)."""
-        return np.asarray(PPoly(self.coefficients, self.angles_rad)(np.asarray(theta_rad, dtype=np.float64)))
+        along, (cubic, square, slope, value) = self._piece_at(theta_rad)
+        return np.asarray(((cubic * along + square) * along + slope) * along + value)
 
     def derivative(self, theta_rad: ArrayLike) -> NDArray[np.float64]:
         """Derivative of the net pressure coefficient with respect to theta, per radian."""
-        slope = PPoly(self.coefficients, self.angles_rad).derivative()
-        return np.asarray(slope(np.asarray(theta_rad, dtype=np.float64)))
+        along, (cubic, square, slope, _) = self._piece_at(theta_rad)
+        return np.asarray((3.0 * cubic * along + 2.0 * square) * along + slope)
+
+    def _piece_at(self, theta_rad: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Theta less the break before it, and the coefficients from there, (4, ...)."""
+        theta = np.asarray(theta_rad, dtype=np.float64)
+        piece = np.searchsorted(self.angles_rad[1:-1], theta, side="right")
+        return theta - self.angles_rad[piece], self.coefficients[:, piece]
 
 
 def uniform_law(coefficient: float = UNIFORM_COEFFICIENT) -> PressureLaw:
@@ -63,12 +69,20 @@ def sphere_law(cp_csv: str | Path | None = None) -> PressureLaw:
 
 @lru_cache(maxsize=1)
 def _default_sphere_law() -> PressureLaw:
-    return _read_sphere_law(Path(str(files("catch_models") / "data" / "sphere_cp_subcritical.csv")))
+    """The default curve from its pieces as they ship: what makes them takes a quarter of a second to import."""
+    path = Path(str(files("catch_models") / "data" / "sphere_cp_subcritical_pieces.csv"))
+    pieces = np.loadtxt(_without_comments(path), delimiter=",", skiprows=1)
+    return PressureLaw("sphere", np.append(pieces[:, 0], np.pi), np.ascontiguousarray(pieces[:, 1:].T))
+
+
+def _without_comments(path: Path) -> list[str]:
+    return [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
 
 
 def _read_sphere_law(path: Path) -> PressureLaw:
-    text = [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
-    theta_deg, cp = np.loadtxt(text, delimiter=",", skiprows=1, unpack=True)
+    from scipy.interpolate import PchipInterpolator
+
+    theta_deg, cp = np.loadtxt(_without_comments(path), delimiter=",", skiprows=1, unpack=True)
     if theta_deg[0] != 0.0 or theta_deg[-1] != 180.0 or np.any(np.diff(theta_deg) <= 0.0):
         raise ValueError(f"{path}: theta_deg must rise from 0 to 180")
     pieces = PchipInterpolator(np.radians(theta_deg), 1.0 - cp)

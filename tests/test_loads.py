@@ -1,13 +1,16 @@
 """Loads on random small nets: energies, rotations, translations, limits of the laws."""
 
 from dataclasses import replace
+from importlib.resources import files
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.interpolate import PPoly
 
 from catch_models.filling import enclosed_volume, fill_by_meshes, fill_to_plane, fill_to_volume
+from catch_models.pressure import sphere_law
 from codend.build import build_net
 from codend.loads import problem_of
 from codend.mechanics import bars, pressure
@@ -202,3 +205,18 @@ def test_bars_in_the_catch_and_knots_carry_no_drag():
     assert np.all(loads_on(dry, net.positions, np.ones(net.bands)) == 0.0)
     knots = net.bar_drag_diameter == 0.0
     assert np.count_nonzero(knots) == 12 * 16
+
+
+def test_the_pieces_that_ship_are_those_of_the_curve_that_ships():
+    """Else: ``python -m validation.make_sphere_pieces``."""
+    pieces, curve = sphere_law(), sphere_law(files("catch_models") / "data" / "sphere_cp_subcritical.csv")
+    np.testing.assert_array_equal(pieces.angles_rad, curve.angles_rad)
+    np.testing.assert_array_equal(pieces.coefficients, curve.coefficients)
+
+
+def test_a_pressure_law_and_its_slope_are_those_of_scipys_piecewise_cubic():
+    law = sphere_law()
+    theta = np.concatenate([law.angles_rad, np.linspace(0.0, np.pi, 1001)])
+    expected = PPoly(law.coefficients, law.angles_rad)
+    np.testing.assert_allclose(law(theta), expected(theta), rtol=1e-13, atol=1e-13)
+    np.testing.assert_allclose(law.derivative(theta), expected.derivative()(theta), rtol=1e-12, atol=1e-12)

@@ -1,7 +1,6 @@
 """A case of a plan as a problem of the meridian method, and its shape as a start for the net."""
 
 import numpy as np
-from scipy.optimize import brentq
 
 from codend.errors import InputError
 from codend.loads import pressure_law_of
@@ -52,6 +51,8 @@ def _under_its_loads(plan: Plan, case: Case) -> MeridianShape:
     """Shape of a case whose twine is taken as limp."""
     if case.catch_kind == "filled_meshes":
         return solve_meridian(problem_for(plan, case, _rows(plan) - 2.0 * case.catch_value))
+    from scipy.optimize import brentq
+
     wanted = case.catch_value / (plan.catch_density_kg_m3 if case.catch_kind == "mass_kg" else 1.0)
 
     def excess(front_row: float) -> float:
