@@ -54,7 +54,10 @@ def nodal_loads(problem: Problem, positions: np.ndarray, share: np.ndarray) -> n
     for bar, (i, j) in enumerate(net.bars):
         width = net.bar_drag_diameter[bar]
         if width > 0:
-            drag = twine_drag(problem, bar_vector(net, positions, bar), width)
+            vector = bar_vector(net, positions, bar)
+            drag = twine_drag(problem, vector, width)
+            if bar in net.straps:  # however slack, it meets the water with its own length
+                drag *= net.bar_length[bar] / np.linalg.norm(vector)
             load = (1 - share[net.bar_band[bar]]) * drag
             force[i] += load / 2
             force[j] += turned(load, -net.bar_image[bar], net.order) / 2
