@@ -219,7 +219,7 @@ class _Run:
 
     def to_equilibrium(self, tolerance: float, start: Solution | None, switch: float) -> Outcome:
         """Iterate until residual, axial imbalance and length error are within their tolerances."""
-        if start is not None and not np.all(np.isfinite(start.positions)):
+        if start is not None and not (np.isfinite(start.positions).all() and np.isfinite(start.bar_tension).all()):
             self.state.marks[:] = np.inf  # a relaxation that lost its footing is no start
             return Outcome.NOT_FINITE
         self._set_start(start, switch)
