@@ -17,6 +17,7 @@ from pydantic import PrivateAttr, ValidationError, model_validator
 from codend.errors import InputError
 from codend.overrides import CatchKind, apply_overrides
 from codend.plan_messages import Contradiction, input_error
+from codend.plan_reach import least_radius_m
 from codend.plan_tables import Catch, Drag, Entry, Model, Netting, Strap, Table, Text, Tow
 
 
@@ -55,6 +56,7 @@ class Plan(Table):
             )
         self._check_catch_fits()
         self._check_straps()
+        self._check_closes()
         if self.model.globalisation not in (divisors := self.globalisations):
             allowed = ", ".join(map(str, divisors))
             and_straps = ", and of the rows from every strap to the codline" if self.strap else ""
@@ -90,6 +92,13 @@ class Plan(Table):
                 raise Contradiction(key, "a row of knots: whole meshes, or half ones in diamond and T90 netting")
             if strap.meshes_from_codline in [other.meshes_from_codline for other in self.strap[:index]]:
                 raise Contradiction(key, "a row that has no other strap")
+
+    def _check_closes(self) -> None:
+        """Refuse netting too short to be gathered at the axis, even laid flat across the entry."""
+        gap_m = least_radius_m(self.netting, self.entry.radius_m, 0)
+        if gap_m > 0.0:
+            allowed = f"more: laid flat the netting ends {gap_m:.3g} m short of the axis, where the codline gathers it"
+            raise Contradiction(f"netting.{len(self.netting) - 1}.meshes_long", allowed)
 
     def rows_to_codline(self, meshes: float) -> int | None:
         """Rows from the codline to a place that many meshes ahead of it; None where no row of knots lies there."""

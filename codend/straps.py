@@ -8,7 +8,7 @@ A strap can be too short for the netting it holds, whatever the loads. Lengths o
 on distances, and a mean of two nets keeps what both keep: if any net fits, then so does the mean of all its turns and
 mirror images, and that net is the same all round. Seen along the axis it is a row of circles, from the entry's, which
 is held, to the strap's, and every band between takes the radius down by no more than its bars reach when they lie flat
-(derived; ``least_radius_m``). The codline asks for no width, and too long a strap is slack.
+(derived; ``plan_reach``). The codline asks for no width, and too long a strap is slack.
 """
 
 from dataclasses import replace
@@ -19,6 +19,7 @@ from codend.errors import InputError
 from codend.knots import LEFT, RIGHT, Knots
 from codend.net import Net
 from codend.plan import Plan
+from codend.plan_reach import least_radius_m
 from codend.plan_tables import Strap
 
 
@@ -46,7 +47,7 @@ def _check_length(plan: Plan, index: int, knots: Knots, row: int, across_m: floa
     # the circle round the sections of the twines that pass through the ring, two from a knot or in square mesh one
     bundle_m = np.pi * section.solid_diameter_m * np.sqrt(section.rows_per_mesh * real)
     bounds = [(real * across_m, "the knots of its row laid side by side"), (bundle_m, "round the twines of its row")]
-    radius = least_radius_m(plan, plan.strap_rows[index])
+    radius = least_radius_m(plan.netting, plan.entry.radius_m, plan.strap_rows[index])
     if strap.axial_stiffness_n is None and radius > across_m:
         side = _side_and_slope(radius, real, across_m)[0]
         bounds.append((real * (side + across_m), "as far as the netting from the entry reaches inwards"))
@@ -54,37 +55,6 @@ def _check_length(plan: Plan, index: int, knots: Knots, row: int, across_m: floa
     if strap.length_m <= least_m:
         allowed = f"above {least_m:.4g} m, {reason}"
         raise InputError(file=plan.source, key=f"strap.{index}.length_m", value=strap.length_m, allowed=allowed)
-
-
-def least_radius_m(plan: Plan, rows_to_codline: int) -> float:
-    """Radius to which a row of knots can be drawn in from the entry, whatever pulls, m; 0 where twine stretches.
-
-    From a ring of radius r a flat bar b reaches in to r', the lesser root of  b^2 = r^2 + r'^2 - 2 r r' cos(g),  where
-    its ends differ in azimuth by g: by half a mesh pi/N, in T90 netting by as much less as the knots take at either
-    end, in square mesh not at all. Knots along the netting reach inwards by their length (derived).
-
-    Where sections differ in their meshes round this is a bound from below, by chains of bars and knots straight from
-    the entry, whose ends are off by up to half a mesh for every section.
-    """
-    counts = [part.meshes_round for part in plan.netting]
-    joined = len(set(counts)) > 1
-    radius = plan.entry.radius_m
-    if joined:
-        radius = radius * np.cos(np.pi * len(counts) / min(counts)) - 0.5 * plan.netting[0].knot_m
-    rows = sum(part.rows_per_mesh * part.meshes_long for part in plan.netting) - rows_to_codline
-    for part in plan.netting:
-        across_m = part.knot_m if part.mesh == "t90" and not joined else 0.0
-        for _ in range(min(rows, part.rows_per_mesh * part.meshes_long)):
-            if part.axial_stiffness_n is not None or radius <= part.bar_m + part.knot_m:
-                return 0.0
-            # the nearest that the aft ring may come tells the most that its knots take, and so the least turn
-            turn = 0.0 if part.mesh == "square" or joined else np.pi / part.meshes_round
-            turn -= np.arcsin(0.5 * across_m / radius) + np.arcsin(0.5 * across_m / (radius - part.bar_m))
-            turn = max(turn, 0.0)
-            flat_m = np.sqrt(max(part.bar_m**2 - (radius * np.sin(turn)) ** 2, 0.0))
-            radius = radius * np.cos(turn) - flat_m - (part.knot_m - across_m)
-        rows -= min(rows, part.rows_per_mesh * part.meshes_long)
-    return float(radius)
 
 
 def _with_strap(net: Net, strap: Strap, knots: Knots, row: int, across_m: float) -> Net:

@@ -12,9 +12,9 @@ from codend.errors import InputError
 from codend.measures import Measures, measure_all
 from codend.mechanics.drag import add_drag
 from codend.net import bar_vectors
+from codend.plan_reach import least_radius_m
 from codend.report.page_tables import results_table
 from codend.report.picture import RISE_DEG, STRAP_WIDTH, net_picture
-from codend.straps import least_radius_m
 from codend.study import CaseResult, solve
 from codend.tables import RESULT_COLUMNS
 from tests.plans import joined_plan
@@ -276,7 +276,7 @@ def test_a_strap_on_a_joined_net_is_refused_only_where_no_chain_of_bars_reaches_
     for length_m, fits in ((0.7, False), (1.6, True)):
         strap = [{"meshes_from_codline": 37.0, "length_m": length_m}]
         plan = joined_plan(*sections, entry=0.4, catch={"filled_meshes": 8.0}, strap=strap)
-        assert (least_radius_m(plan, 74) < length_m / 2.0 / np.pi) == fits
+        assert (least_radius_m(plan.netting, plan.entry.radius_m, 74) < length_m / 2.0 / np.pi) == fits
         if fits:
             assert solve(plan).converged
         else:

@@ -34,6 +34,8 @@ LARGEST_TURN = 0.5
 LEAST_TENSION = 0.01
 """Tension that bars are given at least to start with, over the mean."""
 STEPS_ALLOWED = 120
+FINEST = 1e-10
+"""Residual to which the last barrier is followed: from there Newton's method goes on though bars be nearly slack."""
 STALLED = 25
 """Steps in a row that do not lower the barrier, after which none will."""
 FINISH = replace(DIRECT, switches=(1.0, 0.1, 0.01))
@@ -78,7 +80,7 @@ def solve(
         if not np.isfinite(residual):
             outcome = Outcome.NOT_FINITE
             break
-        if barrier <= last_barrier and residual <= tolerance:
+        if barrier <= last_barrier and residual <= min(tolerance, FINEST):
             outcome = Outcome.CONVERGED
             break
         if steps - lowered >= STALLED and barrier > last_barrier:
@@ -97,6 +99,8 @@ def solve(
             barrier = max((LOWERED if size > 0.9 else LOWERED_WARILY) * barrier, last_barrier)
         kernels.take(structure, loading, tension, 1.0, barrier, size, state, state, step, new)
         state, new = new, state
+    if outcome is Outcome.STEPS_SPENT and barrier <= last_barrier and state.marks[1] <= tolerance:
+        outcome = Outcome.CONVERGED
     attempt = f"{METHOD} with {prepared.system.name}: {steps} steps, residual {state.marks[1]:.1e}. {outcome.value}"
     report = SolverReport(
         method=METHOD,
@@ -151,6 +155,8 @@ def _step(problem: Problem, tension: float, barrier: float, state: State, prepar
         sides = kernels.linearise(structure, loading, prepared.pattern, tension, shift, barrier, state, step)
         if system.factorise(step.blocks) == 0:
             solved = system.solve(step.right[:sides])
-            return float(kernels.finish_step(structure, state, state, solved, step)[1])
+            _, turn, determinant = kernels.finish_step(structure, state, state, solved, step)
+            if determinant > 0.0:
+                return float(turn)
         shift = max(10.0 * shift, DIRECT.first_shift)
     return np.inf

@@ -1,0 +1,37 @@
+"""How far inwards from the entry the netting of a plan reaches: to the strap on a row, and to the codline."""
+
+import math
+from collections.abc import Sequence
+
+from codend.plan_tables import Netting
+
+
+def least_radius_m(netting: Sequence[Netting], entry_radius_m: float, rows_to_codline: int) -> float:
+    """Radius to which a row of knots can be drawn in from the entry, whatever pulls, m; 0 where twine stretches.
+
+    From a ring of radius r a flat bar b reaches in to r', the lesser root of  b^2 = r^2 + r'^2 - 2 r r' cos(g),  where
+    its ends differ in azimuth by g: by half a mesh pi/N, in T90 netting by as much less as the knots take at either
+    end, in square mesh not at all. Knots along the netting reach inwards by their length (derived).
+
+    Where sections differ in their meshes round this is a bound from below, by chains of bars and knots straight from
+    the entry, whose ends are off by up to half a mesh for every section.
+    """
+    counts = [part.meshes_round for part in netting]
+    joined = len(set(counts)) > 1
+    radius = entry_radius_m
+    if joined:
+        radius = radius * math.cos(math.pi * len(counts) / min(counts)) - 0.5 * netting[0].knot_m
+    rows = sum(part.rows_per_mesh * part.meshes_long for part in netting) - rows_to_codline
+    for part in netting:
+        across_m = part.knot_m if part.mesh == "t90" and not joined else 0.0
+        for _ in range(min(rows, part.rows_per_mesh * part.meshes_long)):
+            if part.axial_stiffness_n is not None or radius <= part.bar_m + part.knot_m:
+                return 0.0
+            # the nearest that the aft ring may come tells the most that its knots take, and so the least turn
+            turn = 0.0 if part.mesh == "square" or joined else math.pi / part.meshes_round
+            turn -= math.asin(0.5 * across_m / radius) + math.asin(0.5 * across_m / (radius - part.bar_m))
+            turn = max(turn, 0.0)
+            flat_m = math.sqrt(max(part.bar_m**2 - (radius * math.sin(turn)) ** 2, 0.0))
+            radius = radius * math.cos(turn) - flat_m - (part.knot_m - across_m)
+        rows -= min(rows, part.rows_per_mesh * part.meshes_long)
+    return float(radius)
