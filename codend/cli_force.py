@@ -37,7 +37,7 @@ COLUMNS = {
     "wanted_deg",
     default=30.0,
     show_default=True,
-    type=click.FloatRange(0.0, 180.0, min_open=True, max_open=True),
+    type=float,
     metavar="DEGREES",
     help="Opening to bring it to.",
 )
@@ -46,17 +46,21 @@ def force(plan: str, folder: Path, places: tuple[float, ...], wanted_deg: float,
     """Force that opens a mesh: alone, and in the net with its neighbours and all.
 
     For every case of a plan: alone by the equilibrium of a rhombus under the load it carries; in the net by pulling its
-    two knots apart in the solved model. Writes opening_force.csv into DIR. Takes seconds a mesh where the twine
+    two knots apart in the solved model, which is made of sectors side by side, whatever model.fidelity says, and knows
+    no wet weight. Writes opening_force.csv into DIR. Takes seconds a mesh where the twine
     stretches, a minute or two where it is inextensible.
     """
-    from codend.opening_force import pull_mesh
+    from codend.opening_force import check_place, pull_mesh
     from codend.plan import load_plan
     from codend.report.files import write_table
     from codend.tables import opening_force_table
 
     checked = load_plan(plan, changes)
+    asked: tuple[float | None, ...] = places or (None,)
+    for place in asked:
+        check_place(checked, place)
     check_writable(folder, ["opening_force.csv"])
-    wanted = [(case, place) for case in checked.cases() for place in (places or (None,))]
+    wanted = [(case, place) for case in checked.cases() for place in asked]
     pulls = []
     with shown_progress() as progress:
         for done, (case, place) in enumerate(wanted):
@@ -69,6 +73,8 @@ def force(plan: str, folder: Path, places: tuple[float, ...], wanted_deg: float,
     with written_into(folder):
         write_table(table, folder / "opening_force.csv")
     click.echo(text_table(list(COLUMNS.values()), table[list(COLUMNS)].itertuples(index=False)))
+    if any(section.twine_density_kg_m3 is not None for section in checked.netting):
+        click.echo("Wet weight is left out.")
     if any(section.axial_stiffness_n is None for section in checked.netting):
         click.echo("Twine without axial_stiffness_n does not stretch: in the net it opens far harder than real twine.")
     for pull in pulls:

@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from codend import equilibrium
+from codend.accuracy import SAFETY
 from codend.build import build_net
-from codend.errors import InputError
+from codend.errors import OPTIONS, InputError
 from codend.loads import problem_of
 from codend.measures import WANTED_OPENING_DEG, mesh_openings, opening_force, over_straps
 from codend.net import Floats, Ints, Net, mesh_corners
@@ -26,8 +27,10 @@ from codend.solvers.outcome import Progress, Solution
 FEWEST_COLUMNS = 10
 WIDER = 1.4
 """Factor by which the model is made wider at least, from one to the next."""
+WHOLE = 60
+"""Sectors up to which the full net is modelled at once."""
 ENOUGH = 0.03
-"""Change of the force from one width to the next, relative, at which the model is wide enough."""
+"""Two changes of the force in a row, from one width to the next, relative, at which the model is wide enough."""
 HOOK = 10.0
 """Length of a hook over that of a mesh side."""
 NEAR_DEG = 0.02
@@ -50,7 +53,8 @@ class Pull:
     opening_force_in_net_n: float
     """0 where the mesh is open that far already; nan where it was not found."""
     opening_force_in_net_error_n: float
-    """Estimate: the change from a narrower model to this one."""
+    """Estimate: what is left of the way to the wanted opening, and with fewer sectors than there are the larger of the
+    last two changes from one width to the next, with a margin; nan where there was one width only."""
     sectors: int
     """That were modelled side by side."""
     slack_bars: int
@@ -60,6 +64,17 @@ class Pull:
     converged: bool
     attempts: tuple[str, ...]
     """What was tried, in order, a line each."""
+
+
+def check_place(plan: Plan, meshes_from_entry: float | None) -> None:
+    """Refuse a place that is none of the codend.
+
+    Raises:
+        InputError: it is not between entry and codline.
+    """
+    meshes_long = sum(section.meshes_long for section in plan.netting)
+    if meshes_from_entry is not None and not 0.0 < meshes_from_entry < meshes_long:
+        raise InputError(OPTIONS, "--at", meshes_from_entry, f"above 0 and below {meshes_long:g}, the meshes long")
 
 
 def pull_mesh(
@@ -83,15 +98,16 @@ def pull_mesh(
         progress: told the residual of every step.
 
     Raises:
-        InputError: the plan has hinges in its bars, or there is no mesh at that place.
+        InputError: the plan has hinges in its bars, there is no mesh at that place, or no such opening.
     """
+    check_place(plan, meshes_from_entry)
+    if not 0.0 < wanted_deg < 180.0:
+        raise InputError(OPTIONS, "--opening", wanted_deg, "degrees above 0 and below 180")
     if plan.model.bars_per_side > 1:
         raise InputError(plan.source, "model.bars_per_side", plan.model.bars_per_side, "1 where a mesh is pulled open")
     sector = equilibrium.scene_of(plan, 1, 1)
     net = sector.net
     places = np.concatenate([[0.0], np.cumsum(net.band_meshes)])
-    if meshes_from_entry is not None and not 0.0 < meshes_from_entry < places[-1]:
-        raise InputError(plan.source, "meshes from the entry", meshes_from_entry, f"above 0 and below {places[-1]:g}")
     _, solution = equilibrium.solve(sector, case, (), progress)
     attempts, nothing = solution.report.attempts, float("nan")
     pull = Pull(case, nothing, nothing, nothing, wanted_deg, nothing, nothing, nothing, 1, 0, nothing, False, attempts)
@@ -102,9 +118,12 @@ def pull_mesh(
     tension = (solution.bar_tension[sides] * (sides >= 0)).sum(axis=1) / (sides >= 0).sum(axis=1)
     alone = opening_force(tension, opening, wanted_deg)
     ahead = places[net.mesh_row] <= float((1.0 - solution.share) @ net.band_meshes)
-    fits = np.where(ahead, alone, -np.inf)
     if meshes_from_entry is not None:
         fits = -np.abs(places[net.mesh_row] - meshes_from_entry)
+    elif ahead.any():
+        fits = np.where(ahead, alone, -np.inf)
+    else:
+        return replace(pull, attempts=(*attempts, "no mesh lies ahead of the catch: say which is to be pulled"))
     mesh = int(np.argmax(fits))
     row = int(net.mesh_row[mesh])
     pull = replace(
@@ -122,20 +141,32 @@ def pull_mesh(
             residual=solution.report.residual,
             converged=True,
         )
+    found: list[Pull] = []
     for columns in _widths(net.order):
         pulled = _pulled(plan, columns, row, _all_round(net, solution, columns), pull, progress)
         attempts += tuple(f"{columns} of {net.order} sectors: {line}" for line in pulled.attempts)
-        change = abs(pulled.opening_force_in_net_n - pull.opening_force_in_net_n)
-        pull = replace(pulled, opening_force_in_net_error_n=change, attempts=attempts)
-        if not pull.converged or change <= ENOUGH * pull.opening_force_in_net_n:
+        if pulled.converged:
+            found.append(pulled)
+        if len(found) > 2 and _changes(found).max() <= ENOUGH * found[-1].opening_force_in_net_n:
             break
-    return pull
+    if not found:
+        return replace(pulled, attempts=attempts)
+    widest = found[-1]
+    error = widest.opening_force_in_net_error_n
+    if widest.sectors < net.order:
+        error += SAFETY * float(_changes(found).max(initial=0.0)) if len(found) > 1 else nothing
+    return replace(widest, opening_force_in_net_error_n=error, attempts=attempts)
+
+
+def _changes(found: list[Pull]) -> Floats:
+    """Last two changes of the force from one width to the next, N."""
+    return np.abs(np.diff([pull.opening_force_in_net_n for pull in found[-3:]]))
 
 
 def _widths(sectors: int) -> Iterator[int]:
     """Numbers of sectors to model side by side, from narrow to the full net."""
     last = 0.0
-    for columns in range(1, sectors + 1):
+    for columns in range(1 if sectors > WHOLE else sectors, sectors + 1):
         if sectors % columns == 0 and (columns == sectors or columns >= max(FEWEST_COLUMNS, WIDER * last)):
             yield columns
             last = columns
@@ -185,6 +216,7 @@ def _pulled(plan: Plan, columns: int, row: int, start: Solution, pull: Pull, pro
             return replace(
                 pull,
                 opening_force_in_net_n=force + short * (force - last_force),
+                opening_force_in_net_error_n=abs(short * (force - last_force)),
                 sectors=columns,
                 slack_bars=int(slack),
                 residual=trial.report.residual,

@@ -57,7 +57,7 @@ RESULT_HEADS = {
     "max_strap_tension_n": Head("Largest strap tension", "N"),
 }
 
-_STABLE = {True: "yes", False: "NO"}
+_STABLE = {True: "yes", False: "not sure"}
 
 DIGITS = {"speed_m_s": 3, "filled_meshes": 3}
 """Of the largest value in the column; 4 elsewhere."""
@@ -116,7 +116,8 @@ def solving_table(study: Study) -> PageTable:
     remark = (
         "Residual: largest force out of balance on a free node, over the resultant of the loads. Pull at the entry: "
         "the axial reaction, which must equal the drag. Length error: largest departure of a bar from the law of its "
-        "twine, over its length. Stable: whether all pivots of the tangent are positive at the equilibrium."
+        "twine, over its length. Stable: yes where all pivots of the tangent are "
+        "positive at the equilibrium; loads that follow the net can turn one of a stable net."
     )
     return PageTable(heads, _rows(study, cells), (remark,))
 

@@ -43,7 +43,8 @@ class NewtonSettings:
     least_iterations: int = 0
     """Made even from a start within the tolerance, which is one of single nodes: a small load on all hides below it."""
     keeps_factors: bool = False
-    """Whether the first iteration takes the factors there are, of the tangent at an equilibrium nearby."""
+    """Whether the first iteration takes the factors there are, best of the tangent at an equilibrium nearby; where they
+    are of no use it makes its own."""
     largest_turn: float = 1.0
     """Largest change of a taut bar's vector in one step, over its length."""
     shortest_step: float = 0.01
