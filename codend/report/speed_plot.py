@@ -30,8 +30,8 @@ MODEL_NAMES = {
     MEMBRANE: "membrane (hollow: closed form)",
 }
 WORDS = {"drag": "drag", "opening": "opening ahead of the catch", "volume": "catch volume"}
-SPAN_MS = (1.0, 3e5)
-TICKS_MS = {1.0: "1 ms", 10.0: "10 ms", 100.0: "0.1 s", 1e3: "1 s", 1e4: "10 s", 1e5: "100 s"}
+SPAN_MS = (0.1, 3e5)
+TICKS_MS = {0.1: "0.1 ms", 1.0: "1 ms", 10.0: "10 ms", 100.0: "0.1 s", 1e3: "1 s", 1e4: "10 s", 1e5: "100 s"}
 LOWEST = 1e-11
 """Where answers are drawn that differ from the reference by less, or not at all."""
 
