@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from codend.cli_chart import chart
-from codend.cli_common import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, SeveralPairs, check_writable, written_into
+from codend.cli_common import (
+    BAD_INPUT,
+    INTERRUPTED,
+    NOT_CONVERGED,
+    SeveralPairs,
+    check_writable,
+    out_option,
+    set_option,
+    written_into,
+)
 from codend.cli_force import force
 from codend.cli_selectivity import fit, selectivity, species
 from codend.cli_sweep import sweep
@@ -98,14 +107,8 @@ def main(ctx: click.Context) -> None:
 
 @main.command(cls=SeveralPairs)
 @click.argument("plan", metavar="PLAN.toml")
-@click.option("--out", "folder", required=True, metavar="DIR", type=click.Path(path_type=Path), help="Where to write.")
-@click.option(
-    "--set",
-    "changes",
-    multiple=True,
-    metavar="KEY=VALUE ...",
-    help="Change the plan, such as --set netting.0.bar_mm=25 tow.speed_m_s=[1.0,1.5]. May be repeated.",
-)
+@out_option
+@set_option
 def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     """Solve every case of a plan; write tables, plots, VTK files and a report into DIR.
 

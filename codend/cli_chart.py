@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from codend.cli_common import NOT_CONVERGED, SeveralPairs, check_writable, written_into
+from codend.cli_common import NOT_CONVERGED, SeveralPairs, check_writable, out_option, set_option, written_into
 from codend.console import shown_progress, text_table
 
 if TYPE_CHECKING:
@@ -25,10 +25,10 @@ COLUMNS = {
 
 @click.command(cls=SeveralPairs)
 @click.argument("plan", metavar="PLAN.toml")
-@click.option("--out", "folder", required=True, metavar="DIR", type=click.Path(path_type=Path), help="Where to write.")
+@out_option
 @click.option("--case", "number", default=1, show_default=True, type=click.IntRange(1), help="Case of the plan.")
 @click.option("--quick", is_flag=True, help="Fewer settings, timed twice at most.")
-@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE ...", help="Change the plan.")
+@set_option
 def chart(plan: str, folder: Path, number: int, quick: bool, changes: tuple[str, ...]) -> int:
     """Chart speed against accuracy for one case of a plan.
 

@@ -34,6 +34,17 @@ class SeveralPairs(click.Command):
 
 _OF_PAIRS = ("--set", "--vary")
 
+out_option = click.option(
+    "--out", "folder", required=True, metavar="DIR", type=click.Path(path_type=Path), help="Where to write."
+)
+set_option = click.option(
+    "--set",
+    "changes",
+    multiple=True,
+    metavar="KEY=VALUE ...",
+    help="Change the plan, such as --set netting.0.bar_mm=25 tow.speed_m_s=[1.0,1.5]. May be repeated.",
+)
+
 
 def check_writable(folder: Path, files: Iterable[str] = ()) -> None:
     """Find out before the work is done whether a folder and files in it can be made or written to.

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from codend.cli_common import NOT_CONVERGED, SeveralPairs, check_writable, written_into
+from codend.cli_common import NOT_CONVERGED, SeveralPairs, check_writable, out_option, set_option, written_into
 from codend.console import shown_progress, text_table
 
 COLUMNS = {
@@ -22,7 +22,7 @@ COLUMNS = {
 
 @click.command("opening-force", cls=SeveralPairs)
 @click.argument("plan", metavar="PLAN.toml")
-@click.option("--out", "folder", required=True, metavar="DIR", type=click.Path(path_type=Path), help="Where to write.")
+@out_option
 @click.option(
     "--at",
     "places",
@@ -41,7 +41,7 @@ COLUMNS = {
     metavar="DEGREES",
     help="Opening to bring it to.",
 )
-@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE ...", help="Change the plan.")
+@set_option
 def force(plan: str, folder: Path, places: tuple[float, ...], wanted_deg: float, changes: tuple[str, ...]) -> int:
     """Force that opens a mesh: alone, and in the net with its neighbours and all.
 

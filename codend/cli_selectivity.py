@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from codend.cli_common import NOT_CONVERGED, check_writable, written_into
+from codend.cli_common import NOT_CONVERGED, check_writable, out_option, written_into
 from codend.console import shown_progress, text_table
 from codend.errors import OPTIONS, InputError
 
@@ -141,7 +141,7 @@ def species() -> None:
 @click.option("--covariate", "covariates", multiple=True, metavar="NAME", help="A column; may be repeated.")
 @click.option("--bootstrap", "replicates", default=0, show_default=True, help="Replicates of the double bootstrap.")
 @click.option("--seed", default=0, show_default=True, help="Of the bootstrap.")
-@click.option("--out", "folder", required=True, metavar="DIR", type=click.Path(path_type=Path), help="Where to write.")
+@out_option
 def fit(data: str, design: str, folder: Path, replicates: int, **choices: Any) -> int:
     """Fit retention curves to a covered-codend or paired-gear trial; writes fit.csv and diagnostics.csv into DIR."""
     check_writable(folder, ("fit.csv", "diagnostics.csv"))

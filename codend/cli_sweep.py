@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from codend.cli_common import NOT_CONVERGED, SeveralPairs, check_writable, written_into
+from codend.cli_common import NOT_CONVERGED, SeveralPairs, check_writable, out_option, set_option, written_into
 from codend.console import shown_progress, text_table
 
 SUMMARY = {
@@ -20,7 +20,7 @@ SUMMARY = {
 
 @click.command(cls=SeveralPairs)
 @click.argument("plan", metavar="PLAN.toml")
-@click.option("--out", "folder", required=True, metavar="DIR", type=click.Path(path_type=Path), help="Where to write.")
+@out_option
 @click.option(
     "--vary",
     multiple=True,
@@ -28,7 +28,7 @@ SUMMARY = {
     metavar="KEY=[VALUE,...]",
     help="Values a key is to take, such as --vary netting.0.bar_mm=[20,25,30]. May be repeated: all combinations.",
 )
-@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE ...", help="Change the plan for all runs.")
+@set_option
 @click.option("--processes", default=1, show_default=True, type=click.IntRange(1, 64), help="Runs solved at once.")
 def sweep(plan: str, folder: Path, vary: tuple[str, ...], changes: tuple[str, ...], processes: int) -> int:
     """Solve a plan with every combination of some values.

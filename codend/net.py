@@ -129,6 +129,36 @@ def real_tensions(net: Net, bar_tension: Floats) -> Floats:
     return real
 
 
+def with_bars(
+    net: Net,
+    bars: Ints,
+    image: NDArray[np.integer] | int,
+    *,
+    length: float,
+    flexibility: float,
+    drag_diameter: float,
+    solid_diameter: float,
+    density: float,
+    band: int,
+) -> Net:
+    """The net with more bars after its own, all alike: their ends (b, 2) and images, and the rest as in ``Net``."""
+
+    def extended(values: np.ndarray, value: float | NDArray[np.integer]) -> np.ndarray:
+        return np.append(values, np.broadcast_to(np.asarray(value, dtype=values.dtype), len(bars)))
+
+    return replace(
+        net,
+        bars=np.concatenate([net.bars, bars.astype(np.int32)]),
+        bar_image=extended(net.bar_image, image),
+        bar_length=extended(net.bar_length, length),
+        bar_flexibility=extended(net.bar_flexibility, flexibility),
+        bar_drag_diameter=extended(net.bar_drag_diameter, drag_diameter),
+        bar_solid_diameter=extended(net.bar_solid_diameter, solid_diameter),
+        bar_density=extended(net.bar_density, density),
+        bar_band=extended(net.bar_band, band),
+    )
+
+
 def split_bars(net: Net, which: NDArray[np.bool_]) -> Net:
     """The same net with a hinge in the middle of the bars marked in ``which`` (Le Bris et al. 1999, figure 1).
 

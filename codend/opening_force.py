@@ -18,8 +18,8 @@ from codend.accuracy import SAFETY
 from codend.build import build_net
 from codend.errors import OPTIONS, InputError
 from codend.loads import problem_of
-from codend.measures import WANTED_OPENING_DEG, mesh_openings, opening_force, over_straps
-from codend.net import Floats, Ints, Net, mesh_corners
+from codend.measures import WANTED_OPENING_DEG, measure_meshes, mesh_openings, opening_force, over_straps
+from codend.net import Floats, Ints, Net, mesh_corners, with_bars
 from codend.plan import Case, Plan
 from codend.solvers import interior_point, newton
 from codend.solvers.outcome import Progress, Solution
@@ -108,15 +108,13 @@ def pull_mesh(
     sector = equilibrium.scene_of(plan, 1, 1)
     net = sector.net
     places = np.concatenate([[0.0], np.cumsum(net.band_meshes)])
-    _, solution = equilibrium.solve(sector, case, (), progress)
+    problem, solution = equilibrium.solve(sector, case, (), progress)
     attempts, nothing = solution.report.attempts, float("nan")
     pull = Pull(case, nothing, nothing, nothing, wanted_deg, nothing, nothing, nothing, 1, 0, nothing, False, attempts)
     if not solution.report.outcome.converged:
         return pull
-    opening, _ = mesh_openings(mesh_corners(net, solution.positions), over_straps(net))
-    sides = net.mesh_bars
-    tension = (solution.bar_tension[sides] * (sides >= 0)).sum(axis=1) / (sides >= 0).sum(axis=1)
-    alone = opening_force(tension, opening, wanted_deg)
+    meshes = measure_meshes(problem, solution)
+    alone = opening_force(meshes.bar_tension_n, meshes.opening_deg, wanted_deg)
     ahead = places[net.mesh_row] <= float((1.0 - solution.share) @ net.band_meshes)
     if meshes_from_entry is not None:
         fits = -np.abs(places[net.mesh_row] - meshes_from_entry)
@@ -130,7 +128,7 @@ def pull_mesh(
         pull,
         filled_meshes=float(solution.share @ net.band_meshes),
         meshes_from_entry=float(places[row]),
-        opening_deg=float(opening[mesh]),
+        opening_deg=float(meshes.opening_deg[mesh]),
         opening_force_alone_n=float(alone[mesh]),
     )
     if pull.opening_deg >= wanted_deg:
@@ -143,7 +141,8 @@ def pull_mesh(
         )
     found: list[Pull] = []
     for columns in _widths(net.order):
-        pulled = _pulled(plan, columns, row, _all_round(net, solution, columns), pull, progress)
+        start = equilibrium.all_round_start(net, solution.positions, solution.bar_tension, columns)
+        pulled = _pulled(plan, columns, row, start, pull, progress)
         attempts += tuple(f"{columns} of {net.order} sectors: {line}" for line in pulled.attempts)
         if pulled.converged:
             found.append(pulled)
@@ -170,10 +169,6 @@ def _widths(sectors: int) -> Iterator[int]:
         if sectors % columns == 0 and (columns == sectors or columns >= max(FEWEST_COLUMNS, WIDER * last)):
             yield columns
             last = columns
-
-
-def _all_round(sector: Net, solution: Solution, columns: int) -> Solution:
-    return equilibrium.all_round_start(sector, solution.positions, solution.bar_tension, columns)
 
 
 def _pulled(plan: Plan, columns: int, row: int, start: Solution, pull: Pull, progress: Progress | None) -> Pull:
@@ -241,22 +236,20 @@ def _with_hooks(net: Net, right: Ints, left: Ints, abeam: Floats, length: float,
     away = np.repeat([length, -length], [len(right), len(left)])
     hooks = len(knots)
     anchors = net.positions[knots] + away[:, None] * abeam
-    numbers = len(net.positions) + np.arange(hooks)
-
-    def extended(values: np.ndarray, value: float) -> np.ndarray:
-        return np.append(values, np.full(hooks, value, dtype=values.dtype))
-
-    return replace(
+    hooked = with_bars(
         net,
+        np.stack([knots, len(net.positions) + np.arange(hooks)], axis=1),
+        0,
+        length=length - pulled,
+        flexibility=0.0,
+        drag_diameter=0.0,
+        solid_diameter=0.0,
+        density=np.nan,
+        band=0,
+    )
+    return replace(
+        hooked,
         positions=np.concatenate([net.positions, anchors]),
         fixed=np.concatenate([net.fixed, np.ones((hooks, 3), dtype=bool)]),
-        node_row=extended(net.node_row, -1),
-        bars=np.concatenate([net.bars, np.stack([knots, numbers], axis=1).astype(np.int32)]),
-        bar_image=extended(net.bar_image, 0),
-        bar_length=extended(net.bar_length, length - pulled),
-        bar_flexibility=extended(net.bar_flexibility, 0.0),
-        bar_drag_diameter=extended(net.bar_drag_diameter, 0.0),
-        bar_solid_diameter=extended(net.bar_solid_diameter, 0.0),
-        bar_density=extended(net.bar_density, np.nan),
-        bar_band=extended(net.bar_band, 0),
+        node_row=np.append(net.node_row, np.full(hooks, -1, dtype=net.node_row.dtype)),
     )

@@ -17,7 +17,7 @@ import numpy as np
 
 from codend.errors import InputError
 from codend.knots import LEFT, RIGHT, Knots
-from codend.net import Net
+from codend.net import Net, with_bars
 from codend.plan import Plan
 from codend.plan_reach import least_radius_m
 from codend.plan_tables import Strap
@@ -77,19 +77,19 @@ def _with_strap(net: Net, strap: Strap, knots: Knots, row: int, across_m: float)
     flexibility = softness * merged_slope * side / (slope * merged_side * gain)
     longer = strap.length_m / (merged * merged_side)
 
-    def extended(values: np.ndarray, value: float) -> np.ndarray:
-        return np.append(values, np.full(bars, value, dtype=values.dtype))
-
-    return replace(
+    roped = with_bars(
         net,
-        bars=np.concatenate([net.bars, np.stack([first.node, second.node], axis=1).astype(np.int32)]),
-        bar_image=np.append(net.bar_image, (second.image - first.image).astype(np.int32)),
-        bar_length=extended(net.bar_length, merged_side),
-        bar_flexibility=extended(net.bar_flexibility, flexibility),
-        bar_drag_diameter=extended(net.bar_drag_diameter, longer * strap.diameter_m),
-        bar_solid_diameter=extended(net.bar_solid_diameter, np.sqrt(longer) * strap.diameter_m),
-        bar_density=extended(net.bar_density, np.nan),
-        bar_band=extended(net.bar_band, row - 1),
+        np.stack([first.node, second.node], axis=1),
+        second.image - first.image,
+        length=merged_side,
+        flexibility=flexibility,
+        drag_diameter=longer * strap.diameter_m,
+        solid_diameter=np.sqrt(longer) * strap.diameter_m,
+        density=np.nan,
+        band=row - 1,
+    )
+    return replace(
+        roped,
         straps=np.append(net.straps, np.arange(len(net.bars), len(net.bars) + bars, dtype=np.int32)),
         strap_share=np.append(net.strap_share, np.full(bars, 1.0 / gain)),
     )

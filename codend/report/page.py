@@ -116,12 +116,10 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
     folder.mkdir(parents=True, exist_ok=True)
     # most of a VTK file's time is compression, which lets other threads make tables and plots and go on with the next
     with ThreadPoolExecutor(1) as beside:
-        nets = {
-            folder / f"net_{result.case.number}.vtu": beside.submit(
-                write_vtu, result, folder / f"net_{result.case.number}.vtu"
-            )
-            for result in solved(study)
-        }
+        nets = {}
+        for result in solved(study):
+            path = folder / f"net_{result.case.number}.vtu"
+            nets[path] = beside.submit(write_vtu, result, path)
         writers: dict[Path, Callable[[Path], None]] = {
             folder / "plan.toml": write_plan,
             folder / "results.csv": partial(write_table, study.table),

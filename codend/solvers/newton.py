@@ -166,7 +166,7 @@ def negative_pivots(problem: Problem, solution: Solution, prepared: Prepared) ->
 def _seconds_to_compile(problem: Problem, prepared: Prepared, settings: NewtonSettings) -> float:
     """Have the kernels compiled or read from the cache, and tell the time, which is no part of a solve's."""
     system = prepared.system
-    if (advance_banded if isinstance(system, BandedSystem) else kernels.take).overloads:
+    if (advance_banded if isinstance(system, BandedSystem) else kernels.simplified_move).overloads:
         return 0.0
     started = perf_counter()
     if settings.rough_starts:

@@ -101,6 +101,7 @@ def advance(
     if not determinant > 0.0 or not np.isfinite(turn):
         return FAILED, 1
     size = min(1.0, limits.largest_turn / turn) if turn > 0.0 else 1.0
+    solved_there = False
     while True:
         take(structure, loading, tension, switch, 0.0, size, state, state, step, first)
         gain = first.marks[0] / state.marks[0]
@@ -109,6 +110,7 @@ def advance(
         if negative > 0:
             return FAILED, negative
         solve(system, right[:1], solved[:1])
+        solved_there = True
         left, bend = simplified_move(solved, size, step)
         # a shifted step leaves what the shift took, so there only growth is refused
         if left <= ((1.0 - 0.25 * size) if shift == 0.0 else 2.0) * length:
@@ -127,7 +129,8 @@ def advance(
         # over two steps, since the first of a bend may seem to lead away
         if not gain * last_gain <= limits.worthwhile_gain**2 or within(there, limits):
             break
-        solve(system, right[:1], solved[:1])
+        if count > 1 or not solved_there:
+            solve(system, right[:1], solved[:1])
         finish_step(structure, state, there, solved, step)
         if not correct(past, count, state.length, tension, step.move, step.change):
             break
