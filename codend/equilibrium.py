@@ -110,8 +110,9 @@ def _attempts(
         return newton.solve(problem, tolerance, start, settings, progress, scene.prepared)
 
     by_meshes = case.catch_kind == "filled_meshes"
-    # where better starts are left, none is followed for long
-    first_settings = BRIEF if by_meshes and len(scene.net.corners) == 0 else DIRECT
+    # where better starts are left, none is followed for long; weight may hide below the tolerance of single nodes
+    brief = by_meshes and len(scene.net.corners) == 0
+    first_settings = replace(BRIEF if brief else DIRECT, least_iterations=int(problem.loading.dead.any()))
 
     def from_crude() -> Solution:
         dynamic_relaxation.compile_kernels(problem)  # for the rough starts, ahead of Newton's clock
@@ -149,9 +150,7 @@ def _attempts(
         if not known_part.report.outcome.converged:
             return None
         start = all_round_start(sector.net, known_part.positions, known_part.bar_tension, sector.net.order)
-        # the weight that a sector leaves out is still to come
-        settings = replace(first_settings, least_iterations=int(problem.loading.dead.any()))
-        return _later(from_start(problem, start, settings), known_part.report.solve_ms)
+        return _later(from_start(problem, start, first_settings), known_part.report.solve_ms)
 
     if method in ("auto", "newton"):
         path = _at_its_speed(case, known)

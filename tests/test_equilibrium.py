@@ -157,3 +157,16 @@ def test_two_sectors_side_by_side_have_the_equilibrium_of_one():
         assert solution.report.outcome.converged
         drags.append(measure_all(problem, solution)[2].drag_n)
     assert drags[1] == pytest.approx(drags[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("speeds", [[0.5], [0.25, 0.5]])
+def test_weight_is_borne_however_near_the_start_seems(speeds):
+    """From a sector, which knows none, and from the same catch at another speed, where it is another share of drag."""
+    netting = {"twine_density_kg_m3": 1140.0}
+    options = {"netting": netting, "filled": 6.0}
+    whole = {"fidelity": "globalised", "globalisation": 2}
+    loose = solve(make_plan(24, 20, **options, speed=speeds, model=whole | {"tolerance": 1e-3})).cases[-1]
+    exact = solve(make_plan(24, 20, **options, speed=speeds[-1], model=whole | {"tolerance": 1e-10})).cases[0]
+    sag = [case.positions[:, 2].mean() for case in (loose, exact)]
+    assert sag[1] < 0.0
+    assert sag[0] == pytest.approx(sag[1], rel=0.01)
