@@ -74,7 +74,7 @@ def _make_haste() -> None:
     Hardly look for cycles to free while it runs, nor at its end: most of what there is was made by libraries as they
     were imported, and stays; that took a fifth of a run. Let threads that compress files take their turn at once.
     """
-    gc.set_threshold(50_000)
+    gc.set_threshold(500_000)
     atexit.register(gc.freeze)
     sys.setswitchinterval(1e-4)
 

@@ -114,12 +114,13 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
         _write_bytes(plan_toml(study.plan).encode(), path)
 
     folder.mkdir(parents=True, exist_ok=True)
-    # most of a VTK file's time is compression, which lets other threads make tables and plots and go on with the next
-    with ThreadPoolExecutor(1) as beside:
-        nets = {}
+    # VTK files take compression for the most part, which lets this thread make tables and plots; then it helps
+    beside = ThreadPoolExecutor(1)
+    try:
+        nets: dict[Path, Callable[[Path], None]] = {}
         for result in solved(study):
             path = folder / f"net_{result.case.number}.vtu"
-            nets[path] = beside.submit(write_vtu, result, path)
+            nets[path] = partial(_finish_vtu, beside.submit(write_vtu, result, path), result)
         writers: dict[Path, Callable[[Path], None]] = {
             folder / "plan.toml": write_plan,
             folder / "results.csv": partial(write_table, study.table),
@@ -129,19 +130,25 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
             writers[folder / "meshes.csv"] = partial(write_table, study.meshes)
         if solved(study):
             writers |= {folder / "plots" / f"{plot.name}.png": partial(write_plot, plot) for plot in PLOTS}
-        writers |= {path: partial(_wait_for, writing) for path, writing in nets.items()}
+        writers |= dict(reversed(nets.items()))  # the other thread comes from the first
         writers[folder / "report.html"] = write_page
         for done, (path, write) in enumerate(writers.items()):
             if progress is not None:
                 progress(done, len(writers), f"writing {path.name}")
             path.parent.mkdir(exist_ok=True)
             write(path)
+    finally:
+        beside.shutdown(cancel_futures=True)  # of files not yet begun when one cannot be written
     _remove_leftovers(folder, set(writers))
     return list(writers)
 
 
-def _wait_for(writing: "Future[None]", _: Path) -> None:
-    writing.result()
+def _finish_vtu(writing: "Future[None]", result: CaseResult, path: Path) -> None:
+    """Wait for the file when another thread has begun it, or write it here."""
+    if writing.cancel():
+        write_vtu(result, path)
+    else:
+        writing.result()
 
 
 def _write_bytes(content: bytes, path: Path) -> None:

@@ -59,7 +59,7 @@ def net_picture(result: CaseResult) -> "Figure":
     entry_ring, front_ring, *straps = (
         _ring(result, sectors, row) @ _screen_axes() for row in (0, round(front), *_strap_rows(result.net))
     )
-    _draw_meshes(axes, whole, flat, colours.to_rgba(opening), in_catch)
+    _draw_meshes(axes, whole, flat, colours.to_rgba(opening), in_catch, front_ring)
     axes.plot(entry_ring[:, 0], entry_ring[:, 1], color=INK, linewidth=1.8)
     _draw_ring(axes, front_ring, 1.8)
     for ring in straps:
@@ -83,12 +83,18 @@ def _screen_axes() -> Floats:
     return np.stack([right, np.cross(towards, right), towards], axis=1)
 
 
-def _draw_meshes(axes: "Axes", whole: WholeNet, flat: Floats, colour: Floats, in_catch: NDArray[np.bool_]) -> None:
-    """Add all meshes to the axes, the farthest first, shaded by how they face a light above the onlooker's shoulder."""
+def _draw_meshes(
+    axes: "Axes", whole: WholeNet, flat: Floats, colour: Floats, in_catch: NDArray[np.bool_], front_ring: Floats
+) -> None:
+    """Add the meshes to the axes, the farthest first, shaded by how they face a light above the onlooker's shoulder.
+
+    Netting on the catch hides what is behind, so its far side is drawn only where one looks in through the front.
+    """
     from matplotlib.collections import PolyCollection
+    from matplotlib.path import Path
 
     light = np.array([-0.35, 0.65, 0.67])
-    outlines, depth, facing, lit, numbers = [], [], [], [], []
+    outlines, middles, facing, lit, numbers = [], [], [], [], []
     polygons = mesh_polygons(whole)
     most = max(corners.shape[1] for _, corners in polygons)
     for which, corners in polygons:
@@ -99,11 +105,11 @@ def _draw_meshes(axes: "Axes", whole: WholeNet, flat: Floats, colour: Floats, in
             normal = np.nan_to_num(area / np.linalg.norm(area, axis=1, keepdims=True))
         # as many corners each, the last repeated: one array is drawn many times as fast as a list of polygons
         outlines.append(np.pad(points[:, :, :2], ((0, 0), (0, most - corners.shape[1]), (0, 0)), mode="edge"))
-        depth.append(points[:, :, 2].mean(axis=1))
+        middles.append(points.mean(axis=1))
         facing.append(normal[:, 2])
         lit.append(np.abs(normal @ light))
         numbers.append(which)
-    number = np.concatenate(numbers)
+    number, middle = np.concatenate(numbers), np.concatenate(middles)
     near = np.concatenate(facing) > 0.0
     shade = 0.62 + 0.38 * np.concatenate(lit)
     face = colour[number].copy()
@@ -111,10 +117,13 @@ def _draw_meshes(axes: "Axes", whole: WholeNet, flat: Floats, colour: Floats, in
     face[:, 3] = np.where(in_catch[number], 1.0, np.where(near, NEAR_OPACITY, FAR_OPACITY))
     edge = face.copy()
     edge[:, :3] *= 0.45
-    order = np.argsort(np.concatenate(depth), kind="stable")
+    order = np.argsort(middle[:, 2], kind="stable")
     thin = float(np.clip(40.0 / np.sqrt(len(order)), 0.12, 0.6))
+    wider_front = front_ring[:, :2] + 0.1 * (front_ring[:, :2] - front_ring[:-1, :2].mean(axis=0))
+    seen = near | ~in_catch[number] | Path(wider_front).contains_points(middle[:, :2])
+    order = order[seen[order]]
     drawn = PolyCollection(
-        np.concatenate(outlines)[order],  # type: ignore[arg-type] # one array is taken as well
+        np.concatenate(outlines)[order],
         facecolors=face[order],
         edgecolors=edge[order],
         linewidths=thin,
