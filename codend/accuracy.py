@@ -78,13 +78,14 @@ def estimate(
     left_out = WEIGHT_LEFT_OUT @ [weight_share, weight_share**2]
     errors = SAFETY * (solver + merged) + (NOISE + left_out) * sizes
     drag, volume, radius, opening = map(float, errors)
-    return Errors(drag, volume, radius, opening, _change_with_suction(problem, polished, prepared, measures.drag_n))
+    return Errors(drag, volume, radius, opening, _change_with_suction(problem, polished, prepared))
 
 
 def sector_measures(plan: Plan, case: Case, globalisation: int) -> Measures:
     """Measures of one sector of the merged net, under the loads that are the same all round; nan if it is not solved.
 
-    The difference that merging makes there stands for the difference it makes in the full net.
+    The difference that merging makes there stands for the difference it makes in the full net. Mesh counts without a
+    common divisor make a sector of the whole net, which bears its weight and cannot be merged.
     """
     quickly = plan.model_copy(update={"model": plan.model.model_copy(update={"method": "auto"})})
     problem, solution = equilibrium.solve(equilibrium.scene_of(quickly, globalisation, 1), case, (), None)
@@ -95,7 +96,7 @@ def _distance(first: Measures, second: Measures) -> np.ndarray:
     return np.array([abs(getattr(first, name) - getattr(second, name)) for name in _QUANTITIES])
 
 
-def _change_with_suction(problem: Problem, solution: Solution, prepared: newton.Prepared, drag_n: float) -> float:
+def _change_with_suction(problem: Problem, solution: Solution, prepared: newton.Prepared) -> float:
     """1 - Cp becomes 1 - 1.1 Cp; inside the catch the water stays at stagnation pressure."""
     coefficients = (1.0 + MORE_SUCTION) * problem.loading.coefficients
     coefficients[3] -= MORE_SUCTION
@@ -103,5 +104,7 @@ def _change_with_suction(problem: Problem, solution: Solution, prepared: newton.
     moved = newton.solve(changed, 1e-8, solution, NEARBY, prepared=prepared)
     if not moved.report.outcome.converged:
         return float("nan")
-    drag = sum(load[:, 0].sum() for load in current_loads(changed, moved)) * problem.net.order
-    return float(drag / drag_n - 1.0)
+    before, after = (
+        sum(load[:, 0].sum() for load in current_loads(*state)) for state in ((problem, solution), (changed, moved))
+    )
+    return float(after / before - 1.0)

@@ -3,6 +3,8 @@
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from codend.accuracy import WEIGHT_LEFT_OUT, sector_measures
 from codend.build import build_net
 from codend.loads import wet_weight
@@ -42,13 +44,15 @@ def choose(plan: Plan) -> Choice:
     """
     asked, g = plan.model.fidelity, plan.model.globalisation
     sector = build_net(plan, columns=1)
-    weight = sector.order * abs(float(wet_weight(sector, plan.tow.water_density_kg_m3).sum()))
+    # twine that floats counts like twine that sinks: in different sections they bend the bag all the same
+    weight = sector.order * float(np.abs(wet_weight(sector, plan.tow.water_density_kg_m3)).sum())
     drag = _least_drag(plan) if weight > 0.0 and asked in ("auto", "sector", "meridian") else math.inf
-    unseen = weight / drag
-    error = float(WEIGHT_LEFT_OUT[0] @ [unseen, unseen**2])
     heavy = weight > plan.model.accuracy * drag
     weighed = f"wet weight {weight:.3g} N, {100.0 * weight / drag:.2g} % of the drag of the smallest catch"
-    left_out = f"; it leaves out the wet weight, which here matters ({weighed})" if heavy else ""
+    # the sector of counts without a common divisor is the whole net, which bears its weight
+    unseen = 0.0 if sector.order == 1 and asked != "meridian" else weight / drag
+    error = float(WEIGHT_LEFT_OUT[0] @ [unseen, unseen**2])
+    left_out = f"; it leaves out the wet weight, which here matters ({weighed})" if heavy and unseen > 0.0 else ""
     if asked == "sector":
         why = f"Asked for: {_sector(plan, sector.order)}{left_out}.{_slow(plan, sector)}"
         return Choice("sector", 1, 1, why, error, unseen)
@@ -68,7 +72,8 @@ def choose(plan: Plan) -> Choice:
             f"which costs {100.0 * error:.2g} % in drag where {100.0 * plan.model.accuracy:g} % is allowed."
         )
         return Choice("globalised" if merged > 1 else "full", merged, None, why + _slow(plan, sector, merged), error)
-    light = "no twine density is given, so wet weight is left out" if weight == 0.0 else f"{weighed}, is negligible"
+    dense = any(part.twine_density_kg_m3 is not None for part in plan.netting)
+    light = f"{weighed}, is negligible" if dense else "no twine density is given, so wet weight is left out"
     why = f"The plan is the same all round and {light}: {_sector(plan, sector.order)} is exact.{_slow(plan, sector)}"
     return Choice("sector", 1, 1, why, error, unseen)
 
@@ -85,7 +90,7 @@ def _sector(plan: Plan, order: int) -> str:
     """The narrowest sector: of how many, and how many meshes of each section make it if it is not a single one."""
     counts = list(dict.fromkeys(part.meshes_round for part in plan.netting))
     if order == 1:
-        return f"the full net, for its mesh counts {_listed(counts)} have no common divisor,"
+        return f"the full net (its mesh counts {_listed(counts)} have no common divisor)"
     wide = [count // order for count in counts]
     meshes = "" if wide == [1] else f", {_listed(wide)} meshes wide,"
     return f"one of {order} equal sectors{meshes} of the real net"

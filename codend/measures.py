@@ -84,8 +84,8 @@ def opening_force(bar_tension_n: Floats, opening_deg: Floats, wanted_deg: float 
 
 def over_straps(net: Net) -> NDArray[np.bool_]:
     """Whether a strap lies across the widest part of a mesh, (k,); square meshes lie between two rows of knots."""
-    square = net.band_meshes[np.minimum(net.mesh_row, net.bands - 1)] == 1.0
-    return np.isin(net.mesh_row, net.node_row[net.bars[net.straps, 0]]) & ~square
+    square = np.append(net.square_mesh, False)
+    return np.isin(net.mesh_row, net.node_row[net.bars[net.straps, 0]]) & ~square[net.mesh_row]
 
 
 def mesh_openings(corners: Floats, folded: NDArray[np.bool_] | bool = False) -> tuple[Floats, Floats]:
@@ -114,8 +114,9 @@ def measure_meshes(problem: Problem, solution: Solution) -> Meshes:
     corners = mesh_corners(net, solution.positions)
     opening, normal = mesh_openings(corners, over_straps(net))
     tension = _mean_over(solution.bar_tension, net.mesh_bars) / net.globalisation
-    band = np.minimum(net.mesh_row, net.bands - 1)
-    filled = 0.5 * (solution.share[np.maximum(band - 1, 0)] + solution.share[band])
+    behind = np.minimum(net.mesh_row, net.bands - 1)
+    ahead = np.where(net.square_mesh[behind], behind, np.maximum(behind - 1, 0))
+    filled = 0.5 * (solution.share[ahead] + solution.share[behind])
     return Meshes(
         centre_m=corners.mean(axis=(1, 2)),
         opening_deg=opening,
@@ -190,7 +191,7 @@ def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
     has_mesh = np.flatnonzero(np.isfinite(rows.opening_deg))
     tension, straps = real_tensions(net, solution.bar_tension), net.straps
     openings, forces = (
-        np.interp(ahead, _meshes_from_entry(net)[has_mesh], values[has_mesh])
+        np.interp(ahead, net.mesh_place[has_mesh], values[has_mesh])
         for values in (rows.opening_deg, rows.opening_force_n)
     )
     return Measures(
@@ -219,21 +220,15 @@ def measure_all(problem: Problem, solution: Solution) -> tuple[Meshes, Rows, Mea
 
 
 def opening_rows_ahead(net: Net, share: Floats) -> Floats:
-    """Places of the five real mesh rows just ahead of the front, or as many as there are, in meshes from the entry."""
-    place = float((1.0 - share) @ net.band_meshes)
-    from_entry, step = _meshes_from_entry(net), net.band_meshes / net.globalisation
-    places: list[float] = []
-    while len(places) < ROWS_AHEAD:
-        # rows are half a mesh apart, in square mesh a whole one
-        place -= float(step[max(int(np.searchsorted(from_entry, place - 1e-9)) - 1, 0)])
-        if place < step[0] - 1e-9:
-            break
-        places.append(place)
-    return np.array(places)
-
-
-def _meshes_from_entry(net: Net) -> Floats:
-    return np.concatenate([[0.0], np.cumsum(net.band_meshes)])
+    """Middles of the five real mesh rows just ahead of the front, or as many as there are, in meshes from the entry."""
+    end = float((1.0 - share) @ net.band_meshes)
+    # rows are half a mesh apart, in square mesh a whole one
+    step = net.band_meshes / net.globalisation
+    middles: list[float] = []
+    while len(middles) < ROWS_AHEAD and end >= 1.0 - 1e-9:
+        middles.append(end - 0.5)
+        end -= float(step[max(int(np.searchsorted(net.row_place, end - 1e-9)) - 1, 0)])
+    return np.array(middles)
 
 
 def _pressure_at(problem: Problem, cosine: Floats) -> Floats:

@@ -65,7 +65,7 @@ class Net:
     mesh_bars: Ints
     """Bars of those sides, -1 where a side is held and no bar, (k, 4)."""
     mesh_row: Ints
-    """Row at which a mesh has its widest part, (k,)."""
+    """Row that counts a mesh, at its widest part or, of a square mesh, ahead of it, (k,)."""
     band_meshes: Floats
     """Meshes that a band is long, (bands,)."""
 
@@ -89,6 +89,22 @@ class Net:
     def bands(self) -> int:
         """Number of bands of netting from the entry to the codline."""
         return len(self.band_meshes)
+
+    @property
+    def row_place(self) -> Floats:
+        """Place of every row of knots, in meshes from the entry, (bands + 1,)."""
+        return np.concatenate([[0.0], np.cumsum(self.band_meshes)])
+
+    @property
+    def square_mesh(self) -> NDArray[np.bool_]:
+        """Whether a band is of square mesh, which is a whole mesh long: its meshes lie in it, (bands,)."""
+        return self.band_meshes == self.globalisation
+
+    @property
+    def mesh_place(self) -> Floats:
+        """Middle of the meshes that a row counts, in meshes from the entry, (bands + 1,)."""
+        behind = np.append(0.5 * self.band_meshes * self.square_mesh, 0.0)
+        return self.row_place + behind
 
 
 def rotate(points: Floats, image: NDArray[np.integer] | int, order: int) -> Floats:

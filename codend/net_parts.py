@@ -240,7 +240,9 @@ def _bars_of_sides(bars: NDArray, sides: NDArray, images: NDArray) -> Ints:
     def key(first: NDArray, second: NDArray, image: NDArray) -> NDArray:
         swap = first > second
         low, high = np.where(swap, second, first), np.where(swap, first, second)
-        return (low * (bars[:, :2].max() + 1) + high) * 8 + np.where(swap, -image, image) + 4
+        # the bars to a node's own images on either side are one and the same
+        turned = np.where(first == second, np.abs(image), np.where(swap, -image, image))
+        return (low * (bars[:, :2].max() + 1) + high) * 8 + turned + 4
 
     bar_keys = key(bars[:, 0], bars[:, 1], bars[:, 2])
     order = np.argsort(bar_keys, kind="stable")

@@ -107,7 +107,6 @@ def pull_mesh(
         raise InputError(plan.source, "model.bars_per_side", plan.model.bars_per_side, "1 where a mesh is pulled open")
     sector = equilibrium.scene_of(plan, 1, 1)
     net = sector.net
-    places = np.concatenate([[0.0], np.cumsum(net.band_meshes)])
     problem, solution = equilibrium.solve(sector, case, (), progress)
     attempts, nothing = solution.report.attempts, float("nan")
     pull = Pull(case, nothing, nothing, nothing, wanted_deg, nothing, nothing, nothing, 1, 0, nothing, False, attempts)
@@ -115,9 +114,10 @@ def pull_mesh(
         return pull
     meshes = measure_meshes(problem, solution)
     alone = opening_force(meshes.bar_tension_n, meshes.opening_deg, wanted_deg)
-    ahead = places[net.mesh_row] <= float((1.0 - solution.share) @ net.band_meshes)
+    place = net.mesh_place[net.mesh_row]
+    ahead = place <= float((1.0 - solution.share) @ net.band_meshes)
     if meshes_from_entry is not None:
-        fits = -np.abs(places[net.mesh_row] - meshes_from_entry)
+        fits = -np.abs(place - meshes_from_entry)
     elif ahead.any():
         fits = np.where(ahead, alone, -np.inf)
     else:
@@ -127,7 +127,7 @@ def pull_mesh(
     pull = replace(
         pull,
         filled_meshes=float(solution.share @ net.band_meshes),
-        meshes_from_entry=float(places[row]),
+        meshes_from_entry=float(place[mesh]),
         opening_deg=float(meshes.opening_deg[mesh]),
         opening_force_alone_n=float(alone[mesh]),
     )

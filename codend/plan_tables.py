@@ -132,7 +132,8 @@ class Netting(Table):
     @property
     def stretched_length_m(self) -> float:
         """Length of the section pulled fully straight, knots included where they lie along it, m."""
-        return 2 * self.meshes_long * (self.bar_m + (self.knot_m if self.mesh == "diamond" else 0.0))
+        along_m = self.bar_m + (self.knot_m if self.mesh == "diamond" else 0.0)
+        return self.rows_per_mesh * self.meshes_long * along_m
 
 
 class Strap(Table):

@@ -17,7 +17,7 @@ from codend.net import Floats, Net, real_tensions
 from codend.plan import Case, Plan
 from codend.problem import Problem
 from codend.solvers import newton
-from codend.solvers.outcome import Outcome, Solution, SolverReport
+from codend.solvers.outcome import Solution, SolverReport
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -166,16 +166,15 @@ def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) 
             progress(case.number - 1, len(cases), f"case {case.number}: meridian method")
         started = perf_counter()
         shape = plan_case.solve_case(plan, case)
-        outcome = Outcome.CONVERGED if shape.converged else Outcome.NOT_IMPROVING
         report = SolverReport(
             method=plan_case.METHOD,
-            outcome=outcome,
+            outcome=shape.outcome,
             iterations=shape.iterations,
             residual=shape.residual,
             imbalance=shape.axial_imbalance,
-            length_error=0.0,
+            length_error=float("nan"),  # a membrane has no bars
             solve_ms=1e3 * (perf_counter() - started),
-            attempts=(f"meridian method, {shape.method}: {shape.message}",),
+            attempts=(f"meridian method, {shape.method}: {shape.outcome.value}",),
         )
         net = build_net(plan, columns=1, rows=(shape.x_m, shape.radius_m))
         problem = problem_of(net, plan, case)

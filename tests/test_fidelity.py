@@ -1,6 +1,6 @@
 """Sector, globalised and full models of one plan."""
 
-from dataclasses import replace
+from dataclasses import astuple, replace
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +9,12 @@ import pytest
 from codend import accuracy, fidelity
 from codend.build import build_net
 from codend.loads import problem_of, wet_weight
+from codend.measures import measure_all
 from codend.net import all_round, rotate
 from codend.plan import load_plan
 from codend.solvers import dynamic_relaxation, newton
 from codend.study import solve
-from tests.plans import make_plan
+from tests.plans import joined_plan, make_plan
 
 TIGHT = 1e-11
 
@@ -50,6 +51,39 @@ def test_full_net_and_sectors_of_any_size_have_the_same_equilibrium(plan):
         order = unique[np.lexsort(start[unique].round(9).T)]
         assert len(order) == len(by_place)
         assert np.abs(whole_positions[order] - full.positions[by_place]).max() <= 1e-6 * radius
+
+
+@pytest.mark.parametrize(
+    "plan",
+    [
+        make_plan(24, 20),
+        make_plan(24, 20, mesh="t90", netting={"knot_mm": 6.0}),
+        make_plan(24, 20, mesh="square"),
+        joined_plan(("diamond", 18, 12, 40.0, {}), ("square", 12, 12, 40.0, {})),
+    ],
+    ids=["T0", "T90", "square", "T0 laced to square"],
+)
+def test_every_mesh_of_a_sector_measures_as_those_it_stands_for_in_the_full_net(plan):
+    measured = []
+    for columns in (1, None):
+        net = build_net(plan, columns=columns)
+        problem = problem_of(net, plan, plan.cases()[0])
+        meshes, rows, measures = measure_all(problem, newton.solve(problem, TIGHT))
+        by_mesh = [meshes.opening_deg, meshes.bar_tension_n, meshes.opening_force_n, meshes.pressure_pa]
+        repeated = np.stack([np.tile(values, net.order) for values in by_mesh])
+        # in a row and its sum over all meshes, so that no order within a row matters
+        row = np.tile(net.mesh_row, net.order)
+        moments = [np.bincount(row, weights=values**power) for values in repeated for power in (1, 2)]
+        measured.append(np.hstack([*moments, *astuple(rows), *astuple(measures)]))
+    assert measured[0] == pytest.approx(measured[1], rel=1e-6, abs=1e-6, nan_ok=True)
+
+
+def test_the_pressure_on_a_square_mesh_is_that_of_the_band_it_lies_in():
+    catch = {"filled_meshes": 6.0, "pressure": "uniform", "coefficient": 1.4}
+    result = solve(make_plan(24, 20, mesh="square", catch=catch)).cases[0]
+    in_catch = result.solution.share[result.net.mesh_row] == 1.0
+    assert in_catch.sum() == 6
+    assert result.meshes.pressure_pa == pytest.approx(np.where(in_catch, 700.0, 0.0))
 
 
 def test_a_rotated_full_net_is_the_same_net_rotated():
@@ -102,6 +136,28 @@ def test_automatic_choice_is_a_sector_unless_weight_breaks_the_symmetry():
     assert 0.0 < choice.drag_error <= 0.01
     strict = heavy.model_copy(update={"model": heavy.model.model_copy(update={"accuracy": 1e-6})})
     assert fidelity.choose(strict).fidelity == "full"
+
+
+def test_twine_that_floats_does_not_cancel_twine_that_sinks():
+    """The full net bends up ahead and down astern, which moves its widest ring."""
+    floats, sinks = ({"twine_density_kg_m3": density} for density in (600.0, 1400.0))
+    sections = ("diamond", 24, 10, 40.0, floats), ("diamond", 24, 10, 40.0, sinks)
+    choice = fidelity.choose(joined_plan(*sections))
+    assert choice.fidelity == "full"
+    assert "Wet weight breaks the symmetry" in choice.why
+    sector, full = (solve(joined_plan(*sections, model={"fidelity": kind})).cases[0] for kind in ("sector", "full"))
+    missed = abs(sector.measures.max_radius_m / full.measures.max_radius_m - 1.0)
+    assert missed > 1e-4
+    assert missed * full.measures.max_radius_m <= sector.errors.max_radius_error_m
+
+
+def test_counts_without_a_common_divisor_make_a_sector_that_bears_its_weight():
+    heavy = {"twine_density_kg_m3": 1400.0}
+    plan = joined_plan(("diamond", 13, 10, 40.0, heavy), ("diamond", 12, 10, 40.0, heavy), model={"fidelity": "sector"})
+    choice = fidelity.choose(plan)
+    assert choice.why.startswith("Asked for: the full net (its mesh counts 13 and 12 have no common divisor).")
+    assert choice.weight_share == 0.0
+    assert problem_of(build_net(plan, columns=1), plan, plan.cases()[0]).loading.dead.any()
 
 
 def test_only_wide_models_of_many_knots_are_told_to_be_slow():

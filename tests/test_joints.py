@@ -226,7 +226,7 @@ def test_rows_ahead_of_the_front_are_counted_through_a_change_of_mesh_kind():
     net = build_net(plan, columns=1)
     share = np.ones(net.bands)
     share[: 12 + 2] = 0.0
-    assert opening_rows_ahead(net, share) == pytest.approx([7.0, 6.0, 5.5, 5.0, 4.5])
+    assert opening_rows_ahead(net, share) == pytest.approx([7.5, 6.5, 5.5, 5.0, 4.5])
 
 
 def test_the_reason_tells_how_many_meshes_make_a_sector():

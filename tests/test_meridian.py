@@ -8,10 +8,10 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, root
 
 from catch_models.pressure import sphere_law, uniform_law
-from codend.errors import InputError
-from codend.meridian import MeridianProblem, MeridianShape, Outcome, solve, solve_meridian, uniform_pressure_shape
+from codend.meridian import MeridianProblem, MeridianShape, solve, solve_meridian, uniform_pressure_shape
 from codend.meridian.collocation import NewtonResult
 from codend.meridian.shell import DRAG_LAWS, rates
+from codend.solvers.outcome import Outcome
 from codend.study import solve as solve_plan
 from tests.plans import make_plan
 
@@ -161,7 +161,7 @@ def direct_rates(problem: MeridianProblem, j: float, state: np.ndarray) -> list[
 def test_agrees_with_direct_integration_from_the_entry(name):
     problem = CASES[name]
     shape = solve_meridian(problem, refinement=4)
-    assert shape.converged, shape.message
+    assert shape.converged, shape.outcome.value
     force = meridional_force(problem, shape)
     state = np.array([0.0, shape.radius_m[0], shape.slope_rad[0], np.log(force[0])])
     rows = np.arange(problem.half_mesh_rows + 1.0)
@@ -388,7 +388,7 @@ def test_solves_the_whole_working_range(fixed):
     for _ in range(40):
         problem = random_problem(random, **fixed)
         shape = solve_meridian(problem)
-        assert shape.converged, (problem, shape.message)
+        assert shape.converged, (problem, shape.outcome.value)
         assert shape.axial_imbalance < 1e-6
         assert np.all(shape.bar_tension_n > 0.0)
         assert np.all(np.cos(shape.slope_rad) > -1e-9)
@@ -450,7 +450,7 @@ def test_rows_that_only_just_reach_the_axis_are_nearly_a_flat_disc():
 @pytest.mark.parametrize(
     ("spoil", "outcome"),
     [
-        (lambda result: replace(result, converged=False), Outcome.NOT_CONVERGED),
+        (lambda result: replace(result, converged=False), Outcome.NO_MERIDIAN),
         (lambda result: replace(result, state=result.state * [[1.0], [1.6], [1.0]]), Outcome.SLOPE_REVERSED),
         (lambda result: replace(result, state=result.state - [[0.1], [0.0], [0.0]]), Outcome.RADIUS_NEGATIVE),
     ],
@@ -465,14 +465,24 @@ def test_a_state_that_is_no_equilibrium_is_never_passed_as_solved(monkeypatch, s
     shape = solve_meridian(SHORT)
     assert not shape.converged
     assert shape.outcome is outcome
-    assert shape.message == outcome.value
 
 
-@pytest.mark.parametrize("catch", [{"volume_m3": 1e-9}, {"front_from_codline_m": 1e-5}])
-def test_a_catch_too_small_for_the_membrane_is_refused_in_words(catch):
-    plan = make_plan(24, 20, catch=catch, model={"fidelity": "meridian"})
-    with pytest.raises(InputError, match="quarter of a mesh"):
-        solve_plan(plan)
+@pytest.mark.parametrize(
+    ("quantity", "small", "fits", "large"), [("volume_m3", 1e-9, 0.05, 0.45), ("front_from_codline_m", 1e-5, 0.4, 1.59)]
+)
+def test_a_catch_the_membrane_cannot_hold_fails_alone_and_says_why(quantity, small, fits, large):
+    study = solve_plan(make_plan(24, 20, catch={quantity: [small, fits, large]}, model={"fidelity": "meridian"}))
+    outcomes = [result.report.outcome for result in study.cases]
+    assert outcomes == [Outcome.TOO_SMALL, Outcome.CONVERGED, Outcome.OVERFULL]
+    assert study.table["drag_n"].notna().tolist() == [False, True, False]
+
+
+def test_a_search_for_the_front_that_meets_an_unsolved_shape_ends_in_a_failed_case(monkeypatch):
+    genuine = solve.solve_newton
+    monkeypatch.setattr(solve, "solve_newton", lambda *arguments: replace(genuine(*arguments), converged=False))
+    (result,) = solve_plan(make_plan(24, 20, catch={"volume_m3": 0.05}, model={"fidelity": "meridian"})).cases
+    assert result.report.outcome is Outcome.NO_MERIDIAN
+    assert np.isnan(result.measures.drag_n)
 
 
 def test_a_catch_of_a_billionth_of_a_mesh_asks_for_no_more_grid_than_there_is_room_for():

@@ -204,6 +204,7 @@ def test_stretched_radius_and_length_of_each_mesh_kind():
     assert netting(mesh="t90", **knotted).stretched_radius_m == pytest.approx(100 * 0.05 / math.pi)
     assert netting(mesh="t90", **knotted).stretched_length_m == pytest.approx(50 * 0.08)
     assert netting(mesh="square").stretched_radius_m == pytest.approx(100 * 0.04 / (2 * math.pi))
+    assert netting(mesh="square").stretched_length_m == pytest.approx(50 * 0.04)
 
 
 def test_the_hoop_may_be_as_wide_as_netting_fully_open_and_no_wider(valid: dict):

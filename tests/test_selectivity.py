@@ -160,6 +160,15 @@ def test_a_run_without_a_solved_case_is_refused(run):
         catches_of(failed, 5.0)
 
 
+def test_merged_square_meshes_stand_for_the_real_rows_they_cover():
+    """None of them behind the front, where a fish has no mesh to try."""
+    merged = {"fidelity": "globalised", "globalisation": 4}
+    (catch,) = catches_of(run_of(codend.solve(make_plan(24, 24, filled=8.0, mesh="square", model=merged))), 4.0)
+    rows = np.bincount(catch.rows_ahead.round().astype(int), weights=catch.share)
+    assert catch.rows_ahead == pytest.approx(catch.rows_ahead.round())
+    assert rows == pytest.approx([0.0, 1.0, 1.0, 1.0, 1.0])
+
+
 def test_a_plan_written_back_is_the_same_plan(tmp_path):
     plan = make_plan(netting={"knot_mm": 3.0, "twines": 2}, catch={"mass_kg": [1.0, 2.5], "pressure": "uniform"})
     (tmp_path / "plan.toml").write_text(plan_toml(plan), encoding="utf-8")

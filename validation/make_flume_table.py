@@ -66,7 +66,7 @@ def _row(plan: Plan, filled_meshes: float, speed_m_s: float) -> str:
 
 def _measures(shape: MeridianShape) -> tuple[float, ...]:
     if not shape.converged:
-        raise click.ClickException(shape.message)
+        raise click.ClickException(shape.outcome.value)
     front_from_codline = shape.length_m - shape.front_x_m
     return shape.catch_volume_m3, shape.drag_n, front_from_codline, 2.0 * shape.largest_radius_m, shape.length_m
 

@@ -1,5 +1,7 @@
 """A case of a plan as a problem of the meridian method, and its shape as a start for the net."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from codend.errors import InputError
@@ -8,6 +10,7 @@ from codend.meridian.problem import Floats, MeridianProblem, MeridianShape
 from codend.meridian.solve import solve_meridian, uniform_pressure_shape
 from codend.net import Net
 from codend.plan import Case, Plan
+from codend.solvers.outcome import Outcome
 
 METHOD = "meridian"
 MEAN_COEFFICIENT = 1.4
@@ -36,8 +39,10 @@ def why_not_exactly(plan: Plan) -> str:
 def solve_case(plan: Plan, case: Case) -> MeridianShape:
     """Shape of a case by the meridian method, its front found for whatever the catch is given by.
 
+    Its ``outcome`` says whether it is one; a catch too large for the bag, or too small for a membrane, has none.
+
     Raises:
-        InputError: the plan is not one the method takes, or the catch does not fit.
+        InputError: the plan is not one the method takes.
     """
     reason = why_not_exactly(plan)
     if reason:
@@ -55,19 +60,33 @@ def _under_its_loads(plan: Plan, case: Case) -> MeridianShape:
 
     wanted = case.catch_value / (plan.catch_density_kg_m3 if case.catch_kind == "mass_kg" else 1.0)
 
-    def excess(front_row: float) -> float:
+    def solved(front_row: float) -> MeridianShape:
         shape = solve_meridian(problem_for(plan, case, front_row))
         if not shape.converged:
-            raise RuntimeError(shape.message)
-        if case.catch_kind == "front_from_codline_m":
-            return shape.length_m - shape.front_x_m - wanted
-        return shape.catch_volume_m3 - wanted
+            raise _NoShape(shape)
+        return shape
 
-    least, most = _rows(plan) - 0.5, 0.0
-    if excess(most) < 0.0 or excess(least) > 0.0:
-        allowed = "a catch that the bag holds and that fills a quarter of a mesh or more"
-        raise InputError(plan.source, f"catch.{case.catch_kind}", case.catch_value, allowed)
-    return solve_meridian(problem_for(plan, case, float(brentq(excess, most, least, xtol=1e-10))))
+    def excess(shape: MeridianShape) -> float:
+        by_front = case.catch_kind == "front_from_codline_m"
+        return (shape.length_m - shape.front_x_m if by_front else shape.catch_volume_m3) - wanted
+
+    most_row, least_row = 0.0, _rows(plan) - 0.5
+    try:
+        if excess(most := solved(most_row)) < 0.0:
+            return replace(most, outcome=Outcome.OVERFULL)
+        if excess(least := solved(least_row)) > 0.0:
+            return replace(least, outcome=Outcome.TOO_SMALL)
+        return solved(float(brentq(lambda row: excess(solved(row)), most_row, least_row, xtol=1e-10)))
+    except _NoShape as error:
+        return error.shape
+
+
+class _NoShape(Exception):
+    """A trial in the search for the front that was not solved."""
+
+    def __init__(self, shape: MeridianShape) -> None:
+        super().__init__(shape.outcome.value)
+        self.shape = shape
 
 
 def first_guess(plan: Plan, case: Case) -> MeridianShape | None:
@@ -92,10 +111,7 @@ def equilibrium_guess(plan: Plan, case: Case) -> MeridianShape | None:
     """
     if why_not(plan):
         return None
-    try:
-        shape = _under_its_loads(plan, case)
-    except (InputError, RuntimeError):
-        return None
+    shape = _under_its_loads(plan, case)
     return shape if shape.converged and _within_straps(plan, shape) else None
 
 

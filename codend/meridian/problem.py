@@ -1,7 +1,6 @@
 """What the meridian method is asked and what it answers."""
 
 from dataclasses import dataclass
-from enum import Enum
 from typing import Literal
 
 import numpy as np
@@ -9,21 +8,10 @@ from numpy.typing import NDArray
 
 from catch_models.pressure import PressureLaw
 from codend.meridian.shell import DRAG_LAWS, Shell
+from codend.solvers.outcome import Outcome
 
 Floats = NDArray[np.float64]
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)  # here, for they take a millisecond: a tenth of a first guess
-
-
-class Outcome(Enum):
-    """How a solve ended, as a sentence with advice."""
-
-    SOLVED = "solved"
-    NOT_CONVERGED = (
-        "Newton's method did not converge from any start; solve the sector model by relaxation, or approach the case "
-        "from a larger catch"
-    )
-    SLOPE_REVERSED = "refused: the meridian found runs back upstream, which is no equilibrium of a towed bag"
-    RADIUS_NEGATIVE = "refused: the meridian found crosses the axis ahead of the codline"
 
 
 @dataclass(frozen=True)
@@ -155,9 +143,4 @@ class MeridianShape:
     @property
     def converged(self) -> bool:
         """False when the numbers here must not be used."""
-        return self.outcome is Outcome.SOLVED
-
-    @property
-    def message(self) -> str:
-        """The outcome in words."""
-        return self.outcome.value
+        return self.outcome.converged

@@ -8,8 +8,9 @@ import numpy as np
 from catch_models.pressure import UNIFORM_COEFFICIENT, uniform_law
 from codend.meridian.closed_form import ClosedForm, solve_closed_form
 from codend.meridian.collocation import Grid, NewtonResult, make_grid, middle_state, solve_newton
-from codend.meridian.problem import MeridianProblem, MeridianShape, Outcome
+from codend.meridian.problem import MeridianProblem, MeridianShape
 from codend.meridian.shell import Floats, Shell, axial_drag, bars_at
+from codend.solvers.outcome import Outcome
 
 _ROUND_OFF = 1e-9
 
@@ -18,7 +19,7 @@ def solve_meridian(problem: MeridianProblem, refinement: int = 1) -> MeridianSha
     """Equilibrium under the problem's pressure law and twine drag, by fourth-order collocation and Newton's method.
 
     Newton starts from the closed form for uniform pressure. The answer says whether it may be used: ``converged`` is
-    False, and ``message`` says why, when no start converged or the meridian found is no equilibrium of a towed bag.
+    False, and ``outcome`` says why, when no start converged or the meridian found is no equilibrium of a towed bag.
 
     Args:
         problem: the bag and its catch.
@@ -126,9 +127,9 @@ def _shape(problem: MeridianProblem, grid: Grid, result: NewtonResult, method: s
     catch_drag = force * float(loads @ grid.in_catch)
     twine_drag = force * float(drags @ (1.0 - grid.in_catch))
     reaction = force * float(q[0] * np.cos(slope[0]))
-    outcome = Outcome.SOLVED
+    outcome = Outcome.CONVERGED
     if not (result.converged and np.all(np.isfinite(state))):
-        outcome = Outcome.NOT_CONVERGED
+        outcome = Outcome.NO_MERIDIAN
     elif np.any(np.cos(slope) < -_ROUND_OFF):
         outcome = Outcome.SLOPE_REVERSED
     elif np.any(radius < -_ROUND_OFF):

@@ -40,7 +40,7 @@ class Curve:
     @property
     def meshes_from_entry(self) -> Floats:
         """Place of every row, (rows + 1,)."""
-        return np.concatenate([[0.0], np.cumsum(self.result.net.band_meshes)])
+        return self.result.net.row_place
 
     @property
     def front(self) -> float:

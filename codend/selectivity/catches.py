@@ -124,8 +124,9 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
         meshes = all_meshes.get(result["case"], profile)
         meshes = meshes[meshes["opening_deg"].notna()]
         row = meshes["row"].to_numpy(dtype=int)
-        # a merged row stands for real rows about its middle, the middle of the mesh in knotted netting
-        within = np.arange(merged) - 0.5 * (merged - 1)
+        # a merged row stands for real rows about it, of square mesh for those of the band behind it
+        square = np.array([section.mesh == "square" for section in [*sections, sections[-1]]])
+        within = np.arange(merged) - np.where(square[row, None], 0.0, 0.5 * (merged - 1))
         ahead = (float(front_row) - merged * row[:, None] - within).ravel()
         near = (ahead > 0.0) & (ahead < most_rows + 1.0)
         which = np.repeat(np.arange(len(row)), merged)[near]

@@ -22,6 +22,10 @@ class Outcome(Enum):
     NOT_IMPROVING = "No step lowered the residual further: start nearer to the equilibrium."
     PASSED_THROUGH = "The net has passed through itself at its axis, which twine cannot: start from another shape."
     COMPRESSED = "The only solution found has bars in compression, which twine cannot carry: it was refused."
+    NO_MERIDIAN = "Newton's method found no meridian from any start: model a sector, or start from a larger catch."
+    SLOPE_REVERSED = "The meridian found runs back upstream, which is no equilibrium of a towed bag: it was refused."
+    RADIUS_NEGATIVE = "The meridian found crosses the axis ahead of the codline: it was refused."
+    TOO_SMALL = "The catch fills less than a quarter of a mesh, too little for a membrane: model a sector."
 
     @property
     def converged(self) -> bool:

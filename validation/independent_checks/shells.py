@@ -36,7 +36,7 @@ def shell(kind: str, meshes_round: int) -> MeridianShape:
     plan = bag(meshes_round, **KINDS[kind])  # type: ignore[arg-type]
     shape = plan_case.solve_case(plan, plan.cases()[0])
     if not shape.converged:
-        raise RuntimeError(shape.message)
+        raise RuntimeError(shape.outcome.value)
     return shape
 
 
