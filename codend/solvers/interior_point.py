@@ -33,10 +33,13 @@ LARGEST_TURN = 0.5
 """Largest change of a bar's vector in one step, over its length."""
 LEAST_TENSION = 0.01
 """Tension that bars are given at least to start with, over the mean."""
-STEPS_ALLOWED = 120
+FARTHEST_TURN = 5.0
+"""Change of a bar's vector, over its length, that a step may ask for: near a singular tangent steps ask for far more,
+in a direction that leads nowhere, and the tangent is shifted."""
+STEPS_ALLOWED = 300
 FINEST = 1e-10
 """Residual to which the last barrier is followed: from there Newton's method goes on though bars be nearly slack."""
-STALLED = 25
+STALLED = 80
 """Steps in a row that do not lower the barrier, after which none will."""
 FINISH = replace(DIRECT, switches=(1.0, 0.1, 0.01))
 """Newton's method at the end: the first of these weights parts taut and slack bars as the barrier did."""
@@ -72,7 +75,7 @@ def solve(
     tensions = tension if start is None else np.maximum(start.bar_tension, LEAST_TENSION * tension)
     state.density[:] = tensions / structure.length
     measure(structure, loading, tension, 1.0, barrier, state)
-    outcome, steps, lowered = Outcome.STEPS_SPENT, 0, 0
+    outcome, steps, lowered, shift = Outcome.STEPS_SPENT, 0, 0, 0.0
     while steps < STEPS_ALLOWED:
         residual = float(state.marks[1])
         if progress is not None:
@@ -87,16 +90,17 @@ def solve(
             outcome = Outcome.NOT_IMPROVING
             break
         steps += 1
-        turn = _step(problem, tension, barrier, state, prepared)
+        turn, shift = _step(problem, tension, barrier, shift, state, prepared)
         if not np.isfinite(turn):
             outcome = Outcome.SINGULAR
             break
         falling = step.change < 0.0
         to_slack = float(np.min(-state.density[falling] / step.change[falling], initial=np.inf))
         size = min(1.0, NEAREST_TO_SLACK * to_slack, LARGEST_TURN / turn if turn > 0.0 else 1.0)
-        if size > 0.5:
+        if size > 0.5 and shift == 0.0:
             lowered = steps
             barrier = max((LOWERED if size > 0.9 else LOWERED_WARILY) * barrier, last_barrier)
+        shift = 0.1 * shift if shift > DIRECT.first_shift else 0.0
         kernels.take(structure, loading, tension, 1.0, barrier, size, state, state, step, new)
         state, new = new, state
     if outcome is Outcome.STEPS_SPENT and barrier <= last_barrier and state.marks[1] <= tolerance:
@@ -143,20 +147,23 @@ def _seconds_to_compile(problem: Problem, prepared: Prepared) -> float:
     return perf_counter() - started
 
 
-def _step(problem: Problem, tension: float, barrier: float, state: State, prepared: Prepared) -> float:
-    """Write the step at a state, with the tangent shifted until it can be factorised.
+def _step(
+    problem: Problem, tension: float, barrier: float, shift: float, state: State, prepared: Prepared
+) -> tuple[float, float]:
+    """Write the step at a state, with the tangent shifted until it can be factorised and leads not too far.
 
     Returns:
-        the largest change of a bar's vector over its length; infinite if no shift helps.
+        the largest change of a bar's vector over its length, infinite if no shift helps, and the shift it took.
     """
     structure, loading, step, system = problem.structure, problem.loading, prepared.step, prepared.system
-    shift = 0.0
+    turn = np.inf
     while shift <= DIRECT.largest_shift:
         sides = kernels.linearise(structure, loading, prepared.pattern, tension, shift, barrier, state, step)
         if system.factorise(step.blocks) == 0:
             solved = system.solve(step.right[:sides])
-            _, turn, determinant = kernels.finish_step(structure, state, state, solved, step)
-            if determinant > 0.0:
-                return float(turn)
+            _, asked, determinant = kernels.finish_step(structure, state, state, solved, step)
+            turn = float(asked) if determinant > 0.0 else np.inf
+            if turn <= FARTHEST_TURN:
+                break
         shift = max(10.0 * shift, DIRECT.first_shift)
-    return np.inf
+    return turn, shift

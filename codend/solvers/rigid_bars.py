@@ -17,9 +17,9 @@ import numpy as np
 
 from codend.mechanics.balance import out_of_balance
 from codend.mechanics.bars import add_bar_forces, bar_lengths, length_error
-from codend.mechanics.crossing import passed_through_itself
 from codend.net import Floats
 from codend.problem import Problem
+from codend.solvers import shape
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 from codend.solvers.rigid_motion import RigidMotion
@@ -197,8 +197,8 @@ class _Run:
             self.tension = carried * length
             if max(self.residual, self.imbalance) > tolerance:
                 outcome = Outcome.COMPRESSED
-            elif passed_through_itself(motion.position, structure):
-                outcome = Outcome.PASSED_THROUGH
+            elif not (possible := shape.outcome_of(motion.position, structure, motion.share)).converged:
+                outcome = possible
             elif self.length_error <= LENGTH_TOLERANCE:
                 outcome = Outcome.CONVERGED if motion.fits else Outcome.OVERFULL
         if outcome is None:
