@@ -25,11 +25,14 @@ MORE_SUCTION = 0.1
 """Change of the suction outside the catch, relative, that the sensitivity to the pressure curve is told for."""
 NOISE = 1e-8
 """Relative error that is claimed in any case: what a residual of ``FINEST`` may leave."""
-WEIGHT_LEFT_OUT = np.array([[0.0, 0.2], [0.0, 0.5], [0.5, 0.0], [0.0, 0.2]])
+WEIGHT_LEFT_OUT = np.array([[0.0, 0.5], [0.0, 0.5], [0.5, 0.0], [0.0, 0.2]])
 """Relative change by wet weight of drag, volume, largest radius and opening ahead of the catch, at most, in w and w^2
 with w the weight over the drag: weight acts across the drag, so it moves the bag in the first order, and with it the
-widest ring, and changes means all round in the second. Found on full nets of random plans with w from 0.005 to 0.25 as
-0.15, 0.23 and 0.06 w^2, and 0.32 w for the radius."""
+widest ring, and changes means all round in the second. Found on full nets of random diamond and T90 plans with w from
+0.005 to 0.5 as 0.15, 0.23 and 0.1 w^2, and 0.32 w for the radius, and 0.36 w^2 for the drag of square mesh. Merged
+meshes bear the weight, but in a bag of fewer rows and wider meshes: they may be off by as much."""
+HEAVIEST_SQUARE = 0.2
+"""Weight over the drag from which nets of square mesh can fold over, and no estimate holds."""
 NEARBY = replace(DIRECT, iterations_allowed=8, keeps_factors=True)
 """From a result it is a step or two, with the factors that were used last; if it is not, there is no estimate."""
 
@@ -61,10 +64,14 @@ def estimate(
 
     The solver's part is the distance to an answer that Newton's method finds from the result at a far smaller residual.
     With measures of the meridian method beside the solution of a sector, that distance is the membrane's error.
-    ``weight_share`` is the wet weight that the model leaves out, over the drag.
+    ``weight_share`` is the wet weight that the model leaves out, over the drag; heavy square mesh has no estimates.
     The part of a globalised net is the distance between a sector of it and one of the real net, under the loads that
     are the same all round.
     """
+    if scene.globalisation > 1:
+        weight_share += float(np.abs(problem.loading.dead).sum()) / measures.drag_n
+    if weight_share > HEAVIEST_SQUARE and problem.net.square_mesh.any():
+        return Errors.unknown()
     prepared = scene.prepared
     finest = max(POLISHED * max(solution.report.residual, solution.report.imbalance), FINEST)
     polished = newton.solve(problem, finest, solution, NEARBY, prepared=prepared)
@@ -75,8 +82,8 @@ def estimate(
     if scene.globalisation > 1:
         merged = _distance(*(sector_measures(scene.plan, case, g) for g in (1, scene.globalisation)))
     sizes = np.abs([getattr(measures, name) for name in _QUANTITIES])
-    left_out = WEIGHT_LEFT_OUT @ [weight_share, weight_share**2]
-    errors = SAFETY * (solver + merged) + (NOISE + left_out) * sizes
+    weight = WEIGHT_LEFT_OUT @ [weight_share, weight_share**2]
+    errors = SAFETY * (solver + merged) + (NOISE + weight) * sizes
     drag, volume, radius, opening = map(float, errors)
     return Errors(drag, volume, radius, opening, _change_with_suction(problem, polished, prepared))
 

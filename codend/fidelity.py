@@ -65,7 +65,7 @@ def choose(plan: Plan) -> Choice:
     if asked == "full":
         return Choice("full", 1, None, f"Asked for: every mesh of the real net.{_slow(plan, sector, 1)}", 0.0)
     if heavy:
-        merged, error = _merged(plan)
+        merged, error = _merged(plan, weight / drag)
         model = f"the full net, {merged} x {merged} meshes merged into one" if merged > 1 else "the full net"
         why = (
             f"Wet weight breaks the symmetry ({weighed}): {model}, "
@@ -117,8 +117,11 @@ def _listed(counts: list[int]) -> str:
     return f"{', '.join(others)} and {last}" if others else last
 
 
-def _merged(plan: Plan) -> tuple[int, float]:
-    """Most meshes that may be merged each way for the accuracy asked for, and the relative error in drag."""
+def _merged(plan: Plan, weight_share: float) -> tuple[int, float]:
+    """Most meshes that may be merged each way for the accuracy asked for, and the relative error in drag.
+
+    Merging is judged without weight, and by what it may change in the effect of a weight of that share of the drag.
+    """
     by_size = sorted(plan.cases(), key=lambda case: case.catch_value)
     cases = by_size[:1] if by_size[0].catch_value == by_size[-1].catch_value else [by_size[0], by_size[-1]]
     real_n = [sector_measures(plan, case, 1).drag_n for case in cases]
@@ -126,7 +129,8 @@ def _merged(plan: Plan) -> tuple[int, float]:
         if g == 1 or min(part.meshes_round for part in plan.netting) < FEWEST_MESHES_ROUND * g:
             continue
         merged_n = [sector_measures(plan, case, g).drag_n for case in cases]
-        errors = [abs(merged / real - 1.0) for merged, real in zip(merged_n, real_n, strict=True)]
+        bent = float(WEIGHT_LEFT_OUT[0] @ [weight_share, weight_share**2])
+        errors = [bent + abs(merged / real - 1.0) for merged, real in zip(merged_n, real_n, strict=True)]
         if all(error <= plan.model.accuracy for error in errors):  # nan, where a sector was not solved, is no reason
             return g, max(errors)
     return 1, 0.0

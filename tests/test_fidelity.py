@@ -206,6 +206,25 @@ def test_weight_changes_openings_by_less_than_its_share_of_the_drag_and_drag_by_
     assert fidelity.choose(_dense(options, plan.netting[0].twine_density_kg_m3, accuracy=0.07)).fidelity == "sector"
 
 
+def test_merged_meshes_own_up_to_what_they_make_of_weight():
+    """Without weight the widest ring is the entry's in both nets: only weight makes them differ there."""
+    options = {"filled": 2.0, "speed": 0.3}
+    full, merged = (
+        solve(_dense(options, 1400.0, fidelity=kind, globalisation=g)).cases[0]
+        for kind, g in (("full", 1), ("globalised", 2))
+    )
+    for quantity, error in (
+        ("max_radius_m", merged.errors.max_radius_error_m),
+        ("drag_n", merged.errors.drag_error_n),
+        ("catch_volume_m3", merged.errors.catch_volume_error_m3),
+    ):
+        assert abs(getattr(merged.measures, quantity) - getattr(full.measures, quantity)) <= error
+    assert merged.measures.max_radius_m < 0.9999 * full.measures.max_radius_m
+    square = _dense({**options, "mesh": "square"}, 1400.0, fidelity="sector")
+    assert fidelity.choose(square).weight_share > accuracy.HEAVIEST_SQUARE
+    assert np.isnan(solve(square).cases[0].errors.drag_error_n)
+
+
 def _dense(options, density, **model):
     netting = {**options.get("netting", {}), "twine_density_kg_m3": density}
     return make_plan(24, 20, **{**options, "netting": netting}, model=model)
