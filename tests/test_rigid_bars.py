@@ -13,11 +13,11 @@ from codend.loads import GRAVITY_M_S2, problem_of
 from codend.measures import measure_all
 from codend.mechanics.drag import add_drag, add_moving_drag
 from codend.net import rotate
-from codend.solvers import dynamic_relaxation, rigid_bars
+from codend.solvers import dynamic_relaxation, rigid_bars, rigid_motion
+from codend.solvers.linear_systems import BandedSystem
 from codend.solvers.outcome import Outcome
 from codend.solvers.rigid_bars import RigidBarsSettings
-from codend.solvers.rigid_motion import simulate
-from codend.solvers.tension_system import TensionSystem
+from codend.solvers.rigid_motion import RigidMotion, simulate
 from tests.chains import hanging, pendulum, small_swings
 from tests.plans import make_plan, uniform_plan
 from validation.chains import DENSITY_KG_M3, DIAMETER_M, MASS_PER_METRE, chain
@@ -192,27 +192,29 @@ def test_a_sector_moves_as_the_full_net_does():
 
 
 def test_band_and_sparse_factors_give_the_same_tensions(monkeypatch):
-    from codend.mechanics.rigid import rigid_pattern
-    from codend.solvers import tension_system
-
     plan = make_plan(8, 6)
-    pattern = rigid_pattern(problem_of(build_net(plan), plan, plan.cases()[0]).structure)
+    net = build_net(plan)
+    problem, still = problem_of(net, plan, plan.cases()[0]), np.zeros_like(net.positions)
+    banded = RigidMotion(problem, net.positions, still)
+    monkeypatch.setattr(rigid_motion, "WIDEST_BAND", 0)
+    sparse = RigidMotion(problem, net.positions, still)
+    assert isinstance(banded.system, BandedSystem)
+    assert not isinstance(sparse.system, BandedSystem)
+    pattern = banded.pattern
     rng = np.random.default_rng(1)
     entries = rng.uniform(-1.0, 0.0, len(pattern.row))
     turned_over = np.lexsort((pattern.row, pattern.column))
     entries = 0.5 * (entries + entries[turned_over])
     entries[pattern.diagonal] = 40.0
-    right = rng.normal(size=len(pattern.diagonal))
-    banded = TensionSystem(pattern)
-    monkeypatch.setattr(tension_system, "WIDEST_BAND", 0)
-    sparse = TensionSystem(pattern)
+    right = rng.normal(size=(1, len(pattern.diagonal), 1))
     for factor in (1.0, 2.0):
-        assert banded.factorise(factor * entries)
-        assert sparse.factorise(factor * entries)
-        assert sparse.solve(right) == pytest.approx(banded.solve(right), rel=1e-10, abs=1e-14)
-        dense = np.zeros((len(right), len(right)))
+        assert banded.system.factorise(factor * entries) == 0
+        assert sparse.system.factorise(factor * entries) == 0
+        tensions = banded.system.solve(right)
+        assert sparse.system.solve(right) == pytest.approx(tensions, rel=1e-10, abs=1e-14)
+        dense = np.zeros((right.size, right.size))
         dense[pattern.row, pattern.column] = factor * entries
-        assert dense @ banded.solve(right) == pytest.approx(right, abs=1e-12)
+        assert dense @ tensions[0, :, 0] == pytest.approx(right[0, :, 0], abs=1e-12)
 
 
 def case_of(plan, **options):
