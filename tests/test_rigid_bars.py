@@ -1,6 +1,9 @@
 """Rigid bars in time: pendulums and chains in closed form, drift, falling bars, and equilibria of other methods."""
 
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -244,6 +247,36 @@ def test_the_motion_ends_at_the_equilibrium_of_dynamic_relaxation(problem, slack
     assert drags[0] == pytest.approx(drags[1], rel=1e-4)
     assert found.positions == pytest.approx(expected.positions, abs=2e-4)
     assert 0.0 < report.largest_drift < 0.01
+
+
+def test_a_solve_makes_the_steps_it_reports_and_no_others(monkeypatch):
+    made = []
+    step = RigidMotion.step
+    monkeypatch.setattr(RigidMotion, "step", lambda *arguments: made.append(1) or step(*arguments))
+    report = rigid_bars.solve(case_of(make_plan(8, 6, filled=3.0), columns=1), 1e-5).report
+    assert len(made) == report.iterations
+
+
+def test_a_solve_compiles_no_kernel_once_its_time_is_taken():
+    program = """
+from codend.build import build_net
+from codend.doctor import _kernels
+from codend.loads import problem_of
+from codend.solvers import rigid_bars
+from tests.plans import make_plan
+
+def signatures():
+    return sum(len(kernel.overloads) for kernel in _kernels())
+
+plan = make_plan(8, 6, filled=3.0)
+problem = problem_of(build_net(plan, columns=1), plan, plan.cases()[0])
+rigid_bars.compile_kernels(problem)
+compiled = signatures()
+print(rigid_bars.solve(problem, 1e-5).report.outcome.converged, signatures() - compiled)
+"""
+    root = Path(__file__).parent.parent
+    said = subprocess.run([sys.executable, "-c", program], cwd=root, capture_output=True, text=True, check=True).stdout
+    assert said.split() == ["True", "0"]
 
 
 def test_an_equilibrium_with_bars_in_compression_is_refused():
