@@ -122,7 +122,7 @@ def measure_meshes(problem: Problem, solution: Solution) -> Meshes:
         opening_deg=opening,
         bar_tension_n=tension,
         opening_force_n=opening_force(tension, opening),
-        pressure_pa=filled * _pressure_at(problem, -normal[:, 0]),
+        pressure_pa=filled * _pressure_at(problem, normal[:, 0], np.hypot(normal[:, 1], normal[:, 2])),
     )
 
 
@@ -148,7 +148,6 @@ def measure_rows(problem: Problem, solution: Solution, meshes: Meshes) -> Rows:
     twine = twine_bars(net)
     by_band = _mean_by(net.bar_band[twine], real_tensions(net, solution.bar_tension)[twine], net.bands)
     tension = 0.5 * (np.concatenate([by_band[:1], by_band]) + np.concatenate([by_band, by_band[-1:]]))
-    slope_sine = np.gradient(r) / np.hypot(np.gradient(x), np.gradient(r))
     filled = 0.5 * (np.concatenate([[0.0], solution.share]) + np.concatenate([solution.share, solution.share[-1:]]))
     return Rows(
         x_m=x,
@@ -156,7 +155,7 @@ def measure_rows(problem: Problem, solution: Solution, meshes: Meshes) -> Rows:
         opening_deg=_mean_by(net.mesh_row, meshes.opening_deg, net.bands + 1),
         bar_tension_n=tension,
         opening_force_n=_mean_by(net.mesh_row, meshes.opening_force_n, net.bands + 1),
-        pressure_pa=filled * _pressure_at(problem, slope_sine),
+        pressure_pa=filled * _pressure_at(problem, -np.gradient(r), np.abs(np.gradient(x))),
     )
 
 
@@ -231,11 +230,11 @@ def opening_rows_ahead(net: Net, share: Floats) -> Floats:
     return np.array(middles)
 
 
-def _pressure_at(problem: Problem, cosine: Floats) -> Floats:
-    """Net pressure in the catch, Pa, at given cosines of theta."""
+def _pressure_at(problem: Problem, x: Floats, across: Floats) -> Floats:
+    """Net pressure in the catch, Pa, on netting whose normals have the parts ``x`` along the flow and ``across`` it."""
     loading = problem.loading
     law = PressureLaw("", loading.angles, loading.coefficients)
-    return np.asarray(loading.stagnation_pressure * law(np.arccos(np.clip(cosine, -1.0, 1.0))))
+    return np.asarray(loading.stagnation_pressure * law(np.arctan2(across, -x)))
 
 
 def _mean_over(values: Floats, index: np.ndarray) -> Floats:

@@ -90,7 +90,7 @@ def catch_pressure(problem: Problem, position: np.ndarray, share: np.ndarray) ->
     net, loading = problem.net, problem.loading
     corners = facet_corners(net, position)
     area = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    theta = np.arccos(-area[:, 0] / norm(area))
+    theta = 0.5 * np.pi + np.arctan(area[:, 0] / norm(area[:, 1:]))
     piece = np.clip(np.searchsorted(loading.angles, theta.real, side="right") - 1, 0, len(loading.angles) - 2)
     c, t = loading.coefficients[:, piece], theta - loading.angles[piece]
     coefficient = c[0] * t**3 + c[1] * t**2 + c[2] * t + c[3]

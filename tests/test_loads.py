@@ -10,14 +10,17 @@ from hypothesis import strategies as st
 from scipy.interpolate import PPoly
 
 from catch_models.filling import enclosed_volume, fill_by_meshes, fill_to_plane, fill_to_volume
-from catch_models.pressure import sphere_law
+from catch_models.pressure import PressureLaw, sphere_law, uniform_law
 from codend.build import build_net
 from codend.loads import problem_of
+from codend.measures import measure_meshes, measure_rows
 from codend.mechanics import bars, pressure
 from codend.mechanics.arrays import structure_of
 from codend.mechanics.balance import add_loads
 from codend.net import rotate
+from codend.solvers.outcome import Outcome, Solution, SolverReport
 from tests.plans import NO_DRAG, UNIFORM, make_plan
+from validation.plain_nets import plain_net, plain_problem
 from validation.reference import nodal_loads
 
 KINDS = st.sampled_from([("diamond", 0.0), ("diamond", 6.0), ("t90", 6.0), ("square", 0.0)])
@@ -220,3 +223,53 @@ def test_a_pressure_law_and_its_slope_are_those_of_scipys_piecewise_cubic():
     expected = PPoly(law.coefficients, law.angles_rad)
     np.testing.assert_allclose(law(theta), expected(theta), rtol=1e-13, atol=1e-13)
     np.testing.assert_allclose(law.derivative(theta), expected.derivative()(theta), rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("law", [sphere_law(), uniform_law()], ids=["sphere", "uniform"])
+def test_kernels_take_pressures_and_slopes_from_a_law_as_tables_and_plots_do(law):
+    middles = 0.5 * (law.angles_rad[1:] + law.angles_rad[:-1])
+    for theta in (*law.angles_rad, *middles, *np.linspace(0.0, np.pi, 101)):
+        for area in (1e-6, 1.0, 1e3):
+            x, across = -area * np.cos(theta), area * np.sin(theta)
+            value, slope = pressure.law_and_slope(x, across, law.angles_rad, law.coefficients)
+            assert value == pytest.approx(law(theta), rel=1e-13, abs=1e-14)
+            assert slope == pytest.approx(law.derivative(theta), rel=1e-13, abs=1e-13)
+
+
+SLOPING = PressureLaw("1 + theta", np.array([0.0, np.pi]), np.array([[0.0], [0.0], [1.0], [1.0]]))
+"""Under it an angle told by its cosine, wrong by 1e-16 / angle near the axis of the flow, shows."""
+OFF_AXIS = pytest.mark.parametrize("off_axis", [1e-6, 1e-7, 1e-8])
+FACING = pytest.mark.parametrize("upstream", [True, False], ids=["upstream", "downstream"])
+
+
+@OFF_AXIS
+@FACING
+def test_the_pressure_on_a_facet_nearly_square_to_the_flow_is_exact(off_axis, upstream):
+    theta = off_axis if upstream else np.pi - off_axis
+    normal = np.array([-np.cos(theta), np.sin(theta), 0.0])
+    corners = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [np.sin(theta), np.cos(theta), 0.0]])
+    facets = np.array([[0, 1, 2]])
+    net = plain_net(corners, np.arange(3), np.zeros((3, 3)), np.zeros((0, 2)), np.zeros(0), facets=facets)
+    problem = plain_problem(net, pressure_law=SLOPING, stagnation_pressure=2.0, filled=2.0)
+    assert loads_on(problem, corners, np.ones(2)).sum(axis=0) == pytest.approx((1.0 + theta) * normal, abs=1e-12)
+
+
+@OFF_AXIS
+@FACING
+def test_the_pressure_told_of_meshes_and_rows_nearly_square_to_the_flow_is_exact(off_axis, upstream):
+    """On a cone that is nearly a disc; its last rows, which close it, are none of it."""
+    plan = make_plan(8, 6, filled=6.0)
+    net = build_net(plan)
+    problem = problem_of(net, plan, plan.cases()[0])
+    loading = problem.loading._replace(angles=SLOPING.angles_rad, coefficients=SLOPING.coefficients)
+    radius = np.where(net.node_row >= 0, 1.0 + 0.05 * net.node_row * (1 if upstream else -1), 0.0)
+    x = off_axis * np.where(upstream, radius, -radius)
+    azimuth = np.arctan2(net.positions[:, 2], net.positions[:, 1])
+    positions = np.stack([x, radius * np.cos(azimuth), radius * np.sin(azimuth)], axis=1)
+    report = SolverReport("none", Outcome.CONVERGED, 0, 0.0, 0.0, 0.0, 0.0, ())
+    solution = Solution(positions, np.ones(len(net.bars)), np.ones(net.bands), report)
+    meshes = measure_meshes(replace(problem, loading=loading), solution)
+    rows = measure_rows(replace(problem, loading=loading), solution, meshes)
+    theta = off_axis if upstream else np.pi - off_axis
+    found = np.concatenate([meshes.pressure_pa[net.mesh_row < net.bands - 1], rows.pressure_pa[1:-2]])
+    assert found / loading.stagnation_pressure == pytest.approx(1.0 + theta, abs=1e-12)

@@ -1,6 +1,9 @@
 """Rigid bars in time: pendulums and chains in closed form, drift, falling bars, and equilibria of other methods."""
 
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,11 +16,11 @@ from codend.loads import GRAVITY_M_S2, problem_of
 from codend.measures import measure_all
 from codend.mechanics.drag import add_drag, add_moving_drag
 from codend.net import rotate
-from codend.solvers import dynamic_relaxation, rigid_bars
+from codend.solvers import dynamic_relaxation, rigid_bars, rigid_motion
+from codend.solvers.linear_systems import BandedSystem
 from codend.solvers.outcome import Outcome
 from codend.solvers.rigid_bars import RigidBarsSettings
-from codend.solvers.rigid_motion import simulate
-from codend.solvers.tension_system import TensionSystem
+from codend.solvers.rigid_motion import RigidMotion, simulate
 from tests.chains import hanging, pendulum, small_swings
 from tests.plans import make_plan, uniform_plan
 from validation.chains import DENSITY_KG_M3, DIAMETER_M, MASS_PER_METRE, chain
@@ -192,27 +195,29 @@ def test_a_sector_moves_as_the_full_net_does():
 
 
 def test_band_and_sparse_factors_give_the_same_tensions(monkeypatch):
-    from codend.mechanics.rigid import rigid_pattern
-    from codend.solvers import tension_system
-
     plan = make_plan(8, 6)
-    pattern = rigid_pattern(problem_of(build_net(plan), plan, plan.cases()[0]).structure)
+    net = build_net(plan)
+    problem, still = problem_of(net, plan, plan.cases()[0]), np.zeros_like(net.positions)
+    banded = RigidMotion(problem, net.positions, still)
+    monkeypatch.setattr(rigid_motion, "WIDEST_BAND", 0)
+    sparse = RigidMotion(problem, net.positions, still)
+    assert isinstance(banded.system, BandedSystem)
+    assert not isinstance(sparse.system, BandedSystem)
+    pattern = banded.pattern
     rng = np.random.default_rng(1)
     entries = rng.uniform(-1.0, 0.0, len(pattern.row))
     turned_over = np.lexsort((pattern.row, pattern.column))
     entries = 0.5 * (entries + entries[turned_over])
     entries[pattern.diagonal] = 40.0
-    right = rng.normal(size=len(pattern.diagonal))
-    banded = TensionSystem(pattern)
-    monkeypatch.setattr(tension_system, "WIDEST_BAND", 0)
-    sparse = TensionSystem(pattern)
+    right = rng.normal(size=(1, len(pattern.diagonal), 1))
     for factor in (1.0, 2.0):
-        assert banded.factorise(factor * entries)
-        assert sparse.factorise(factor * entries)
-        assert sparse.solve(right) == pytest.approx(banded.solve(right), rel=1e-10, abs=1e-14)
-        dense = np.zeros((len(right), len(right)))
+        assert banded.system.factorise(factor * entries) == 0
+        assert sparse.system.factorise(factor * entries) == 0
+        tensions = banded.system.solve(right)
+        assert sparse.system.solve(right) == pytest.approx(tensions, rel=1e-10, abs=1e-14)
+        dense = np.zeros((right.size, right.size))
         dense[pattern.row, pattern.column] = factor * entries
-        assert dense @ banded.solve(right) == pytest.approx(right, abs=1e-12)
+        assert dense @ tensions[0, :, 0] == pytest.approx(right[0, :, 0], abs=1e-12)
 
 
 def case_of(plan, **options):
@@ -242,6 +247,36 @@ def test_the_motion_ends_at_the_equilibrium_of_dynamic_relaxation(problem, slack
     assert drags[0] == pytest.approx(drags[1], rel=1e-4)
     assert found.positions == pytest.approx(expected.positions, abs=2e-4)
     assert 0.0 < report.largest_drift < 0.01
+
+
+def test_a_solve_makes_the_steps_it_reports_and_no_others(monkeypatch):
+    made = []
+    step = RigidMotion.step
+    monkeypatch.setattr(RigidMotion, "step", lambda *arguments: made.append(1) or step(*arguments))
+    report = rigid_bars.solve(case_of(make_plan(8, 6, filled=3.0), columns=1), 1e-5).report
+    assert len(made) == report.iterations
+
+
+def test_a_solve_compiles_no_kernel_once_its_time_is_taken():
+    program = """
+from codend.build import build_net
+from codend.doctor import _kernels
+from codend.loads import problem_of
+from codend.solvers import rigid_bars
+from tests.plans import make_plan
+
+def signatures():
+    return sum(len(kernel.overloads) for kernel in _kernels())
+
+plan = make_plan(8, 6, filled=3.0)
+problem = problem_of(build_net(plan, columns=1), plan, plan.cases()[0])
+rigid_bars.compile_kernels(problem)
+compiled = signatures()
+print(rigid_bars.solve(problem, 1e-5).report.outcome.converged, signatures() - compiled)
+"""
+    root = Path(__file__).parent.parent
+    said = subprocess.run([sys.executable, "-c", program], cwd=root, capture_output=True, text=True, check=True).stdout
+    assert said.split() == ["True", "0"]
 
 
 def test_an_equilibrium_with_bars_in_compression_is_refused():

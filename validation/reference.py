@@ -67,7 +67,7 @@ def nodal_loads(problem: Problem, positions: np.ndarray, share: np.ndarray) -> n
             continue
         a, b, c = (turned(positions[n], k, net.order) for n, k in zip(corners, net.facet_image[facet], strict=True))
         area = np.cross(b - a, c - a) / 2
-        theta = np.arccos(np.clip(-area[0] / np.linalg.norm(area), -1, 1))
+        theta = np.arctan2(np.hypot(area[1], area[2]), -area[0])
         pressure = loading.stagnation_pressure * net_pressure_coefficient(problem, theta)
         for n, k in zip(corners, net.facet_image[facet], strict=True):
             force[n] += turned(filled * net.facet_weight[facet] * pressure * area / 3, -k, net.order)

@@ -29,14 +29,22 @@ def area_vector(corners: tuple[float, ...]) -> tuple[float, float, float]:
 
 
 @njit(cache=True)
-def pressure_coefficient(theta: float, angles: Floats, coefficients: Floats) -> float:
-    """Net pressure over stagnation pressure at angle theta (rad): a piecewise cubic."""
-    piece = len(angles) - 2
-    while piece > 0 and theta < angles[piece]:
-        piece -= 1
+def law_and_slope(x: float, across: float, angles: Floats, coefficients: Floats) -> tuple[float, float]:
+    """Net pressure over stagnation pressure, a piecewise cubic in theta, and its derivative, per radian.
+
+    theta is the angle between the upstream direction and an area vector with the parts ``x`` along the flow and
+    ``across`` it: from these to round-off, where near the axis a cosine would leave it uncertain by 1e-8.
+    """
+    theta = np.arctan2(across, -x)
+    piece, left = 0, len(angles) - 1
+    while left > 1:
+        half = left // 2
+        if theta >= angles[piece + half]:
+            piece += half
+        left -= half
     t = theta - angles[piece]
-    c = coefficients
-    return ((c[0, piece] * t + c[1, piece]) * t + c[2, piece]) * t + c[3, piece]
+    c3, c2, c1, c0 = coefficients[0, piece], coefficients[1, piece], coefficients[2, piece], coefficients[3, piece]
+    return ((c3 * t + c2) * t + c1) * t + c0, (3.0 * c3 * t + 2.0 * c2) * t + c1
 
 
 @njit(cache=True)
@@ -56,6 +64,7 @@ def add_pressure(position: Floats, structure: Structure, loading: Loading, share
     uniform = is_uniform(angles, coefficients)
     facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
     bands, weights = structure.facet_band, structure.facet_weight
+    third_of_stagnation = loading.stagnation_pressure / 3.0
     for facet in range(len(bands)):
         filled = share[bands[facet]]
         if filled == 0.0:
@@ -64,12 +73,8 @@ def add_pressure(position: Floats, structure: Structure, loading: Loading, share
         if uniform:
             coefficient = coefficients[3, 0]
         else:
-            area = np.sqrt(x * x + y * y + z * z)
-            if area == 0.0:
-                continue
-            theta = np.arccos(min(max(-x / area, -1.0), 1.0))
-            coefficient = pressure_coefficient(theta, angles, coefficients)
-        third = filled * weights[facet] * loading.stagnation_pressure * coefficient / 3.0
+            coefficient, _ = law_and_slope(x, np.sqrt(y * y + z * z), angles, coefficients)
+        third = filled * weights[facet] * third_of_stagnation * coefficient
         x, y, z = third * x, third * y, third * z
         for corner in range(3):
             add_turned_back(force, facets[facet, corner], x, y, z, images[facet, corner], rotations)

@@ -8,7 +8,7 @@ import numpy as np
 from codend.compiled import njit
 from codend.mechanics.arrays import LE_BRIS_1999, Loading, Structure
 from codend.mechanics.bars import bar_vector
-from codend.mechanics.pressure import area_vector, corners_of_facet, is_uniform
+from codend.mechanics.pressure import area_vector, corners_of_facet, is_uniform, law_and_slope
 from codend.mechanics.tangent import Pattern, add_bar_blocks
 from codend.net import Floats, Ints
 
@@ -74,21 +74,6 @@ def add_drag_tangent(
 
 
 @njit(cache=True, error_model="numpy")
-def _law_and_slope(theta: float, angles: Floats, coefficients: Floats) -> tuple[float, float]:
-    """Net pressure coefficient and its derivative with respect to theta."""
-    low, high = 0, len(angles) - 2
-    while low < high:
-        piece = (low + high + 1) // 2
-        if theta < angles[piece]:
-            high = piece - 1
-        else:
-            low = piece
-    t = theta - angles[low]
-    c3, c2, c1, c0 = coefficients[0, low], coefficients[1, low], coefficients[2, low], coefficients[3, low]
-    return ((c3 * t + c2) * t + c1) * t + c0, (3.0 * c3 * t + 2.0 * c2) * t + c1
-
-
-@njit(cache=True, error_model="numpy")
 def take_from_facet_blocks(
     blocks: Floats, slots: Ints, facet: int, moved: int, h: Floats, images: Ints, rotations: Floats
 ) -> None:
@@ -137,7 +122,7 @@ def add_pressure_tangent(
             area, across = np.sqrt(x * x + y * y + z * z), np.sqrt(y * y + z * z)
             if area == 0.0:
                 continue
-            coefficient, slope = _law_and_slope(np.arctan2(across, -x), angles, coefficients)
+            coefficient, slope = law_and_slope(x, across, angles, coefficients)
             if across > 0.0:
                 # (e_x - n_x n) / sin theta = (sin theta, -n_x n_y / sin theta, -n_x n_z / sin theta)
                 slope *= third / (area * area)

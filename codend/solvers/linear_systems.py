@@ -1,4 +1,4 @@
-"""Linear systems of a net's tangent: unknowns numbered once a structure, then factorised again and again.
+"""Linear systems of a net, of its tangent first of all: numbered once a structure, then factorised again and again.
 
 A sector, or any net that is narrow against its length, gives a narrow band: it is factorised by a compiled band LU.
 Wide nets go to SuperLU in its symmetric mode, whole. Neither pivots: stiff and inextensible bars enter as stiffness
@@ -20,11 +20,14 @@ from codend.solvers.pardiso_system import PardisoSystem
 from codend.solvers.sparse_system import SparseSystem
 
 WIDEST_BAND = 100
-"""Half-bandwidth beyond which SuperLU is the faster (measured)."""
+"""Half-bandwidth of a tangent beyond which SuperLU is the faster (measured)."""
 
 
 class LinearSystem(Protocol):
-    """A factorised tangent; fixed coordinates are left out of it and come back as 0."""
+    """A factorised tangent; fixed coordinates are left out of it and come back as 0.
+
+    In other matrices the shapes below may have any number of coordinates in place of the 3 of a node.
+    """
 
     name: str
     """What factorises it, for reports."""
@@ -50,28 +53,42 @@ class LinearSystem(Protocol):
 
 
 def linear_system(structure: Structure, pattern: Pattern) -> LinearSystem:
-    """The system that suits a net: banded if its numbering by reverse Cuthill-McKee is narrow, else sparse.
-
-    Sparse ones are factorised by PARDISO where it is installed, else by SuperLU.
-    """
+    """The system that suits a net's tangent."""
     unknown = _band_numbering(structure, pattern)
-    row, column = _scalar_places(pattern, unknown)
+    return fitting_system(unknown, *_scalar_places(pattern, unknown), WIDEST_BAND)
+
+
+def fitting_system(unknown: Ints, row: Ints, column: Ints, widest_band: int) -> LinearSystem:
+    """Banded up to a half-bandwidth, else sparse: factorised by PARDISO where it is installed, else by SuperLU.
+
+    Args:
+        unknown: number of the unknown of every coordinate, -1 for held ones, (n, coordinates).
+        row: of every entry of the matrix, -1 for held ones, in the shape in which ``factorise`` will get the entries.
+        column: of every entry, likewise.
+        widest_band: that half-bandwidth.
+    """
     used = (row >= 0) & (column >= 0)
     half_band = int(np.abs(row - column)[used].max(initial=0))
-    if half_band <= WIDEST_BAND:
+    if half_band <= widest_band:
         return BandedSystem(unknown, row, column, half_band)
     wide = PardisoSystem if pardiso_system.installed() else SparseSystem
     return wide(unknown, row, column)
 
 
-def _band_numbering(structure: Structure, pattern: Pattern) -> Ints:
-    """Number of the unknown of every free coordinate, -1 for held ones, (n, 3)."""
+def narrow_numbering(row: Ints, column: Ints, size: int) -> Ints:
+    """Places in which a symmetric pattern has a narrow band, by reverse Cuthill-McKee, (size,)."""
     from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+    place = np.empty(size, dtype=np.int32)
+    graph = csr_array((np.ones(len(row)), (row, column)), shape=(size, size))
+    place[reverse_cuthill_mckee(graph, symmetric_mode=True)] = np.arange(size)
+    return place
+
+
+def _band_numbering(structure: Structure, pattern: Pattern) -> Ints:
+    """Number of the unknown of every free coordinate, -1 for held ones, (n, 3)."""
     nodes = len(structure.free)
-    graph = csr_array((np.ones(len(pattern.row)), (pattern.row, pattern.column)), shape=(nodes, nodes))
-    place = np.empty(nodes, dtype=np.int64)
-    place[reverse_cuthill_mckee(graph, symmetric_mode=True)] = np.arange(nodes)
+    place = narrow_numbering(pattern.row, pattern.column, nodes)
     free = structure.free > 0.0
     key = np.where(free, 3 * place[:, None] + np.arange(3), -1)
     unknown = np.full(3 * nodes, -1, dtype=np.int32)
@@ -94,7 +111,7 @@ class Band(NamedTuple):
     place: Ints
     """Where each entry of the matrix goes in the flattened rows, -1 for held coordinates."""
     unknown: Ints
-    """Number of the unknown of every coordinate, -1 for held ones, (n, 3)."""
+    """Number of the unknown of every coordinate, -1 for held ones, (n, coordinates)."""
 
 
 class BandedSystem:
@@ -167,13 +184,14 @@ def factorise_band(entries: Floats, place: Ints, band: Floats) -> int:
 
 @njit(cache=True, error_model="numpy")
 def solve_band(band: Floats, unknown: Ints, right: Floats, solution: Floats) -> None:
-    """Solve with the factors of ``factorise_band``; right sides and solutions are (k, n, 3)."""
+    """Solve with the factors of ``factorise_band``; right sides and solutions are (k, n, coordinates)."""
     size, width = band.shape
     half = width // 2
+    nodes, coordinates = unknown.shape
     x = np.zeros(size)
     for side in range(len(right)):
-        for node in range(len(unknown)):
-            for i in range(3):
+        for node in range(nodes):
+            for i in range(coordinates):
                 if unknown[node, i] >= 0:
                     x[unknown[node, i]] = right[side, node, i]
         for i in range(size):
@@ -186,7 +204,7 @@ def solve_band(band: Floats, unknown: Ints, right: Floats, solution: Floats) -> 
             for j in range(i + 1, min(size, i + half + 1)):
                 value -= band[i, half + j - i] * x[j]
             x[i] = value / band[i, half]
-        for node in range(len(unknown)):
-            for i in range(3):
+        for node in range(nodes):
+            for i in range(coordinates):
                 if unknown[node, i] >= 0:
                     solution[side, node, i] = x[unknown[node, i]]

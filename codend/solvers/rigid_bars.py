@@ -15,12 +15,19 @@ from time import perf_counter
 
 import numpy as np
 
+from codend.mechanics import rigid
 from codend.mechanics.balance import out_of_balance
 from codend.mechanics.bars import add_bar_forces, bar_lengths, length_error
+from codend.mechanics.bending import add_bending, add_bending_bound
+from codend.mechanics.compiling import compile_kernel
+from codend.mechanics.drag import add_moving_drag
+from codend.mechanics.pressure import add_pressure, fill
+from codend.mechanics.relaxation import set_pressure_bound
 from codend.net import Floats
 from codend.problem import Problem
 from codend.solvers import shape
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE
+from codend.solvers.linear_systems import factorise_band, solve_band
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 from codend.solvers.rigid_motion import RigidMotion
 
@@ -82,9 +89,7 @@ def solve(
         settings: see ``RigidBarsSettings``.
         progress: told the residual now and then (infinite until the net has come to rest for the first time).
     """
-    _Run(problem, RigidBarsSettings(steps_allowed=1, ramp_s=0.0), 1.0, None).to_rest(
-        np.inf
-    )  # compiled before any time is taken
+    compile_kernels(problem)
     started = perf_counter()
     attempts: list[str] = []
     steps, safety = 0, settings.safety
@@ -123,7 +128,34 @@ def solve(
 
 def compile_kernels(problem: Problem) -> None:
     """Have the kernels compiled or read from the cache, so that the time of a solve is that of the solve alone."""
-    _Run(problem, RigidBarsSettings(steps_allowed=1, ramp_s=0.0), 1.0, None).to_rest(np.inf)
+    if rigid.stable_time_step.overloads:
+        return
+    structure, loading = problem.structure, problem.loading
+    # only their types count
+    integers, numbers = np.zeros(1, dtype=np.int32), np.zeros(1)
+    vectors, tensors = np.zeros((1, 3)), np.zeros((1, 3, 3))
+    pattern = rigid.RigidPattern(*[integers] * len(rigid.RigidPattern._fields))
+    compile_kernel(rigid.length_gradients, vectors, structure, vectors, numbers)
+    compile_kernel(rigid.inverse_masses, pattern, structure.free, vectors, numbers, numbers, numbers, tensors)
+    compile_kernel(rigid.tension_system, pattern, vectors, tensors, integers, numbers)
+    compile_kernel(rigid.accelerations, tensors, vectors, vectors)
+    compile_kernel(rigid.lengthening, structure, vectors, vectors, numbers)
+    compile_kernel(rigid.add_pulls, structure, vectors, numbers, vectors)
+    compile_kernel(rigid.kinetic_energy, structure, vectors, numbers, numbers, numbers, vectors)
+    compile_kernel(rigid.stable_time_step, structure, loading, vectors, numbers, numbers, numbers, numbers, vectors)
+    compile_kernel(factorise_band, numbers, integers.astype(np.int64), vectors)
+    compile_kernel(solve_band, vectors, integers[:, None], tensors, tensors)
+    compile_kernel(fill, vectors, structure, loading, numbers)
+    compile_kernel(add_bending, vectors, structure, vectors)
+    compile_kernel(add_bending_bound, vectors, structure, numbers)
+    compile_kernel(add_moving_drag, vectors, vectors, structure, loading, numbers, vectors)
+    compile_kernel(add_pressure, vectors, structure, loading, numbers, vectors)
+    compile_kernel(set_pressure_bound, vectors, structure, loading, numbers, numbers)
+    compile_kernel(add_bar_forces, vectors, structure, numbers, vectors)
+    compile_kernel(bar_lengths, vectors, structure, numbers)
+    compile_kernel(length_error, structure, numbers, numbers)
+    compile_kernel(out_of_balance, structure, vectors, vectors)
+    shape.compile_checks(vectors, structure, numbers)
 
 
 class _Run:

@@ -19,7 +19,7 @@ from codend.mechanics.pressure import add_pressure, fill
 from codend.mechanics.relaxation import set_pressure_bound
 from codend.net import Floats, Ints
 from codend.problem import Problem
-from codend.solvers.tension_system import TensionSystem
+from codend.solvers.linear_systems import fitting_system, narrow_numbering
 
 ADDED_MASS = 1.0
 """Cm of a cylinder in potential flow (BM97 2.1.2, LB99 4.1)."""
@@ -31,6 +31,8 @@ FARTHEST_OFF = 1e-6
 """Drift that a projection may leave before it counts as failed."""
 SLACK_PASSES = 8
 REFINEMENTS = 2
+WIDEST_BAND = 80
+"""Half-bandwidth of the system for the tensions beyond which SuperLU is the faster (measured)."""
 
 
 class RigidMotion:
@@ -51,7 +53,9 @@ class RigidMotion:
         if np.any(structure.flexibility > 0.0):
             raise ValueError("rigid bars do not stretch: the net must be inextensible")
         self.pattern = rigid.rigid_pattern(structure)
-        self.system = TensionSystem(self.pattern)
+        row, column = self.pattern.row, self.pattern.column
+        place = narrow_numbering(row, column, bars)
+        self.system = fitting_system(place[:, None], place[row], place[column], WIDEST_BAND)
         self.position = np.array(positions, dtype=np.float64, order="C")
         self.velocity = np.array(velocities, dtype=np.float64, order="C")
         self.density = np.zeros(bars)
@@ -152,7 +156,7 @@ class RigidMotion:
         for _ in range(REFINEMENTS):
             # what the slight give on the diagonal took
             rigid.lengthening(structure, self._gradient, self._acceleration, self._rate)
-            self.density += self.system.solve(np.where(self.taut, self._rate, 0.0))
+            self.density += self._densities(self._rate)
             self._accelerate()
         return True
 
@@ -181,7 +185,11 @@ class RigidMotion:
 
     def _factorise_again(self) -> bool:
         rigid.tension_system(self.pattern, self._gradient, self._inverse, self.taut, self._entries)
-        return self.system.factorise(self._entries)
+        return self.system.factorise(self._entries) != -1
+
+    def _densities(self, right: Floats) -> Floats:
+        """Force densities, (m,), 0 in slack bars, for a right side of the system for the tensions, (m,)."""
+        return self.system.solve(np.where(self.taut, right, 0.0)[None, :, None]).reshape(-1)
 
     def _solve_for_tensions(self, dt: float) -> bool:
         """Set force densities and accelerations of the step; infinite ``dt`` leaves velocities and lengths alone."""
@@ -192,7 +200,7 @@ class RigidMotion:
         rigid.lengthening(structure, self._gradient, self._acceleration + self.velocity / dt, self._rate)
         right = self._rate + 0.5 * (self._square - structure.length**2) / dt**2
         for _ in range(SLACK_PASSES):
-            self.density[:] = self.system.solve(np.where(self.taut, right, 0.0))
+            self.density[:] = self._densities(right)
             self._accelerate()
             if not (self.slack and np.isfinite(dt)) or not self._go_slack(dt):
                 break
@@ -231,7 +239,7 @@ class RigidMotion:
 
     def _correction(self, error: Floats) -> tuple[Floats, Floats]:
         """Force densities times dt^2, (m,), and moves, (n, 3), that undo ``error`` in half the squared lengths."""
-        extra = self.system.solve(np.where(self.taut, error, 0.0))
+        extra = self._densities(error)
         pull, move = np.zeros_like(self.force), np.empty_like(self.force)
         rigid.add_pulls(self.structure, self._gradient, extra, pull)
         rigid.accelerations(self._inverse, pull, move)

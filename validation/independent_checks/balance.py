@@ -113,7 +113,7 @@ def state(quick: bool) -> State:
     drag += loading.tangential * np.linalg.norm(along, axis=1, keepdims=True) * along
     a, b, c = np.moveaxis(facet_corners(net, positions), 1, 0)
     area = 0.5 * np.cross(b - a, c - a)
-    theta = np.arccos(np.clip(-area[:, 0] / np.linalg.norm(area, axis=1), -1.0, 1.0))
+    theta = np.arctan2(np.hypot(area[:, 1], area[:, 2]), -area[:, 0])
     law = PressureLaw("", loading.angles, loading.coefficients)
     pressure = loading.stagnation_pressure * law(theta) * net.facet_weight * solution.share[net.facet_band]
     return State(
