@@ -6,12 +6,11 @@ Everything is stated for the real netting: tensions of a globalised net are divi
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
 from catch_models.filling import enclosed_volume
 from catch_models.pressure import PressureLaw
 from codend.mechanics import bars, bending, drag, pressure
-from codend.net import Floats, Net, mesh_corners, real_tensions, twine_bars
+from codend.net import Floats, Net, mesh_corners, real_tensions, rotate, twine_bars
 from codend.problem import Problem
 from codend.solvers.outcome import Solution
 
@@ -40,6 +39,8 @@ class Measures:
     max_bar_tension_n: float
     max_strap_tension_n: float
     """nan where there is no strap."""
+    folded_share: float
+    """Share of the netting on the catch that lies in folds, facing inward; see ``folded_share``."""
 
     @classmethod
     def unknown(cls) -> "Measures":
@@ -82,23 +83,20 @@ def opening_force(bar_tension_n: Floats, opening_deg: Floats, wanted_deg: float 
     return np.asarray(along * (np.tan(np.radians(wanted_deg) / 2.0) - np.tan(half)))
 
 
-def over_straps(net: Net) -> NDArray[np.bool_]:
-    """Whether a strap lies across the widest part of a mesh, (k,); square meshes lie between two rows of knots."""
-    square = np.append(net.square_mesh, False)
-    return np.isin(net.mesh_row, net.node_row[net.bars[net.straps, 0]]) & ~square[net.mesh_row]
-
-
-def mesh_openings(corners: Floats, folded: NDArray[np.bool_] | bool = False) -> tuple[Floats, Floats]:
-    """Opening angles in degrees (k,) and outward normals (k, 3) of meshes by their ``mesh_corners``.
+def mesh_openings(net: Net, positions: Floats) -> tuple[Floats, Floats]:
+    """Opening angles in degrees (k,) and outward normals (k, 3) of the meshes of a net.
 
     The opening is 2 atan(transverse / longitudinal diagonal), both taken over the twine only, without the knots. In
-    meshes that are ``folded`` over their widest part, as by a tight strap, the longitudinal one is taken along the
-    netting: their twines are as far apart as if it lay flat.
+    meshes that are folded over their widest part by a strap, the longitudinal one is taken along the netting: their
+    twines are as far apart as if it lay flat. A square mesh has its width over its length instead: 90 degrees open.
     """
+    corners, square = mesh_corners(net, positions), net.of_square_mesh
     side = corners[:, :, 1] - corners[:, :, 0]
     fore, aft = 0.5 * (side[:, 0] - side[:, 3]), 0.5 * (side[:, 1] - side[:, 2])
-    longitudinal = fore + aft
-    transverse = 0.5 * (side[:, 0] - side[:, 1] - side[:, 2] + side[:, 3])
+    longitudinal = np.where(square[:, None], 0.5 * (side[:, 1] - side[:, 3]), fore + aft)
+    diagonal = 0.5 * (side[:, 0] - side[:, 1] - side[:, 2] + side[:, 3])
+    transverse = np.where(square[:, None], 0.5 * (side[:, 0] - side[:, 2]), diagonal)
+    folded = np.isin(net.mesh_row, net.node_row[net.bars[net.straps, 0]]) & ~square
     normal = np.cross(transverse, longitudinal)
     with np.errstate(invalid="ignore"):
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
@@ -111,32 +109,54 @@ def mesh_openings(corners: Floats, folded: NDArray[np.bool_] | bool = False) -> 
 def measure_meshes(problem: Problem, solution: Solution) -> Meshes:
     """Opening, tension, opening force and net pressure of every mesh of the model."""
     net = problem.net
-    corners = mesh_corners(net, solution.positions)
-    opening, normal = mesh_openings(corners, over_straps(net))
+    opening, normal = mesh_openings(net, solution.positions)
     tension = _mean_over(solution.bar_tension, net.mesh_bars) / net.globalisation
     behind = np.minimum(net.mesh_row, net.bands - 1)
-    ahead = np.where(net.square_mesh[behind], behind, np.maximum(behind - 1, 0))
+    ahead = np.where(net.of_square_mesh, behind, np.maximum(behind - 1, 0))
     filled = 0.5 * (solution.share[ahead] + solution.share[behind])
     return Meshes(
-        centre_m=corners.mean(axis=(1, 2)),
+        centre_m=mesh_corners(net, solution.positions).mean(axis=(1, 2)),
         opening_deg=opening,
         bar_tension_n=tension,
-        opening_force_n=opening_force(tension, opening),
+        opening_force_n=np.where(net.of_square_mesh, np.nan, opening_force(tension, opening)),
         pressure_pa=filled * _pressure_at(problem, normal[:, 0], np.hypot(normal[:, 1], normal[:, 2])),
     )
 
 
-def ring_radii(net: Net, positions: Floats) -> Floats:
-    """Distances of the knots that belong to rings from the middle of their ring, m, in the order of their numbers.
+def ring_middles(net: Net, positions: Floats) -> Floats:
+    """Sideways positions of the middles of the rings of knots, (rows + 1, 2), m.
 
     The rings of a sector have their middles on the axis; those of a full net, which may sag, where their knots have.
     """
+    if net.order > 1:
+        return np.zeros((net.bands + 1, 2))
     ring = np.flatnonzero(net.node_row >= 0)
-    row, across = net.node_row[ring], positions[ring, 1:]
-    if net.order == 1:
-        middle = [_mean_by(row, across[:, i], net.bands + 1) for i in (0, 1)]
-        across = across - np.stack(middle, axis=1)[row]
+    return np.stack([_mean_by(net.node_row[ring], positions[ring, i], net.bands + 1) for i in (1, 2)], axis=1)
+
+
+def ring_radii(net: Net, positions: Floats) -> Floats:
+    """Distances of the knots that belong to rings from the middle of their ring, m, in the order of their numbers."""
+    ring = np.flatnonzero(net.node_row >= 0)
+    across = positions[ring, 1:] - ring_middles(net, positions)[net.node_row[ring]]
     return np.hypot(across[:, 0], across[:, 1])
+
+
+def folded_share(net: Net, positions: Floats, rows: Rows, share: Floats) -> float:
+    """Share of the area of the facets on the catch that face inward, seen from the mean meridian of their band.
+
+    Netting to spare can lie in folds, as twine gathered at a codline does. The pressure on the layers of a fold is
+    right in sum, for one of three faces inward, but not layer by layer.
+    """
+    on_catch = np.flatnonzero(share[net.facet_band] > 0.0)
+    band = net.facet_band[on_catch]
+    corners = rotate(positions[net.facets[on_catch]], net.facet_image[on_catch], net.order)
+    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    middle = ring_middles(net, positions)
+    outward = corners[:, :, 1:].mean(axis=1) - 0.5 * (middle[band] + middle[band + 1])
+    along, across = np.diff(rows.x_m)[band], np.diff(rows.radius_m)[band]
+    facing = along * (outward * area[:, 1:]).sum(axis=1) - across * np.linalg.norm(outward, axis=1) * area[:, 0]
+    size = share[band] * net.facet_weight[on_catch] * np.linalg.norm(area, axis=1)
+    return float(size[facing < 0.0].sum() / size.sum())
 
 
 def measure_rows(problem: Problem, solution: Solution, meshes: Meshes) -> Rows:
@@ -208,6 +228,7 @@ def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
         opening_force_ahead_n=float(np.mean(forces)) if len(ahead) else float("nan"),
         max_bar_tension_n=float(np.delete(tension, straps).max()),
         max_strap_tension_n=float(tension[straps].max()) if len(straps) else float("nan"),
+        folded_share=folded_share(net, position, rows, share),
     )
 
 

@@ -101,6 +101,11 @@ class Net:
         return self.band_meshes == self.globalisation
 
     @property
+    def of_square_mesh(self) -> NDArray[np.bool_]:
+        """Whether a mesh is square, (k,)."""
+        return np.append(self.square_mesh, False)[self.mesh_row]
+
+    @property
     def mesh_place(self) -> Floats:
         """Middle of the meshes that a row counts, in meshes from the entry, (bands + 1,)."""
         behind = np.append(0.5 * self.band_meshes * self.square_mesh, 0.0)

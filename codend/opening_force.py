@@ -18,8 +18,8 @@ from codend.accuracy import SAFETY
 from codend.build import build_net
 from codend.errors import OPTIONS, InputError
 from codend.loads import problem_of
-from codend.measures import WANTED_OPENING_DEG, measure_meshes, mesh_openings, opening_force, over_straps
-from codend.net import Floats, Ints, Net, mesh_corners, with_bars
+from codend.measures import WANTED_OPENING_DEG, measure_meshes, mesh_openings, opening_force
+from codend.net import Floats, Ints, Net, with_bars
 from codend.plan import Case, Plan
 from codend.solvers import interior_point, newton
 from codend.solvers.outcome import Progress, Solution
@@ -67,14 +67,20 @@ class Pull:
 
 
 def check_place(plan: Plan, meshes_from_entry: float | None) -> None:
-    """Refuse a place that is none of the codend.
+    """Refuse a place that is none of the codend, or in square mesh, which no pull across opens.
 
     Raises:
-        InputError: it is not between entry and codline.
+        InputError: it is not between entry and codline, or in square mesh; or there is nothing but square mesh.
     """
-    meshes_long = sum(section.meshes_long for section in plan.netting)
-    if meshes_from_entry is not None and not 0.0 < meshes_from_entry < meshes_long:
-        raise InputError(OPTIONS, "--at", meshes_from_entry, f"above 0 and below {meshes_long:g}, the meshes long")
+    if all(section.mesh == "square" for section in plan.netting):
+        raise InputError(plan.source, "netting.mesh", "square", "diamond or T90 netting somewhere: square mesh is open")
+    if meshes_from_entry is None:
+        return
+    ends = np.cumsum([section.meshes_long for section in plan.netting])
+    if not 0.0 < meshes_from_entry < ends[-1]:
+        raise InputError(OPTIONS, "--at", meshes_from_entry, f"above 0 and below {ends[-1]:g}, the meshes long")
+    if plan.netting[int(np.searchsorted(ends, meshes_from_entry))].mesh == "square":
+        raise InputError(OPTIONS, "--at", meshes_from_entry, "a place in diamond or T90 netting: square mesh is open")
 
 
 def pull_mesh(
@@ -117,11 +123,11 @@ def pull_mesh(
     place = net.mesh_place[net.mesh_row]
     ahead = place <= float((1.0 - solution.share) @ net.band_meshes)
     if meshes_from_entry is not None:
-        fits = -np.abs(place - meshes_from_entry)
-    elif ahead.any():
-        fits = np.where(ahead, alone, -np.inf)
+        fits = np.where(net.of_square_mesh, -np.inf, -np.abs(place - meshes_from_entry))
+    elif np.any(ahead & ~net.of_square_mesh):
+        fits = np.where(ahead & ~net.of_square_mesh, alone, -np.inf)
     else:
-        return replace(pull, attempts=(*attempts, "no mesh lies ahead of the catch: say which is to be pulled"))
+        return replace(pull, attempts=(*attempts, "no mesh to pull lies ahead of the catch: say which is to be pulled"))
     mesh = int(np.argmax(fits))
     row = int(net.mesh_row[mesh])
     pull = replace(
@@ -201,7 +207,7 @@ def _pulled(plan: Plan, columns: int, row: int, start: Solution, pull: Pull, pro
             goal = 0.5 * (goal + pulled_by[-1][0])
             continue
         solution = trial
-        reached = float(mesh_openings(mesh_corners(hooked, trial.positions), over_straps(hooked))[0][mesh])
+        reached = float(mesh_openings(hooked, trial.positions)[0][mesh])
         force = 0.5 * float(trial.bar_tension[-hooks:].sum())
         last_goal, last_opening, last_force = pulled_by[-1]
         pulled_by.append((goal, reached, force))

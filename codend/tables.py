@@ -38,6 +38,7 @@ RESULT_COLUMNS = [
     "opening_ahead_error_deg",
     "drag_change_with_suction",
     "negative_pivots",
+    "folded_share",
 ]
 
 STRAP_COLUMNS = ["max_strap_tension_n"]

@@ -196,7 +196,7 @@ def test_the_model_and_what_it_costs_are_told_before_anything_is_solved(plan, mo
     )
     monkeypatch.setattr(codend.study, "solve", lambda *_: signal.raise_signal(signal.SIGINT))
     result = codend_cli("run", plan, "--out", plan.parent / "out", "--set", laced)
-    assert "the full net, for its mesh counts 97 and 89 have no common divisor, is exact." in result.stdout
+    assert "the full net (its mesh counts 97 and 89 have no common divisor) is exact." in result.stdout
     assert "Its 3721 knots take seconds to minutes a case; meshes round with a larger common" in result.stdout
 
 

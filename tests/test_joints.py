@@ -264,16 +264,3 @@ def test_a_path_from_half_a_bag_leads_to_the_small_catch_that_no_crude_bag_led_t
 
 def failed(solution: Solution) -> Solution:
     return replace(solution, report=replace(solution.report, outcome=Outcome.NOT_IMPROVING))
-
-
-def test_netting_that_balances_only_in_folds_on_the_catch_is_no_answer():
-    """Square mesh a third more meshes round than the diamond it is laced to, and wider than that lets it lie."""
-    plan = joined_plan(
-        ("diamond", 60, 30, 42.0, {"knot_mm": 8.0, "twine_mm": 4.0}),
-        ("square", 80, 40, 50.0, {"twine_mm": 4.0}),
-        entry=0.45,
-        catch={"filled_meshes": 10.0},
-    )
-    (result,) = solve(plan).cases
-    assert not result.converged
-    assert any(Outcome.FOLDED.value in attempt for attempt in result.report.attempts)

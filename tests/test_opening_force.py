@@ -15,11 +15,10 @@ from codend.equilibrium import START
 from codend.errors import InputError
 from codend.loads import problem_of
 from codend.measures import mesh_openings
-from codend.net import mesh_corners
 from codend.opening_force import pull_mesh
 from codend.solvers import dynamic_relaxation, interior_point, newton
 from codend.solvers.outcome import Outcome, Solution
-from tests.plans import make_plan
+from tests.plans import joined_plan, make_plan
 from tests.test_cli import TINY_PLAN
 from validation.plain_nets import plain_net, plain_problem
 
@@ -61,6 +60,15 @@ def test_the_interior_point_finds_the_equilibrium_that_newton_finds_where_no_bar
     np.testing.assert_allclose(found.bar_tension, expected.bar_tension, atol=1e-4 * expected.bar_tension.max())
 
 
+def test_square_mesh_is_not_pulled_open():
+    square, behind = ("square", 12, 8, 40.0, {}), ("diamond", 12, 8, 40.0, {})
+    plan = joined_plan(square, behind, entry=0.06)
+    with pytest.raises(InputError, match="a place in diamond or T90 netting"):
+        pull_mesh(plan, plan.cases()[0], 4.0)
+    with pytest.raises(InputError, match="diamond or T90 netting somewhere"):
+        pull_mesh(joined_plan(square, entry=0.06), plan.cases()[0])
+
+
 def test_a_pulled_net_with_slack_bars_is_the_one_that_relaxation_finds():
     problem, start, mesh = hooked_problem(make_plan(12, 12, filled=4.0, netting={"axial_stiffness_n": 3000.0}), 8e-3)
     found = interior_point.solve(problem, 1e-9, start, prepared=newton.prepare(problem.structure))
@@ -68,7 +76,7 @@ def test_a_pulled_net_with_slack_bars_is_the_one_that_relaxation_finds():
     assert found.report.outcome is relaxed.report.outcome is Outcome.CONVERGED
     assert np.any(found.bar_tension == 0.0)
     assert found.bar_tension[-2:] == pytest.approx(relaxed.bar_tension[-2:], rel=1e-5)
-    openings = [mesh_openings(mesh_corners(problem.net, s.positions)[[mesh]])[0][0] for s in (found, relaxed)]
+    openings = [mesh_openings(problem.net, s.positions)[0][mesh] for s in (found, relaxed)]
     assert openings[0] == pytest.approx(openings[1], abs=1e-4)
     assert found.bar_tension[-1] == pytest.approx(found.bar_tension[-2], rel=1e-6), "the mesh is pulled evenly"
 

@@ -30,6 +30,8 @@ class Plot:
     name: str
     draw: Callable[[Study], "Figure"]
     caption: Callable[[Study], str]
+    fits: Callable[[Study], bool] = lambda _: True
+    """Whether there is anything to draw."""
 
 
 def shown_case(study: Study) -> CaseResult:
@@ -55,15 +57,16 @@ PLOTS = (
     Plot(
         "opening",
         opening_plot,
-        lambda _: "Opening angle of the meshes along the codend: 0° is a closed mesh, 90° a square one.",
+        lambda _: "Opening angle of the meshes along the codend: 0° is a closed mesh, 90° one as wide as it is long.",
     ),
     Plot(
         "opening_force",
         opening_force_plot,
         lambda _: (
             "Opening force of the meshes ahead of the catch, each taken as isolated: the extra pull across its "
-            "short diagonal that opens it to 30°. Below zero it is wider open already."
+            "short diagonal that opens it to 30°. Below zero it is wider open already. Square mesh has none."
         ),
+        lambda study: any(section.mesh != "square" for section in study.plan.netting),
     ),
     Plot(
         "tension",
@@ -129,7 +132,8 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
         if not study.meshes.empty:
             writers[folder / "meshes.csv"] = partial(write_table, study.meshes)
         if solved(study):
-            writers |= {folder / "plots" / f"{plot.name}.png": partial(write_plot, plot) for plot in PLOTS}
+            drawn = [plot for plot in PLOTS if plot.fits(study)]
+            writers |= {folder / "plots" / f"{plot.name}.png": partial(write_plot, plot) for plot in drawn}
         writers |= dict(reversed(nets.items()))  # the other thread comes from the first
         writers[folder / "report.html"] = write_page
         for done, (path, write) in enumerate(writers.items()):

@@ -100,6 +100,7 @@ def solving_table(study: Study) -> PageTable:
         [_small(difference) for difference in reaction - drag],
         [_small(report.length_error) for report in reports],
         [_STABLE[result.negative_pivots == 0] if result.negative_pivots is not None else "" for result in study.cases],
+        column_text(100.0 * study.table["folded_share"].to_numpy(dtype=float), digits=3),
     ]
     heads = (
         Head("Case"),
@@ -112,12 +113,15 @@ def solving_table(study: Study) -> PageTable:
         Head("Pull less drag", "N"),
         Head("Length error"),
         Head("Stable", words=True),
+        Head("In folds", "%"),
     )
     remark = (
         "Residual: largest force out of balance on a free node, over the resultant of the loads. Pull at the entry: "
         "the axial reaction, which must equal the drag. Length error: largest departure of a bar from the law of its "
         "twine, over its length. Stable: yes where all pivots of the tangent are "
-        "positive at the equilibrium; loads that follow the net can turn one of a stable net."
+        "positive at the equilibrium; loads that follow the net can turn one of a stable net. Of a sector it tells "
+        "nothing of disturbances that differ from sector to sector. In folds: netting on the catch that faces inward, "
+        "where the pressure is right in sum over the layers of a fold only."
     )
     return PageTable(heads, _rows(study, cells), (remark,))
 

@@ -158,5 +158,7 @@ def _holes(sections: list[Netting], meshes: pd.DataFrame, radius_m: Floats) -> H
     between = 2.0 * 0.5 * (radius_m[row] + radius_m[np.minimum(row + 1, len(radius_m) - 1)]) * np.sin(np.pi / around)
     kind = np.array([KINDS.index(s.mesh) for s in section], dtype=np.int64)
     across = np.where(kind == SQUARE, np.clip(between - width, 0.0, bar), bar)
-    load = 2.0 * meshes["bar_tension_n"].to_numpy(dtype=float) * np.cos(half)
+    # half of a square mesh's bars run along the netting, and bear nearly all there is
+    along = np.where(kind == SQUARE, 1.0, np.cos(half))
+    load = 2.0 * meshes["bar_tension_n"].to_numpy(dtype=float) * along
     return Holes(kind, bar, np.array([s.knot_m for s in section]), half, across, load)

@@ -12,10 +12,10 @@ import numpy as np
 from codend.mechanics import relaxation
 from codend.mechanics.balance import add_loads
 from codend.mechanics.bars import augmented_law, bar_lengths, length_error
+from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.relaxation import Workspace
 from codend.net import Floats
 from codend.problem import Problem
-from codend.solvers import shape
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
 METHOD = "dynamic-relaxation"
@@ -61,9 +61,9 @@ def solve(
 ) -> Solution:
     """Equilibrium of a net, from the positions it was built with or from a solution of the same net nearby.
 
-    A net that balloons, loses its footing, passes through itself or folds is restarted from the same shape with a
-    penalty four times as stiff, one that makes no headway with masses twice as large; every attempt is in the report. A
-    solve that fails returns nan positions and tensions.
+    A net that balloons, loses its footing or passes through itself is restarted from the same shape with a penalty four
+    times as stiff, one that makes no headway with masses twice as large; every attempt is in the report. A solve that
+    fails returns nan positions and tensions.
     """
     compile_kernels(problem)
     started = perf_counter()
@@ -74,8 +74,8 @@ def solve(
         work = relaxation.workspace(problem.structure, problem.net.positions if start is None else start.positions)
         run = _Run(problem, work, settings, penalty, mass_factor, settings.steps_allowed - steps, progress)
         outcome = run.to_equilibrium(tolerance, start)
-        if outcome.converged:
-            outcome = shape.outcome_of(work.position, problem.structure, work.share)
+        if outcome.converged and passed_through_itself(work.position, problem.structure):
+            outcome = Outcome.PASSED_THROUGH
         steps += run.steps
         damping = "viscous" if settings.viscous else "kinetic"
         attempts.append(
@@ -84,7 +84,7 @@ def solve(
         )
         if outcome in (Outcome.CONVERGED, Outcome.OVERFULL) or steps >= settings.steps_allowed:
             break
-        if outcome in (Outcome.OVERSTRETCHED, Outcome.NOT_FINITE, Outcome.PASSED_THROUGH, Outcome.FOLDED):
+        if outcome in (Outcome.OVERSTRETCHED, Outcome.NOT_FINITE, Outcome.PASSED_THROUGH):
             penalty *= 4.0
         mass_factor *= 2.0
     report = SolverReport(
@@ -108,7 +108,6 @@ def compile_kernels(problem: Problem) -> None:
     """Have the kernels compiled or read from the cache, so that the time of a solve is that of the solve alone."""
     work = relaxation.workspace(problem.structure, problem.net.positions)
     relaxation.relax(work, problem.structure, problem.loading, 1.0, 1.0, False, 0)
-    shape.compile_checks(work.position, problem.structure, work.share)
 
 
 def rough_shape(

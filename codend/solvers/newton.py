@@ -16,11 +16,11 @@ from codend.mechanics.arrays import Structure
 from codend.mechanics.bars import bar_lengths
 from codend.mechanics.broyden import correct, keep
 from codend.mechanics.compiling import compile_kernel
+from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.newton_state import State, empty_state, measure
 from codend.mechanics.newton_step import Step
 from codend.mechanics.tangent import Pattern, pattern_of
 from codend.problem import Problem
-from codend.solvers import shape
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension, rough_shape
 from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
 from codend.solvers.newton_advance import FAILED, IN_FIRST, IN_SECOND, Limits, advance, advance_banded, within
@@ -176,7 +176,7 @@ def _seconds_to_compile(problem: Problem, prepared: Prepared, settings: NewtonSe
     structure, loading, state, step = run.structure, run.loading, run.state, prepared.step
     solved = step.solved[:1]
     compile_kernel(measure, structure, loading, 1.0, 1.0, 0.0, state)
-    shape.compile_checks(state.position, structure, state.share)
+    compile_kernel(passed_through_itself, state.position, structure)
     if isinstance(system, BandedSystem):
         compile_kernel(advance_banded, system.arrays, *run.arguments(0.0, 0.0))
     else:
@@ -240,7 +240,8 @@ class _Run:
                     return Outcome.OVERFULL
                 if self.state.density.min(initial=0.0) < 0.0:
                     return Outcome.COMPRESSED
-                return shape.outcome_of(self.state.position, self.structure, self.state.share)
+                through = passed_through_itself(self.state.position, self.structure)
+                return Outcome.PASSED_THROUGH if through else Outcome.CONVERGED
             if self.iterations >= last:
                 return Outcome.STEPS_SPENT
             self.iterations += 1

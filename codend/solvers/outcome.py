@@ -21,7 +21,6 @@ class Outcome(Enum):
     SINGULAR = "The tangent could not be factorised: the net is a mechanism at this shape."
     NOT_IMPROVING = "No step lowered the residual further: start nearer to the equilibrium."
     PASSED_THROUGH = "The net has passed through itself at its axis, which twine cannot: start from another shape."
-    FOLDED = "Netting on the catch lies in folds, which the catch's pressure does not allow: start from another shape."
     COMPRESSED = "The only solution found has bars in compression, which twine cannot carry: it was refused."
     NO_MERIDIAN = "Newton's method found no meridian from any start: model a sector, or start from a larger catch."
     SLOPE_REVERSED = "The meridian found runs back upstream, which is no equilibrium of a towed bag: it was refused."

@@ -20,12 +20,12 @@ from codend.mechanics.balance import out_of_balance
 from codend.mechanics.bars import add_bar_forces, bar_lengths, length_error
 from codend.mechanics.bending import add_bending, add_bending_bound
 from codend.mechanics.compiling import compile_kernel
+from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.drag import add_moving_drag
 from codend.mechanics.pressure import add_pressure, fill
 from codend.mechanics.relaxation import set_pressure_bound
 from codend.net import Floats
 from codend.problem import Problem
-from codend.solvers import shape
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE
 from codend.solvers.linear_systems import factorise_band, solve_band
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
@@ -155,7 +155,7 @@ def compile_kernels(problem: Problem) -> None:
     compile_kernel(bar_lengths, vectors, structure, numbers)
     compile_kernel(length_error, structure, numbers, numbers)
     compile_kernel(out_of_balance, structure, vectors, vectors)
-    shape.compile_checks(vectors, structure, numbers)
+    compile_kernel(passed_through_itself, vectors, structure)
 
 
 class _Run:
@@ -229,8 +229,8 @@ class _Run:
             self.tension = carried * length
             if max(self.residual, self.imbalance) > tolerance:
                 outcome = Outcome.COMPRESSED
-            elif not (possible := shape.outcome_of(motion.position, structure, motion.share)).converged:
-                outcome = possible
+            elif passed_through_itself(motion.position, structure):
+                outcome = Outcome.PASSED_THROUGH
             elif self.length_error <= LENGTH_TOLERANCE:
                 outcome = Outcome.CONVERGED if motion.fits else Outcome.OVERFULL
         if outcome is None:
