@@ -69,10 +69,10 @@ def test_tables_as_spreadsheets_save_them_are_read(write):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("drag_n", "drag_kn", ["drag_kn", "line 2", "no known column", "front_from_codline_m"]),
+        ("drag_n", "drag_kn", ["drag_kn", "no known column", "front_from_codline_m"]),
         ("speed_m_s,", "", ["line 3", "3 cells", "2 cells"]),
         ("speed_m_s", "drag_n", ["drag_n", "line 2", "twice"]),
-        ("speed_m_s", "", ["(empty)", "line 2"]),
+        ("speed_m_s", "", ["(empty)", "no known column"]),
         (",", ";", ["filled_meshes;speed_m_s;drag_n", "no known column"]),
         ("120", "12O", ["drag_n", '"12O"', "line 3", "number"]),
         ("120", "-1", ["drag_n", '"-1"', "line 3", "0 or more"]),
