@@ -192,19 +192,20 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
     Differences are computed minus tabled. Writes comparison.csv (every value), comparison_summary.csv and
     comparison.png into DIR.
     """
-    from codend.comparison import Hoop, read_flume_table, read_results
+    from codend.comparison import Hoop, read_flume_table
     from codend.comparison import compare as compare_with
     from codend.plan import load_plan
     from codend.report.comparison_plot import FILES, comparison_figure
     from codend.report.files import whole_file, write_table
     from codend.report.style import png
+    from codend.run_tables import read_run_table
 
     results = folder / "results.csv"
     hoop = None
     if hoop_rod_mm is not None:
         plan = load_plan(folder / "plan.toml")
         hoop = Hoop(plan.entry.radius_m, hoop_rod_mm / 1000.0, plan.tow.water_density_kg_m3)
-    comparison = compare_with(read_results(results), read_flume_table(table), results, hoop)
+    comparison = compare_with(read_run_table(results), read_flume_table(table), results, hoop)
     check_writable(folder, FILES)
     with written_into(folder):
         points, summary, picture = (folder / name for name in FILES)

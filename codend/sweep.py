@@ -16,6 +16,7 @@ from codend.overrides import parsed_override
 from codend.plan import Plan, load_plan
 from codend.report.files import whole_file, write_table
 from codend.report.plan_copy import plan_toml, toml_value
+from codend.run_tables import read_run_table
 from codend.study import solve
 
 SweepProgress = Callable[[int, int, str], None]
@@ -104,7 +105,7 @@ def solve_runs(
             progress(done, len(runs), run.label)
     tables = []
     for run in runs:
-        table = pd.read_csv(_folder_of(run, folder) / "results.csv")
+        table = read_run_table(_folder_of(run, folder) / "results.csv")
         for place, (key, value) in enumerate({"run": run.number, **run.values}.items()):
             table.insert(place, key, toml_value(value) if isinstance(value, list) else value)
         tables.append(table)

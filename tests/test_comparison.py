@@ -5,9 +5,10 @@ import pandas as pd
 import pytest
 
 import codend
-from codend.comparison import Hoop, compare, read_flume_table, read_results
+from codend.comparison import Hoop, compare, read_flume_table
 from codend.errors import InputError
 from codend.report.comparison_plot import comparison_figure
+from codend.run_tables import read_run_table
 from validation.make_flume_table import TABLE, table_text
 
 # Everything linear in the catch, so that interpolated values are known exactly. Made up for the tests.
@@ -69,10 +70,10 @@ def test_tables_as_spreadsheets_save_them_are_read(write):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("drag_n", "drag_kn", ["drag_kn", "line 2", "no known column", "front_from_codline_m"]),
+        ("drag_n", "drag_kn", ["drag_kn", "no known column", "front_from_codline_m"]),
         ("speed_m_s,", "", ["line 3", "3 cells", "2 cells"]),
         ("speed_m_s", "drag_n", ["drag_n", "line 2", "twice"]),
-        ("speed_m_s", "", ["(empty)", "line 2"]),
+        ("speed_m_s", "", ["(empty)", "no known column"]),
         (",", ";", ["filled_meshes;speed_m_s;drag_n", "no known column"]),
         ("120", "12O", ["drag_n", '"12O"', "line 3", "number"]),
         ("120", "-1", ["drag_n", '"-1"', "line 3", "0 or more"]),
@@ -131,14 +132,14 @@ def test_results_that_cannot_be_used_are_refused(write, change, word):
 def test_results_that_cannot_be_read_are_refused(tmp_path, make):
     make(tmp_path / "results.csv")
     with pytest.raises(InputError, match="cannot be read"):
-        read_results(tmp_path / "results.csv")
+        read_run_table(tmp_path / "results.csv")
 
 
 def test_cases_that_did_not_converge_are_never_compared_with(tmp_path, write):
     drag = RESULTS["drag_n"].where(RESULTS["case"] != 2, 1e6)
     RESULTS.assign(drag_n=drag, converged=RESULTS["case"] != 2).to_csv(tmp_path / "results.csv", index=False)
     table = read_flume_table(write("speed_m_s,filled_meshes,drag_n\n1.0,20,140\n"))
-    comparison = compare(read_results(tmp_path / "results.csv"), table)
+    comparison = compare(read_run_table(tmp_path / "results.csv"), table)
     assert comparison.points["computed"].item() == pytest.approx(140.0)
 
 

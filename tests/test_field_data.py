@@ -1,5 +1,6 @@
 """Reading of counted fish: what is accepted, and what is refused with which column."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -61,13 +62,41 @@ def test_a_bad_table_is_refused_with_the_name_of_the_column(
 
 
 def test_files_that_are_missing_empty_or_no_table_are_refused(tmp_path: Path) -> None:
-    empty, header_only, ragged = (tmp_path / name for name in ("empty.csv", "header.csv", "ragged.csv"))
+    empty, header_only = tmp_path / "empty.csv", tmp_path / "header.csv"
     empty.write_text("")
     header_only.write_text("haul,length_cm,codend,cover\n")
-    ragged.write_text("haul,length_cm,codend,cover\n1,2,3,4\n1,2,3,4,5,6\n")
-    for path in (tmp_path / "absent.csv", empty, header_only, ragged, tmp_path):
+    for path in (tmp_path / "absent.csv", empty, header_only, tmp_path):
         with pytest.raises(InputError, match=path.name):
             read_field_data(path, "covered")
+
+
+@pytest.mark.parametrize(
+    ("header", "rows", "words"),
+    [
+        ("haul,length_cm,codend,codend,cover", "1,20,3,4,5", "codend in line 2 is given twice"),
+        ("haul,length_cm,codend,cover", "1,20,3,4,5\n1,21,3,4,5", "line 3 has 5 cells; allowed: 4 cells"),
+        ("haul,length_cm,codend,cover", "1,20,3,4\n\n1,21,3,4,5,6", "line 5 has 6 cells; allowed: 4 cells"),
+        ("haul,length_cm,codend,cover", "1,20,3,4\n1,21,3", "line 4 has 3 cells; allowed: 4 cells"),
+        ("haul,length_cm,codend,cover", "1,20,3,4\n1,21,,4", 'codend = "(empty)" in line 4'),
+        ("haul,length_cm,codend,cover", "1,20,3,4\n,21,3,4", 'haul = "(empty)" in line 4'),
+        ("haul,length_cm,codend,cover", '1,"20,3,4\n1,21,3,4', "line 3 has 2 cells"),
+        ("haul,length_cm,codend,cover", f"1,20,3,{'4' * 200_000}", "line 3 cannot be read"),
+    ],
+)
+def test_columns_that_are_doubled_shifted_or_cut_are_refused_with_the_line(
+    header: str, rows: str, words: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "trial.csv"
+    path.write_text(f"# a trial\n{header}\n{rows}\n", encoding="utf-8")
+    with pytest.raises(InputError, match=re.escape(words)) as error:
+        read_field_data(path, "covered")
+    assert str(error.value).startswith(f"{path}: ")
+
+
+def test_names_of_hauls_are_taken_as_they_stand(tmp_path: Path) -> None:
+    path = tmp_path / "trial.csv"
+    path.write_text('haul,length_cm,codend,cover\n"Sole, 1#2" ,20,3,4\nNA,20,3,4\n007,20,3,4\n', encoding="utf-8")
+    assert read_field_data(path, "covered").haul_names == ("Sole, 1#2", "NA", "007")
 
 
 @pytest.mark.parametrize(

@@ -26,6 +26,7 @@ def test_every_number_of_the_example_is_marked_as_assumed():
         ('shape = "ellipse"', 'shape = "superellipse"', "section.exponent"),
         ('shape = "ellipse"', 'shape = "circle"', "shape"),
         ("to_cm = 60.0", "to_cm = 5.0", "lengths.to_cm"),
+        ("step_cm = 1.0", "step_cm = 1e-6", "lengths.step_cm"),
         ("[behaviour]", "[behaviour", ""),
         ("[section] ", '[section]\nexponent = { value = 3.0, source = "x" }', "section.exponent"),
     ],
@@ -39,6 +40,15 @@ def test_a_broken_species_file_is_refused_by_its_key(tmp_path, old, new, key):
     assert error.value.key == key
     assert str(path) in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_there_are_at_most_ten_thousand_length_classes(tmp_path):
+    path = tmp_path / "species.toml"  # from 5 to 60 cm
+    path.write_text(EXAMPLE.replace("step_cm = 1.0", "step_cm = 0.00551"), encoding="utf-8")
+    assert len(load_species(path).length_cm) == 9982
+    path.write_text(EXAMPLE.replace("step_cm = 1.0", "step_cm = 0.0055"), encoding="utf-8")
+    with pytest.raises(InputError, match=r"lengths\.step_cm = 0\.0055 .* at most 10000 length classes"):
+        load_species(path)
 
 
 def test_a_missing_species_file_is_an_input_error(tmp_path):

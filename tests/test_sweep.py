@@ -91,6 +91,15 @@ def test_an_interrupted_shorter_sweep_removes_nothing_yet(plan, tmp_path, monkey
     assert (tmp_path / "runs" / "002" / "results.csv").is_file()
 
 
+def test_a_run_whose_results_were_cut_short_is_refused(plan, tmp_path):
+    runs = runs_of(plan, VARY[:1])
+    solve_runs(runs, tmp_path)
+    results = tmp_path / "runs" / "002" / "results.csv"
+    results.write_text(results.read_text(encoding="utf-8")[:-20], encoding="utf-8")
+    with pytest.raises(InputError, match=re.escape(f"{results}: line 3 has ")):
+        solve_runs(runs, tmp_path)
+
+
 def test_the_plan_beside_a_run_is_the_one_that_was_solved(plan, tmp_path):
     runs = runs_of(plan, VARY[:1])
     solve_runs(runs, tmp_path)

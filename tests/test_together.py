@@ -4,11 +4,16 @@ import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
+from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection, PolyCollection
+from matplotlib.container import ErrorbarContainer
+from matplotlib.lines import Line2D
 
 from catch_models.fish import Species
 from codend.cli import main
 from codend.errors import InputError
 from codend.report.selectivity_page import write_selectivity
+from codend.report.together_plot import together_plot
 from codend.selectivity.calibrate import Calibration, calibrate
 from codend.selectivity.catches import Catch
 from codend.selectivity.fielddata import read_field_data
@@ -300,6 +305,47 @@ def test_what_is_written_goes_again_when_no_trial_is_given(together, tmp_path):
     again = write_selectivity(predictions, tmp_path)
     assert not names & {path.name for path in again}
     assert not any((tmp_path / name).exists() for name in names)
+
+
+def drawn(axes: Axes) -> dict[str, bool]:
+    """Whether there is anything to see of what the legend names."""
+    seen = {}
+    for artist, label in zip(*axes.get_legend_handles_labels(), strict=True):
+        match artist:
+            case Line2D():
+                fits = np.isfinite(artist.get_xydata()).all(axis=1)
+                marked = artist.get_marker() not in (None, "None", "")
+                seen[label] = bool(fits.any() if marked else (fits[1:] & fits[:-1]).any())
+            case PathCollection():
+                seen[label] = bool(np.isfinite(artist.get_offsets().filled(np.nan)).all(axis=1).any())
+            case PolyCollection():
+                seen[label] = any(len(path.vertices) for path in artist.get_paths())
+            case ErrorbarContainer():
+                seen[label] = len(artist.lines[0].get_xdata()) > 0
+    return seen
+
+
+FITTED = ["fitted, 95 % interval", "fitted logit (pooled)"]
+
+
+@pytest.mark.parametrize(
+    ("rows", "fitted", "left_title", "right_title"),
+    [
+        ("1,8,3,30,0.02\n1,10,15,15,0.02\n1,12,28,2,0.02\n", FITTED, "field", "catch"),
+        ("1,8,10,0,0.02\n1,10,10,0,0.02\n", [], "field, no curve fitted", "catch; no haul of the trial was fitted"),
+    ],
+)
+@pytest.mark.parametrize("haul", [HAUL, hauls_of([catch(1, 0.03, 48.0)])[0]])
+def test_the_legend_names_what_is_drawn_and_nothing_else(haul, rows, fitted, left_title, right_title, tmp_path):
+    path = tmp_path / "hauls.csv"
+    path.write_text(f"haul,length_cm,codend,cover,catch_volume_m3\n{rows}", encoding="utf-8")
+    found = predict_haul(SPECIES, haul, n_bootstrap=0, samples=0)
+    figure = together_plot(set_beside([found], read_trial(path, 1000.0, "covered")))
+    for axes, title in zip(figure.axes, (left_title, right_title), strict=True):
+        named = [text.get_text() for text in axes.get_legend().get_texts()]
+        assert drawn(axes) == dict.fromkeys(named, True)
+        assert axes.get_title(loc="left").endswith(title)
+    assert [label for label in drawn(figure.axes[0]) if "fitted" in label] == fitted
 
 
 def test_the_command_refuses_half_of_a_question(tmp_path):

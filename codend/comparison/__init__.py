@@ -1,7 +1,7 @@
 """Computed codends beside a flume table: read the table, match its rows with the cases, say how far they are apart."""
 
-from codend.comparison.compare import Comparison, compare, read_results
+from codend.comparison.compare import Comparison, compare
 from codend.comparison.flume_table import FlumeTable, read_flume_table
 from codend.comparison.hoop import Hoop
 
-__all__ = ["Comparison", "FlumeTable", "Hoop", "compare", "read_flume_table", "read_results"]
+__all__ = ["Comparison", "FlumeTable", "Hoop", "compare", "read_flume_table"]

@@ -9,6 +9,7 @@ import pandas as pd
 from codend.comparison.flume_table import CATCH_COLUMNS, HOOP_COLUMN, MEASURED_COLUMNS, SPEED_COLUMN, Floats, FlumeTable
 from codend.comparison.hoop import Hoop
 from codend.errors import InputError
+from codend.run_tables import solved_cases
 
 SAME = 1e-6
 """Relative difference up to which two speeds or catch sizes are one."""
@@ -58,19 +59,6 @@ class Comparison:
         return pd.DataFrame(rows)
 
 
-def read_results(path: str | Path) -> pd.DataFrame:
-    """The ``results.csv`` of a run.
-
-    Raises:
-        InputError: no such file, or no table.
-    """
-    try:
-        return pd.read_csv(path)
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else error
-        raise InputError(path, "", None, "the results.csv of a run", f"cannot be read: {reason}") from None
-
-
 def compare(
     results: pd.DataFrame, table: FlumeTable, source: str | Path = "results", hoop: Hoop | None = None
 ) -> Comparison:
@@ -81,7 +69,7 @@ def compare(
     within the computed range, of equals the one for which most rows need no interpolation; the others are compared.
 
     Args:
-        results: ``Study.table``, or as ``read_results`` returns it.
+        results: ``Study.table``, or ``results.csv`` as ``codend.run_tables.read_run_table`` returns it.
         table: as ``read_flume_table`` returns it.
         source: where the results are from, for messages.
         hoop: whose drag is added to the computed drag, for a table that has the column ``hoop_drag_n``, and so drag
@@ -108,12 +96,7 @@ def compare(
 
 def _computed(results: pd.DataFrame, source: str | Path) -> pd.DataFrame:
     """The converged cases, columns as in a flume table."""
-    for column in (*_NEEDED, "max_radius_m", "converged"):
-        if column not in results.columns:
-            raise InputError(source, column, None, "the results.csv of a run", "is missing")
-    solved = results[results["converged"] == True]  # noqa: E712 the column may hold texts
-    if solved.empty:
-        raise InputError(source, "converged", None, "at least one case that converged", "is true for no case")
+    solved = solved_cases(results, source, (*_NEEDED, "max_radius_m"))
     return solved[list(_NEEDED)].astype(float).assign(max_diameter_m=2.0 * solved["max_radius_m"].astype(float))
 
 

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from codend.build import rows_of
 from codend.errors import InputError
+from codend.input_table import InputTable
 from codend.plan import Netting, Plan, load_plan
+from codend.run_tables import read_run_table, solved_cases
 from codend.selectivity.passage import KINDS, SQUARE
 from codend.selectivity.penetration import Holes
 
@@ -59,33 +62,21 @@ def read_run(folder: str | Path) -> Run:
     """A study from the folder ``codend run`` wrote: plan.toml, results.csv, profile.csv and, if there, meshes.csv.
 
     Raises:
-        InputError: a file or a column is missing.
+        InputError: a file is missing, or anything ``read_run_table`` refuses.
     """
     import pandas as pd
 
-    folder = Path(folder)
-    needed = {
-        "results.csv": ["case", "speed_m_s", "filled_meshes", "catch_volume_m3", "opening_ahead_deg", "converged"],
-        "profile.csv": ["case", "row", "radius_m", "opening_deg", "bar_tension_n"],
-        "meshes.csv": ["case", "row", "opening_deg", "bar_tension_n"],
-    }
+    folder, needed = Path(folder), ("case", "row", "opening_deg", "bar_tension_n")
     if not (folder / "plan.toml").is_file():
         raise InputError(folder, "", None, "a folder that codend run wrote", "holds no plan.toml")
-    plan = load_plan(folder / "plan.toml")
-    tables = {}
-    for name, columns in needed.items():
-        path = folder / name
-        if name == "meshes.csv" and not path.exists():
-            tables[name] = pd.DataFrame(columns=columns)
-            continue
-        try:
-            tables[name] = pd.read_csv(path)
-        except (OSError, ValueError) as error:
-            raise InputError(path, "", None, "a table that codend run wrote", f"cannot be read: {error}") from None
-        for column in columns:
-            if column not in tables[name].columns:
-                raise InputError(path, column, None, "a table that codend run wrote", "is missing")
-    return Run(str(folder), plan, tables["results.csv"], tables["profile.csv"], tables["meshes.csv"])
+    meshes = folder / "meshes.csv"
+    return Run(
+        str(folder),
+        load_plan(folder / "plan.toml"),
+        read_run_table(folder / "results.csv"),
+        read_run_table(folder / "profile.csv", ("case", "row", "radius_m", "bar_tension_n")),
+        read_run_table(meshes, needed) if meshes.exists() else pd.DataFrame(columns=list(needed)),
+    )
 
 
 def inside_mesh_m(section: Netting) -> float:
@@ -105,24 +96,19 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
     for as many real ones.
 
     Raises:
-        InputError: no case was solved.
+        InputError: no case was solved, or the tables do not hold all of those that were.
     """
-    solved = run.results[run.results["converged"].astype(bool)]
-    if solved.empty:
-        raise InputError(run.source, "converged", None, "at least one solved case in results.csv", "is nowhere true")
-    profiles = dict(list(run.profile.groupby("case")))
-    all_meshes = dict(list(run.meshes.groupby("case")))
+    results = InputTable(str(Path(run.source) / "results.csv"), run.results)
+    results.require(("fidelity", "opening_ahead_deg"))
+    solved = solved_cases(run.results, results.source, ("case", "speed_m_s", "filled_meshes", "catch_volume_m3"))
+    InputTable(results.source, solved).check("case", ~solved["case"].duplicated().to_numpy(), "each case once")
+    from_entry = np.concatenate([[0.0], np.cumsum([1.0 / section.rows_per_mesh for section in rows_of(run.plan)])])
     found = []
     for result in solved.to_dict("records"):
-        profile = profiles[result["case"]].sort_values("row")
-        bands = len(profile) - 1
-        real_rows = rows_of(run.plan)
-        merged = len(real_rows) // bands
+        profile, merged = _profile_of(run, result)
         sections = rows_of(run.plan, merged)
-        from_entry = np.concatenate([[0.0], np.cumsum([1.0 / section.rows_per_mesh for section in real_rows])])
+        meshes = _meshes_of(run, result, profile, merged)
         front_row = np.interp(from_entry[-1] - result["filled_meshes"], from_entry, np.arange(len(from_entry)))
-        meshes = all_meshes.get(result["case"], profile)
-        meshes = meshes[meshes["opening_deg"].notna()]
         row = meshes["row"].to_numpy(dtype=int)
         # a merged row stands for real rows about it, of square mesh for those of the band behind it
         square = np.array([section.mesh == "square" for section in [*sections, sections[-1]]])
@@ -145,11 +131,45 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
     return found
 
 
-def _holes(sections: list[Netting], meshes: pd.DataFrame, radius_m: Floats) -> Holes:
+def _profile_of(run: Run, result: dict[Hashable, Any]) -> tuple[pd.DataFrame, int]:
+    """Rows of a solved case, from the entry, and how many real ones each stands for."""
+    source = str(Path(run.source) / "profile.csv")
+    globalisations = run.plan.globalisations if result["fidelity"] == "globalised" else (1,)
+    merged = {len(rows_of(run.plan, g)): g for g in globalisations}
+    profile = run.profile[run.profile["case"] == result["case"]].sort_values("row")
+    last = len(profile) - 1
+    if last not in merged or not np.array_equal(profile["row"], np.arange(last + 1)):
+        allowed = f"rows 0 to {' or '.join(map(str, merged))}, each once, as in the plan"
+        raise InputError(source, "case", result["case"], allowed, f"has {len(profile)} rows, not those of the plan")
+    InputTable(source, profile[1:-1]).numbers("opening_deg")  # the first and the last row may have no whole mesh
+    return profile, merged[last]
+
+
+def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, merged: int) -> pd.DataFrame:
+    """Meshes of a solved case: one a row of a net that is the same all round, of another all."""
+    rows = profile[profile["opening_deg"].notna()]
+    if run.meshes.empty and result["fidelity"] in ("meridian", "sector"):
+        return rows
+    meshes = run.meshes[run.meshes["case"] == result["case"]]
+    sections = _sections_of(rows, rows_of(run.plan, merged))
+    wanted = np.repeat(rows["row"], [section.meshes_round // merged for section in sections])
+    if not np.array_equal(np.sort(meshes["row"]), wanted):
+        allowed = f"the {len(wanted)} of the plan in rows {wanted.min()} to {wanted.max()}"
+        source = Path(run.source) / "meshes.csv"
+        raise InputError(source, "case", result["case"], allowed, f"has {len(meshes)} meshes, not those of the plan")
+    return meshes
+
+
+def _sections_of(meshes: pd.DataFrame, sections: list[Netting]) -> list[Netting]:
+    """Section of each mesh, by the row it is counted by."""
     row = meshes["row"].to_numpy(dtype=int)
     # a square mesh lies behind the row it is counted by, another about it
     behind = [sections[min(r, len(sections) - 1)] for r in row]
-    section = [s if s.mesh == "square" else sections[max(r - 1, 0)] for r, s in zip(row, behind, strict=True)]
+    return [s if s.mesh == "square" else sections[max(r - 1, 0)] for r, s in zip(row, behind, strict=True)]
+
+
+def _holes(sections: list[Netting], meshes: pd.DataFrame, radius_m: Floats) -> Holes:
+    row, section = meshes["row"].to_numpy(dtype=int), _sections_of(meshes, sections)
     half = 0.5 * np.radians(meshes["opening_deg"].to_numpy(dtype=float))
     bar = np.array([clear_bar_m(s) for s in section])
     width = np.array([s.drag_width_m for s in section])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.errors import OPTIONS, InputError
+from codend.input_table import InputTable, read_table
 
 if TYPE_CHECKING:
     import pandas as pd
 
 Array = NDArray[np.float64]
-_Check = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 
 
 class DesignColumns(NamedTuple):
@@ -80,25 +80,20 @@ def read_field_data(data: str | Path | pd.DataFrame, design: str, covariates: Se
 
     Raises:
         InputError: a missing or empty table or column, a value that is not a number, not in range, or not whole,
-            a length class given twice in a haul, a covariate that changes within a haul or not at all.
+            a column or a length class of a haul given twice, a row of another length than the header, a covariate that
+            changes within a haul or not at all.
     """
     import pandas as pd
 
-    source = "data frame" if isinstance(data, pd.DataFrame) else str(data)
     if design not in DESIGNS:
         raise InputError(OPTIONS, "design", design, " or ".join(DESIGNS))
-    frame = data if isinstance(data, pd.DataFrame) else _read_csv(Path(data))
+    table = _table_of(data)
+    source, frame = table.source, table.frame
     if frame.empty:
         raise InputError(source, "", None, "a header and at least one row", "the table has no rows")
     test, other = DESIGNS[design]
-    for column in ("haul", "length_cm", test, other, *covariates):
-        if column not in frame.columns:
-            found = ", ".join(map(str, frame.columns))
-            raise InputError(source, column, None, f"a column of that name (found: {found})", "is missing")
-    if frame["haul"].isna().any():
-        raise InputError(source, "haul", None, "a name or number in every row", "is empty in some row")
-
-    table = _Table(source, frame)
+    table.require(("haul", "length_cm", test, other, *covariates))
+    table.check("haul", frame["haul"].notna().to_numpy(), "a name or number in every row")
     length_cm = table.numbers("length_cm", "a length above 0", lambda v: v > 0.0)
     test_count, other_count = (
         table.numbers(
@@ -123,7 +118,7 @@ def read_field_data(data: str | Path | pd.DataFrame, design: str, covariates: Se
         row = int(np.flatnonzero(repeated)[0])
         where = f"{length_cm[row]:g} (haul {names[haul[row]]})"
         raise InputError(source, "length_cm", where, "each length once in a haul", "is given twice")
-    per_haul = [table.covariate(name, haul, len(names)) for name in covariates]
+    per_haul = [_covariate(table, name, haul) for name in covariates]
     return FieldData(
         source=source,
         design=design,
@@ -150,68 +145,33 @@ def catch_volumes_m3(data: str | Path | pd.DataFrame, field: FieldData, density_
     Raises:
         InputError: a catch that is no number above 0 or changes within its haul.
     """
-    import pandas as pd
-
-    frame = data if isinstance(data, pd.DataFrame) else _read_csv(Path(data))
+    table = _table_of(data)
     for column, per_m3 in (("catch_volume_m3", 1.0), ("catch_kg", density_kg_m3)):
-        if column in frame.columns:
-            table = _Table(field.source, frame)
-            n_hauls = len(field.haul_names)
-            return table.haul_values(column, field.haul, n_hauls, "a catch above 0", lambda v: v > 0.0) / per_m3
+        if column in table.frame.columns:
+            values = table.numbers(column, "a catch above 0", lambda v: v > 0.0)
+            return _one_a_haul(table, column, values, field.haul) / per_m3
     return None
 
 
 def is_simulated(path: str | Path) -> bool:
     """Whether the comments of a table say that its fish are simulated."""
-    lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
-    return any(line.lstrip().startswith("#") and "simulated" in line.lower() for line in lines)
+    return any("simulated" in comment.lower() for comment in read_table(path).comments)
 
 
-def _read_csv(path: Path) -> pd.DataFrame:
-    import pandas as pd
-
-    try:
-        return pd.read_csv(path, comment="#", skipinitialspace=True, dtype={"haul": str})
-    except FileNotFoundError:
-        raise InputError(path, "", None, "the path of a CSV table", "there is no such file") from None
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError, OSError) as error:
-        raise InputError(path, "", None, "a CSV table with a header", f"cannot be read ({error})") from None
+def _table_of(data: str | Path | pd.DataFrame) -> InputTable:
+    return read_table(data) if isinstance(data, str | Path) else InputTable("data frame", data)
 
 
-class _Table:
-    """Columns of a frame as checked arrays."""
+def _covariate(table: InputTable, column: str, haul: NDArray[np.int64]) -> Array:
+    """(H,) values of a covariate, one a haul, not all the same."""
+    values = _one_a_haul(table, column, table.numbers(column), haul)
+    if np.all(values == values[0]):
+        raise InputError(table.source, column, values[0].item(), "values that differ between hauls", "never changes")
+    return values
 
-    def __init__(self, source: str, frame: pd.DataFrame) -> None:
-        self.source, self.frame = source, frame
 
-    def numbers(self, column: str, allowed: str, is_allowed: _Check) -> Array:
-        """The column as finite floats that satisfy `is_allowed`."""
-        import pandas as pd
-
-        values = pd.to_numeric(self.frame[column], errors="coerce").to_numpy(dtype=float)
-        finite = np.isfinite(values)
-        bad = ~finite | ~is_allowed(np.where(finite, values, 0.0))
-        if bad.any():
-            row = int(np.flatnonzero(bad)[0])
-            found = self.frame[column].iloc[row]
-            shown = "(empty)" if pd.isna(found) else str(found)
-            raise InputError(self.source, column, shown, allowed, f"in data row {row + 1} is not allowed")
-        return values
-
-    def covariate(self, column: str, haul: NDArray[np.int64], n_hauls: int) -> Array:
-        """(H,) values of a covariate, one a haul, not all the same."""
-        values = self.haul_values(column, haul, n_hauls, "a number", lambda v: np.ones(v.shape, dtype=bool))
-        if np.all(values == values[0]):
-            raise InputError(self.source, column, values[0].item(), "values that differ between hauls", "never changes")
-        return values
-
-    def haul_values(
-        self, column: str, haul: NDArray[np.int64], n_hauls: int, allowed: str, is_allowed: _Check
-    ) -> Array:
-        """(H,) values of a column that is the same in all rows of a haul."""
-        values = self.numbers(column, allowed, is_allowed)
-        first = np.array([values[haul == h][0] for h in range(n_hauls)])
-        if np.any(values != first[haul]):
-            row = int(np.flatnonzero(values != first[haul])[0])
-            raise InputError(self.source, column, values[row].item(), "one value a haul", "changes within its haul")
-        return first
+def _one_a_haul(table: InputTable, column: str, values: Array, haul: NDArray[np.int64]) -> Array:
+    """(H,) of the values (R,) of a column, which are to be the same in all rows of a haul."""
+    first = values[np.unique(haul, return_index=True)[1]]
+    table.check(column, values == first[haul], "one value that never changes within its haul")
+    return first

@@ -13,6 +13,9 @@ from catch_models.fish import PARAMETERS, Species
 from codend.errors import InputError
 from codend.plan_messages import input_error
 
+MOST_LENGTH_CLASSES = 10_000
+"""Far more than any ruler tells apart; retention is computed for each, and a step of a micrometre fills any memory."""
+
 
 def example_species_path() -> Path:
     """The documented example of a species file, all of its numbers assumed."""
@@ -24,7 +27,8 @@ def load_species(path: str | Path) -> Species:
 
     Raises:
         InputError: no such file, not TOML, an unknown, missing, mistyped or out-of-range key, a number outside its own
-            range, an exponent for an ellipse or none for a superellipse, length classes that run backwards.
+            range, an exponent for an ellipse or none for a superellipse, length classes that run backwards or are too
+            many.
     """
     try:
         data = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
@@ -71,6 +75,10 @@ def _check(species: Species, path: str | Path) -> None:
         raise InputError(path, "section.exponent", species.section.exponent.value, 'only with shape = "superellipse"')
     if species.lengths.to_cm <= species.lengths.from_cm:
         raise InputError(path, "lengths.to_cm", species.lengths.to_cm, f"above {species.lengths.from_cm:g}, from_cm")
+    step_cm = species.lengths.step_cm
+    if species.lengths.to_cm - species.lengths.from_cm >= MOST_LENGTH_CLASSES * step_cm:
+        allowed = f"so long that there are at most {MOST_LENGTH_CLASSES} length classes"
+        raise InputError(path, "lengths.step_cm", step_cm, allowed)
     for name in PARAMETERS:
         number = species.number(name)
         if number is None or (number.low is None and number.high is None):

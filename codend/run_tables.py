@@ -1,0 +1,69 @@
+"""Tables that ``codend run`` wrote, read back: whatever happened to the files, what comes out can be computed with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from codend.errors import InputError
+from codend.input_table import InputTable, read_table
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+WORDS: Final[dict[str, dict[str, object]]] = {
+    "converged": {"True": True, "False": False, "TRUE": True, "FALSE": False},
+    "fidelity": {name: name for name in ("meridian", "sector", "globalised", "full")},
+}
+"""Columns of words, and what the words stand for, as spreadsheets may have spelled them; ``method`` is any text, all
+other columns are numbers."""
+
+
+def read_run_table(path: str | Path, filled: Sequence[str] = ()) -> pd.DataFrame:
+    """One of the tables of a run, each column of the type it was written with; nan where a cell is empty.
+
+    Args:
+        path: of the table.
+        filled: columns that must be there, with a number in every row.
+
+    Raises:
+        InputError: as in ``read_table``, a column is missing, or a cell is of another type or empty.
+    """
+    import pandas as pd
+
+    table = read_table(path)
+    table.require(filled)
+    columns = {}
+    for name in table.frame.columns:
+        cells = table.frame[name]
+        if name in WORDS:
+            table.check(name, cells.isin(WORDS[name]).to_numpy(), ", ".join(WORDS[name]))
+            columns[name] = cells.map(WORDS[name])
+        elif name == "method":
+            columns[name] = cells
+        else:
+            table.numbers(name, may_be_empty=name not in filled)
+            columns[name] = pd.to_numeric(cells)
+    return pd.DataFrame(columns, table.frame.index)
+
+
+def solved_cases(results: pd.DataFrame, source: str | Path, filled: Sequence[str]) -> pd.DataFrame:
+    """The rows of ``results.csv`` of cases that converged.
+
+    Args:
+        results: the whole table.
+        source: where it is from, for messages.
+        filled: columns that must be there, with a number for every case that converged.
+
+    Raises:
+        InputError: a column is missing, no case converged, or one of those that did has no number.
+    """
+    InputTable(str(source), results).require((*filled, "converged"))
+    solved = results[results["converged"] == True]  # noqa: E712 the column may hold texts
+    if solved.empty:
+        raise InputError(source, "converged", None, "at least one solved case in results.csv", "is nowhere true")
+    table = InputTable(str(source), solved)
+    for column in filled:
+        table.numbers(column)
+    return solved
