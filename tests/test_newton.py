@@ -168,6 +168,14 @@ def test_failure_returns_nan_and_the_reason():
     assert np.all(np.isnan(solution.bar_tension))
 
 
+@pytest.mark.parametrize("method", [newton, dynamic_relaxation], ids=["newton", "relaxation"])
+def test_a_net_that_has_passed_through_itself_tells_nothing_of_what_fits_into_it(method, monkeypatch):
+    problem = _problem(catch={"volume_m3": 4.0})
+    assert method.solve(problem, 1e-6).report.outcome is Outcome.OVERFULL
+    monkeypatch.setattr(method, "passed_through_itself", lambda position, structure: True)
+    assert method.solve(problem, 1e-6).report.outcome is Outcome.PASSED_THROUGH
+
+
 def test_progress_hears_of_every_iteration():
     heard = []
     report = newton.solve(_problem(), 1e-8, progress=lambda _, residual: heard.append(residual)).report

@@ -121,7 +121,7 @@ def solve(
             start, note = rough_shape(problem, *waiting.pop(0), settings.rough_steps)
             attempts.append(note)
         outcome = run.from_start(start, tolerance, switches, attempts)
-        if outcome in (Outcome.CONVERGED, Outcome.OVERFULL) or not waiting:
+        if outcome.balanced or not waiting:
             break
         start, switches = None, settings.switches
     _, residual, imbalance, length_error, _ = (float(mark) for mark in run.state.marks)
@@ -214,7 +214,7 @@ class _Run:
                 f"{METHOD} with {self.prepared.system.name}, switch {switch:g}: {self.iterations - before} iterations, "
                 f"residual {self.state.marks[1]:.1e}. {outcome.value}"
             )
-            if outcome in (Outcome.CONVERGED, Outcome.OVERFULL, Outcome.NOT_FINITE):
+            if outcome.balanced or outcome is Outcome.NOT_FINITE:
                 break
         return outcome
 
@@ -236,12 +236,11 @@ class _Run:
             if self.progress is not None:
                 self.progress(METHOD, error)
             if error <= tolerance and length_error <= LENGTH_TOLERANCE and self.iterations >= first:
-                if fits == 0.0:
-                    return Outcome.OVERFULL
                 if self.state.density.min(initial=0.0) < 0.0:
                     return Outcome.COMPRESSED
-                through = passed_through_itself(self.state.position, self.structure)
-                return Outcome.PASSED_THROUGH if through else Outcome.CONVERGED
+                if passed_through_itself(self.state.position, self.structure):
+                    return Outcome.PASSED_THROUGH
+                return Outcome.CONVERGED if fits else Outcome.OVERFULL
             if self.iterations >= last:
                 return Outcome.STEPS_SPENT
             self.iterations += 1
