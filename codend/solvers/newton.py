@@ -29,6 +29,8 @@ from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 METHOD = "newton"
 CLEAR_GAIN = 0.1
 """Fall of the merit at which a step is taken without the test of monotonicity."""
+ROUND_OFF = 1e-9
+"""Compression of a bar, over the reference tension, up to which it carries nothing but round-off."""
 
 
 @dataclass(frozen=True)
@@ -236,8 +238,13 @@ class _Run:
             if self.progress is not None:
                 self.progress(METHOD, error)
             if error <= tolerance and length_error <= LENGTH_TOLERANCE and self.iterations >= first:
-                if self.state.density.min(initial=0.0) < 0.0:
+                lowest = float((self.state.density * self.state.length).min(initial=0.0))
+                if lowest < -ROUND_OFF * self.tension:
                     return Outcome.COMPRESSED
+                if lowest < 0.0:
+                    np.maximum(self.state.density, 0.0, out=self.state.density)
+                    self._measure()
+                    continue
                 if passed_through_itself(self.state.position, self.structure):
                     return Outcome.PASSED_THROUGH
                 return Outcome.CONVERGED if fits else Outcome.OVERFULL
@@ -269,7 +276,10 @@ class _Run:
         if self.tension == 0.0:
             self.tension = reference_tension(self.problem)
             state.density[:] = self.tension / structure.length
-        measure(structure, self.loading, self.tension, switch, 0.0, state)
+        self._measure()
+
+    def _measure(self) -> None:
+        measure(self.structure, self.loading, self.tension, self.switch, 0.0, self.state)
 
     def arguments(self, shift: float, tolerance: float, fresh: bool = True) -> tuple:
         """What ``advance`` takes after the linear system."""
