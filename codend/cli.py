@@ -119,6 +119,7 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
 
     checked = load_plan(plan, changes)
     from codend.fidelity import choose
+    from codend.report.html import stability_note
     from codend.report.page import files_of, write_report
     from codend.study import solve
 
@@ -134,6 +135,8 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
             written = write_report(study, folder, progress)
     click.echo(text_table(list(TABLE_COLUMNS.values()), study.table[list(TABLE_COLUMNS)].itertuples(index=False)))
     click.echo(f"{len(written)} files written into {folder}; see {folder / 'report.html'}")
+    if unstable := stability_note(study):
+        click.echo(unstable, err=True)
     _explain_failures(study)
     return 0 if study.converged else NOT_CONVERGED
 

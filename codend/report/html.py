@@ -11,7 +11,7 @@ from typing import Any
 
 from codend.plan import Plan
 from codend.report.page_tables import results_table, solving_table
-from codend.study import Study
+from codend.study import CaseResult, Study
 
 FIDELITIES = {
     "sector": "One rotational sector of the real net",
@@ -67,10 +67,10 @@ def page_html(study: Study, figures: Sequence[PageFigure]) -> str:
 def notes(study: Study) -> list[str]:
     """What a reader must know before using the numbers."""
     found = []
-    failed = [str(result.case.number) for result in study.cases if not result.converged]
-    if failed:
-        cases = f"{_count(len(failed), 'case')} of {len(study.cases)} ({', '.join(failed)})"
-        found.append(f"Not solved, and without numbers: {cases}. What was tried stands below.")
+    if failed := _named([result for result in study.cases if not result.converged], study):
+        found.append(f"Not solved, and without numbers: {failed}. What was tried stands below.")
+    if unstable := stability_note(study):
+        found.append(unstable)
     catch = study.plan.catch
     if catch.pressure == "uniform":
         found.append(f"The catch presses with {catch.coefficient:g} times the stagnation pressure on all its netting.")
@@ -89,6 +89,18 @@ def notes(study: Study) -> list[str]:
     if any(section.twine_density_kg_m3 is None for section in study.plan.netting):
         found.append("Twine whose density the plan does not give is taken as neutrally buoyant.")
     return found
+
+
+def stability_note(study: Study) -> str:
+    """Which cases are in balance but not stable, and what that means; empty if none is."""
+    unstable = _named([result for result in study.cases if result.unstable], study)
+    if not unstable:
+        return ""
+    return (
+        f"In balance, but not stable by the pivots of the tangent: {unstable}. At a touch such a net takes another "
+        "shape, often in folds, whose drag, volume and openings can be quite different: no error estimate covers that. "
+        'model.method = "dynamic-relaxation" may find a stable one.'
+    )
 
 
 def input_sections(plan: Plan) -> list[dict[str, Any]]:
@@ -118,6 +130,12 @@ def made_with() -> str:
 def _entries(table: dict[str, Any]) -> list[tuple[str, str]]:
     lists = {key: value if isinstance(value, list) else [value] for key, value in table.items()}
     return [(key, ", ".join(map(str, values))) for key, values in lists.items()]
+
+
+def _named(results: Sequence[CaseResult], study: Study) -> str:
+    """How many cases of a study these are, and which; empty if none."""
+    numbers = ", ".join(str(result.case.number) for result in results)
+    return f"{_count(len(results), 'case')} of {len(study.cases)} ({numbers})" if results else ""
 
 
 def _count(number: int, what: str) -> str:

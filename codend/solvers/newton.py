@@ -1,9 +1,10 @@
 """Newton's method with the exact tangent, on shape and tensions together.
 
 A step is shortened until the move that the old tangent still asks for at its end is shorter than the step (natural
-monotonicity: Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3). Where pivots are negative, the
-tangent is shifted until they are positive, so that the iteration ends at stable equilibria. Twine that would be
-compressed goes slack on the way; an answer with bars in compression is refused.
+monotonicity: Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3). Where pivots are negative far from
+an equilibrium, a banded tangent is shifted until they are positive, which leads away from unstable equilibria. It does
+not keep off them: a start may be one, and of wide nets the pivots are not known on the way. ``negative_pivots`` tells
+afterwards. Twine that would be compressed goes slack on the way; an answer with bars in compression is refused.
 """
 
 from dataclasses import dataclass
@@ -31,6 +32,9 @@ CLEAR_GAIN = 0.1
 """Fall of the merit at which a step is taken without the test of monotonicity."""
 ROUND_OFF = 1e-9
 """Compression of a bar, over the reference tension, up to which it carries nothing but round-off."""
+NEUTRAL = 1e-6
+"""Shift, as ``NewtonSettings.first_shift``, under which pivots are counted: behind a neck that has closed the bag turns
+about its axis for nothing, and round-off would give that pivot either sign."""
 
 
 @dataclass(frozen=True)
@@ -148,14 +152,16 @@ def solve(
 def negative_pivots(problem: Problem, solution: Solution, prepared: Prepared) -> int:
     """Negative pivots of the tangent at an equilibrium: 0 where it is stable, -1 if the tangent is singular.
 
-    Loads that follow the net make the tangent slightly unsymmetric, so this is a sign of stability and no proof. The
-    tangent's factors stay in ``prepared``, for solves nearby that keep them.
+    Of a symmetric tangent they are as many as its negative eigenvalues. Loads that follow the net make it unsymmetric:
+    then an odd number, a negative determinant, still proves the equilibrium unstable, and an even one is a sign. Those
+    of a sector tell of moves that are the same in all sectors. The tangent's factors, ``NEUTRAL`` included, stay in
+    ``prepared``, for solves nearby that keep them.
     """
     run = _Run(problem, prepared, DIRECT, None)
     run._set_start(solution, DIRECT.switches[0])
     step, system = prepared.step, prepared.system
     sides = kernels.linearise(
-        problem.structure, problem.loading, prepared.pattern, run.tension, 0.0, 0.0, run.state, step
+        problem.structure, problem.loading, prepared.pattern, run.tension, NEUTRAL, 0.0, run.state, step
     )
     if system.factorise(step.blocks) == -1:
         return -1
