@@ -44,8 +44,6 @@ TABLE_COLUMNS = {
 }
 """Columns of ``results.csv`` that ``codend run`` prints, and their headings."""
 MOST_ROD_MM = 1000.0
-FOLDS_WORTH_TELLING = 1.0
-"""Per cent of the netting on the catch in folds, from which a case is named for it."""
 
 
 class _OneLineErrors(click.Group):
@@ -121,6 +119,7 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
 
     checked = load_plan(plan, changes)
     from codend.fidelity import choose
+    from codend.report.html import cautions
     from codend.report.page import files_of, write_report
     from codend.study import solve
 
@@ -136,18 +135,10 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
             written = write_report(study, folder, progress)
     click.echo(text_table(list(TABLE_COLUMNS.values()), study.table[list(TABLE_COLUMNS)].itertuples(index=False)))
     click.echo(f"{len(written)} files written into {folder}; see {folder / 'report.html'}")
-    _tell_folds(study)
+    for caution in cautions(study):
+        click.echo(caution, err=True)
     _explain_failures(study)
     return 0 if study.converged else NOT_CONVERGED
-
-
-def _tell_folds(study: "Study") -> None:
-    """Say in which cases netting on the catch lies in folds."""
-    folded = {result.case.number: 100.0 * result.measures.folded_share for result in study.cases}
-    told = [f"{number} ({share:.2g} %)" for number, share in folded.items() if share > FOLDS_WORTH_TELLING]
-    if told:
-        cases = f"case {told[0]}" if len(told) == 1 else f"cases {', '.join(told)}"
-        click.echo(f"netting on the catch lies in folds in {cases}: pressure is right in sum over their layers only")
 
 
 def _explain_failures(study: "Study") -> None:

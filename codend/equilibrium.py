@@ -96,7 +96,7 @@ def solve(
         solution = tried
         attempts += [f"from {start}: {line}" for line in solution.report.attempts]
         spent += solution.report.solve_ms
-        if solution.report.outcome.converged or solution.report.outcome is Outcome.OVERFULL:
+        if solution.report.outcome.balanced:
             break
     return problem, replace(solution, report=replace(solution.report, attempts=tuple(attempts), solve_ms=spent))
 

@@ -206,10 +206,14 @@ def _pulled(plan: Plan, columns: int, row: int, start: Solution, pull: Pull, pro
         if not trial.report.outcome.converged:
             goal = 0.5 * (goal + pulled_by[-1][0])
             continue
-        solution = trial
         reached = float(mesh_openings(hooked, trial.positions)[0][mesh])
         force = 0.5 * float(trial.bar_tension[-hooks:].sum())
         last_goal, last_opening, last_force = pulled_by[-1]
+        if not (reached - last_opening) * (goal - last_goal) > 0.0:
+            attempts[-1] += f" The mesh did not follow: {reached:.4g} degrees open, {last_opening:.4g} before."
+            goal = 0.5 * (goal + last_goal)
+            continue
+        solution = trial
         pulled_by.append((goal, reached, force))
         short = (pull.wanted_opening_deg - reached) / (reached - last_opening)
         if abs(pull.wanted_opening_deg - reached) <= NEAR_DEG:

@@ -67,6 +67,11 @@ class CaseResult:
         """Whether the numbers may be used."""
         return self.report.outcome.converged
 
+    @property
+    def unstable(self) -> bool:
+        """Whether the pivots say that the net, though in balance, would not stay as it is."""
+        return self.negative_pivots not in (None, 0)
+
 
 @dataclass(frozen=True)
 class Study:

@@ -5,8 +5,9 @@ import pytest
 
 from codend import equilibrium
 from codend.measures import measure_all, mesh_openings
+from codend.solvers.outcome import Outcome
 from codend.study import solve
-from tests.plans import make_plan, uniform_plan
+from tests.plans import UNIFORM, make_plan, uniform_plan
 from validation.reference import residual
 
 SECTOR = {"fidelity": "sector", "method": "dynamic-relaxation", "tolerance": 1e-7}
@@ -169,3 +170,37 @@ def test_weight_is_borne_however_near_the_start_seems(speeds):
     sag = [case.positions[:, 2].mean() for case in (loose, exact)]
     assert sag[1] < 0.0
     assert sag[0] == pytest.approx(sag[1], rel=0.01)
+
+
+FULL_OR_NOT = {
+    "diamond": (24, 20, 0.35, {}),
+    "narrow entry, ballooning on the way": (40, 30, 0.2, {}),
+    "square": (24, 20, 0.35, {"mesh": "square"}),
+    "elastic T90": (40, 30, 0.2, {"mesh": "t90", "netting": {"knot_mm": 5.0, "axial_stiffness_n": 2000.0}}),
+}
+SHARES = (0.5, 0.7, 0.88, 0.95, 0.9999, 1.0001, 1.05)
+
+
+@pytest.mark.parametrize("name", FULL_OR_NOT)
+@pytest.mark.parametrize("pressure", [{}, UNIFORM], ids=["sphere", "uniform"])
+def test_a_catch_is_called_too_large_by_every_method_above_the_volume_of_the_full_net_and_by_none_below(name, pressure):
+    meshes_round, meshes_long, entry, options = FULL_OR_NOT[name]
+
+    def solved(method, catch):
+        model = {"fidelity": "sector", "method": method, "tolerance": 1e-6}
+        plan = make_plan(meshes_round, meshes_long, entry, catch=catch | pressure, model=model, **options)
+        return equilibrium.solve(equilibrium.scene_of(plan, 1, 1), plan.cases()[0], (), None)
+
+    full_volume = measure_all(*solved("auto", {"filled_meshes": float(meshes_long)}))[2].catch_volume_m3
+    methods = ["newton", "auto", "dynamic-relaxation"]
+    if "axial_stiffness_n" not in options.get("netting", {}):
+        methods.append("rigid-bars")
+    for share in SHARES:
+        solutions = [solved(method, {"volume_m3": share * full_volume})[1] for method in methods]
+        expected = Outcome.CONVERGED if share < 1.0 else Outcome.OVERFULL
+        for method, solution in zip(methods, solutions, strict=True):
+            report = solution.report
+            assert report.outcome is expected, (method, share, report.attempts)
+            assert max(report.residual, report.imbalance, report.length_error) <= 1e-6, (method, share)
+            np.testing.assert_allclose(solution.share, solutions[0].share, atol=1e-3)
+            np.testing.assert_allclose(solution.positions, solutions[0].positions, atol=1e-4)

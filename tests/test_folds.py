@@ -72,6 +72,7 @@ def test_the_command_names_cases_whose_netting_lies_in_folds(tmp_path):
     (tmp_path / "plan.toml").write_text(WIDE_BEHIND_NARROW)
     told = CliRunner().invoke(main, ["run", str(tmp_path / "plan.toml"), "--out", str(tmp_path / "out")])
     assert told.exit_code == 0
-    assert "netting on the catch lies in folds in case 1" in told.output
+    assert "Netting on the catch lies in folds" in told.output
+    assert "Netting on the catch lies in folds" in (tmp_path / "out" / "report.html").read_text()
     limp = solve(joined_plan(("diamond", 18, 10, 40.0, {}), ("diamond", 12, 10, 40.0, {}))).table
     assert limp["folded_share"].item() == 0.0

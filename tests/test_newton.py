@@ -7,6 +7,7 @@ import pytest
 from scipy.sparse import csc_array
 
 from codend.build import build_net
+from codend.equilibrium import START
 from codend.loads import problem_of
 from codend.mechanics.tangent import add_bar_tangent, pattern_of
 from codend.net import all_round, bar_vectors
@@ -14,8 +15,9 @@ from codend.plan import plan_from_dict
 from codend.solvers import continuation, dynamic_relaxation, newton
 from codend.solvers.linear_systems import BandedSystem, _band_numbering, _scalar_places
 from codend.solvers.newton import NewtonSettings
-from codend.solvers.outcome import Outcome
+from codend.solvers.outcome import Outcome, Solution
 from codend.solvers.sparse_system import SparseSystem
+from validation.plain_nets import plain_net, plain_problem
 
 
 def _problem(columns=1, catch=None, drag=1.36, **section):
@@ -166,6 +168,40 @@ def test_failure_returns_nan_and_the_reason():
     assert solution.report.outcome is Outcome.STEPS_SPENT
     assert np.all(np.isnan(solution.positions))
     assert np.all(np.isnan(solution.bar_tension))
+
+
+@pytest.mark.parametrize("method", [newton, dynamic_relaxation], ids=["newton", "relaxation"])
+def test_a_net_that_has_passed_through_itself_tells_nothing_of_what_fits_into_it(method, monkeypatch):
+    problem = _problem(catch={"volume_m3": 4.0})
+    assert method.solve(problem, 1e-6).report.outcome is Outcome.OVERFULL
+    monkeypatch.setattr(method, "passed_through_itself", lambda position, structure: True)
+    assert method.solve(problem, 1e-6).report.outcome is Outcome.PASSED_THROUGH
+
+
+def _one_bar_in_tension_and_one_with(compression, excess):
+    """A node pulled away from two fixed ones in line with it, and a start in which one bar carries (almost) all.
+
+    The other one is too long by a share ``excess``, so that it counts as taut.
+    """
+    positions = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.0, 0.0]])
+    fixed = np.array([[1, 1, 1], [0, 1, 1], [1, 1, 1]], dtype=bool)
+    bars, lengths = np.array([[0, 1], [2, 1]]), np.array([1.0, 0.5 / (1.0 + excess)])
+    problem = plain_problem(plain_net(positions, np.array([0, 1, 0]), fixed, bars, lengths))
+    problem.loading.dead[1, 0] = 7.0
+    start = Solution(positions, np.array([7.0 + compression, -compression]), np.zeros(problem.net.bands), START)
+    return newton.solve(problem, 1e-8, start, replace(newton.DIRECT, switches=(0.1,)))
+
+
+def test_compression_that_is_round_off_is_none_at_all_and_the_result_carries_none():
+    solution = _one_bar_in_tension_and_one_with(7e-13, 1e-11)
+    assert solution.report.outcome is Outcome.CONVERGED, solution.report.attempts
+    assert solution.bar_tension[1] == 0.0
+    assert solution.bar_tension[0] == pytest.approx(7.0, rel=1e-12)
+    assert 0.0 < solution.report.residual < 1e-12, "measured again without the compression"
+
+
+def test_compression_beyond_round_off_is_refused():
+    assert _one_bar_in_tension_and_one_with(3e-8, 1e-7).report.outcome is Outcome.COMPRESSED
 
 
 def test_progress_hears_of_every_iteration():

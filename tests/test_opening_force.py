@@ -152,6 +152,26 @@ def test_a_pull_that_fails_has_no_number_and_tells_what_it_tried(monkeypatch):
     assert any("interior point" in line for line in pull.attempts)
 
 
+@pytest.mark.parametrize("closing_deg", [0.0, 0.1])
+def test_a_pull_that_the_mesh_does_not_follow_has_failed_and_says_so(closing_deg, monkeypatch):
+    plan = make_plan(24, 20, filled=5.0, netting=SOFT)
+    case = plan.cases()[0]
+    before = pull_mesh(plan, case, 8.0, 1.0).opening_deg
+    measured = pulling.mesh_openings
+
+    def unmoved(net, positions):
+        return np.full(len(net.mesh_row), before - closing_deg), measured(net, positions)[1]
+
+    monkeypatch.setattr(pulling, "mesh_openings", unmoved)
+    pull = pull_mesh(plan, case, 8.0)
+    assert not pull.converged
+    assert np.isnan(pull.opening_force_in_net_n)
+    assert pull.opening_deg == before
+    pulls = [line for line in pull.attempts if "pulled by" in line]
+    assert len(pulls) == pulling.MOST_PULLS
+    assert all("did not follow" in line for line in pulls)
+
+
 @pytest.mark.parametrize("place", [0.0, 20.0, -1.0, float("nan")])
 def test_a_place_outside_the_codend_is_refused(place):
     plan = make_plan(24, 20)

@@ -11,7 +11,7 @@ from typing import Any
 
 from codend.plan import Plan
 from codend.report.page_tables import results_table, solving_table
-from codend.study import Study
+from codend.study import CaseResult, Study
 
 FIDELITIES = {
     "sector": "One rotational sector of the real net",
@@ -19,6 +19,9 @@ FIDELITIES = {
     "full": "The full net, every mesh",
     "meridian": "The meridian of a smooth shell of netting",
 }
+
+FOLDS_WORTH_TELLING = 0.01
+"""Share of the netting on the catch in folds, from which a case is named for it."""
 
 
 @dataclass(frozen=True)
@@ -67,10 +70,9 @@ def page_html(study: Study, figures: Sequence[PageFigure]) -> str:
 def notes(study: Study) -> list[str]:
     """What a reader must know before using the numbers."""
     found = []
-    failed = [str(result.case.number) for result in study.cases if not result.converged]
-    if failed:
-        cases = f"{_count(len(failed), 'case')} of {len(study.cases)} ({', '.join(failed)})"
-        found.append(f"Not solved, and without numbers: {cases}. What was tried stands below.")
+    if failed := _named([result for result in study.cases if not result.converged], study):
+        found.append(f"Not solved, and without numbers: {failed}. What was tried stands below.")
+    found += cautions(study)
     catch = study.plan.catch
     if catch.pressure == "uniform":
         found.append(f"The catch presses with {catch.coefficient:g} times the stagnation pressure on all its netting.")
@@ -88,6 +90,25 @@ def notes(study: Study) -> list[str]:
         )
     if any(section.twine_density_kg_m3 is None for section in study.plan.netting):
         found.append("Twine whose density the plan does not give is taken as neutrally buoyant.")
+    return found
+
+
+def cautions(study: Study) -> list[str]:
+    """Which cases are to be taken with care though they were solved, and why."""
+    found = []
+    if unstable := _named([result for result in study.cases if result.unstable], study):
+        found.append(
+            f"In balance, but not stable by the pivots of the tangent: {unstable}. At a touch such a net takes another "
+            "shape, often in folds, whose drag, volume and openings can be quite different: no error estimate covers "
+            'that. model.method = "dynamic-relaxation" may find a stable one.'
+        )
+    in_folds = [result for result in study.cases if result.measures.folded_share > FOLDS_WORTH_TELLING]
+    if folded := _named(in_folds, study):
+        most = 100.0 * max(result.measures.folded_share for result in in_folds)
+        found.append(
+            f"Netting on the catch lies in folds, up to {most:.2g} % of it: {folded}. The catch's pressure is right in "
+            "sum over the layers of a fold, not on each; no error estimate covers that."
+        )
     return found
 
 
@@ -118,6 +139,12 @@ def made_with() -> str:
 def _entries(table: dict[str, Any]) -> list[tuple[str, str]]:
     lists = {key: value if isinstance(value, list) else [value] for key, value in table.items()}
     return [(key, ", ".join(map(str, values))) for key, values in lists.items()]
+
+
+def _named(results: Sequence[CaseResult], study: Study) -> str:
+    """How many cases of a study these are, and which; empty if none."""
+    numbers = ", ".join(str(result.case.number) for result in results)
+    return f"{_count(len(results), 'case')} of {len(study.cases)} ({numbers})" if results else ""
 
 
 def _count(number: int, what: str) -> str:

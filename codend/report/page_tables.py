@@ -57,8 +57,6 @@ RESULT_HEADS = {
     "max_strap_tension_n": Head("Largest strap tension", "N"),
 }
 
-_STABLE = {True: "yes", False: "not sure"}
-
 DIGITS = {"speed_m_s": 3, "filled_meshes": 3}
 """Of the largest value in the column; 4 elsewhere."""
 
@@ -99,7 +97,7 @@ def solving_table(study: Study) -> PageTable:
         column_text(drag, digits=6),
         [_small(difference) for difference in reaction - drag],
         [_small(report.length_error) for report in reports],
-        [_STABLE[result.negative_pivots == 0] if result.negative_pivots is not None else "" for result in study.cases],
+        ["" if r.negative_pivots is None else "no" if r.unstable else "yes" for r in study.cases],
         column_text(100.0 * study.table["folded_share"].to_numpy(dtype=float), digits=3),
     ]
     heads = (
@@ -118,10 +116,9 @@ def solving_table(study: Study) -> PageTable:
     remark = (
         "Residual: largest force out of balance on a free node, over the resultant of the loads. Pull at the entry: "
         "the axial reaction, which must equal the drag. Length error: largest departure of a bar from the law of its "
-        "twine, over its length. Stable: yes where all pivots of the tangent are "
-        "positive at the equilibrium; loads that follow the net can turn one of a stable net. Of a sector it tells "
-        "nothing of disturbances that differ from sector to sector. In folds: netting on the catch that faces inward, "
-        "where the pressure is right in sum over the layers of a fold only."
+        "twine, over its length. Stable: yes where no pivot of the tangent is negative at the equilibrium; that of a "
+        "sector tells of moves that are the same all round. In folds: netting on the catch that faces "
+        "inward, where the pressure is right in sum over the layers of a fold only."
     )
     return PageTable(heads, _rows(study, cells), (remark,))
 

@@ -74,7 +74,7 @@ def solve(
         work = relaxation.workspace(problem.structure, problem.net.positions if start is None else start.positions)
         run = _Run(problem, work, settings, penalty, mass_factor, settings.steps_allowed - steps, progress)
         outcome = run.to_equilibrium(tolerance, start)
-        if outcome.converged and passed_through_itself(work.position, problem.structure):
+        if outcome.balanced and passed_through_itself(work.position, problem.structure):
             outcome = Outcome.PASSED_THROUGH
         steps += run.steps
         damping = "viscous" if settings.viscous else "kinetic"
@@ -82,7 +82,7 @@ def solve(
             f"{METHOD}, {damping} damping, penalty {penalty:g}, masses x {mass_factor:g}: "
             f"{run.steps} steps, residual {run.residual:.1e}. {outcome.value}"
         )
-        if outcome in (Outcome.CONVERGED, Outcome.OVERFULL) or steps >= settings.steps_allowed:
+        if outcome.balanced or steps >= settings.steps_allowed:
             break
         if outcome in (Outcome.OVERSTRETCHED, Outcome.NOT_FINITE, Outcome.PASSED_THROUGH):
             penalty *= 4.0
@@ -196,7 +196,8 @@ class _Run:
                 continue
             last_error, self.length_error = self.length_error, length_error(structure, work.length, work.density)
             reached = max(self.residual, self.imbalance) <= tolerance and self.length_error <= LENGTH_TOLERANCE
-            if reached or outcome is Outcome.OVERFULL:
+            # a catch that does not fit into a crude shape may fit into that of the equilibrium
+            if reached:
                 return outcome
             # the tensions found are a better measure of the penalty than the guess before them
             tension = float(np.mean(work.density * work.length))

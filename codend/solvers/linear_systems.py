@@ -3,7 +3,8 @@
 A sector, or any net that is narrow against its length, gives a narrow band: it is factorised by a compiled band LU.
 Wide nets go to SuperLU in its symmetric mode, whole. Neither pivots: stiff and inextensible bars enter as stiffness
 and not as zeros on the diagonal, so near a stable equilibrium the matrix is close to symmetric and positive definite,
-and elsewhere the solver adds a shift until it is. The signs of the pivots tell whether the equilibrium is stable.
+and elsewhere the solver adds a shift until it is, as far as it knows: a band LU tells the signs of its pivots at once,
+of the others they are asked for at the equilibrium only. They tell whether it is stable.
 """
 
 from typing import NamedTuple, Protocol

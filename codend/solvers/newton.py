@@ -1,9 +1,10 @@
 """Newton's method with the exact tangent, on shape and tensions together.
 
 A step is shortened until the move that the old tangent still asks for at its end is shorter than the step (natural
-monotonicity: Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3). Where pivots are negative, the
-tangent is shifted until they are positive, so that the iteration ends at stable equilibria. Twine that would be
-compressed goes slack on the way; an answer with bars in compression is refused.
+monotonicity: Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3). Where pivots are negative far from
+an equilibrium, a banded tangent is shifted until they are positive, which leads away from unstable equilibria. It does
+not keep off them: a start may be one, and of wide nets the pivots are not known on the way. ``negative_pivots`` tells
+afterwards. Twine that would be compressed goes slack on the way; an answer with bars in compression is refused.
 """
 
 from dataclasses import dataclass
@@ -29,6 +30,11 @@ from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 METHOD = "newton"
 CLEAR_GAIN = 0.1
 """Fall of the merit at which a step is taken without the test of monotonicity."""
+ROUND_OFF = 1e-9
+"""Compression of a bar, over the reference tension, up to which it carries nothing but round-off."""
+NEUTRAL = 1e-6
+"""Shift, as ``NewtonSettings.first_shift``, under which pivots are counted: behind a neck that has closed the bag turns
+about its axis for nothing, and round-off would give that pivot either sign."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +127,7 @@ def solve(
             start, note = rough_shape(problem, *waiting.pop(0), settings.rough_steps)
             attempts.append(note)
         outcome = run.from_start(start, tolerance, switches, attempts)
-        if outcome in (Outcome.CONVERGED, Outcome.OVERFULL) or not waiting:
+        if outcome.balanced or not waiting:
             break
         start, switches = None, settings.switches
     _, residual, imbalance, length_error, _ = (float(mark) for mark in run.state.marks)
@@ -146,14 +152,16 @@ def solve(
 def negative_pivots(problem: Problem, solution: Solution, prepared: Prepared) -> int:
     """Negative pivots of the tangent at an equilibrium: 0 where it is stable, -1 if the tangent is singular.
 
-    Loads that follow the net make the tangent slightly unsymmetric, so this is a sign of stability and no proof. The
-    tangent's factors stay in ``prepared``, for solves nearby that keep them.
+    Of a symmetric tangent they are as many as its negative eigenvalues. Loads that follow the net make it unsymmetric:
+    then an odd number, a negative determinant, still proves the equilibrium unstable, and an even one is a sign. Those
+    of a sector tell of moves that are the same in all sectors. The tangent's factors, ``NEUTRAL`` included, stay in
+    ``prepared``, for solves nearby that keep them.
     """
     run = _Run(problem, prepared, DIRECT, None)
     run._set_start(solution, DIRECT.switches[0])
     step, system = prepared.step, prepared.system
     sides = kernels.linearise(
-        problem.structure, problem.loading, prepared.pattern, run.tension, 0.0, 0.0, run.state, step
+        problem.structure, problem.loading, prepared.pattern, run.tension, NEUTRAL, 0.0, run.state, step
     )
     if system.factorise(step.blocks) == -1:
         return -1
@@ -214,7 +222,7 @@ class _Run:
                 f"{METHOD} with {self.prepared.system.name}, switch {switch:g}: {self.iterations - before} iterations, "
                 f"residual {self.state.marks[1]:.1e}. {outcome.value}"
             )
-            if outcome in (Outcome.CONVERGED, Outcome.OVERFULL, Outcome.NOT_FINITE):
+            if outcome.balanced or outcome is Outcome.NOT_FINITE:
                 break
         return outcome
 
@@ -236,12 +244,16 @@ class _Run:
             if self.progress is not None:
                 self.progress(METHOD, error)
             if error <= tolerance and length_error <= LENGTH_TOLERANCE and self.iterations >= first:
-                if fits == 0.0:
-                    return Outcome.OVERFULL
-                if self.state.density.min(initial=0.0) < 0.0:
+                lowest = float((self.state.density * self.state.length).min(initial=0.0))
+                if lowest < -ROUND_OFF * self.tension:
                     return Outcome.COMPRESSED
-                through = passed_through_itself(self.state.position, self.structure)
-                return Outcome.PASSED_THROUGH if through else Outcome.CONVERGED
+                if lowest < 0.0:
+                    np.maximum(self.state.density, 0.0, out=self.state.density)
+                    self._measure()
+                    continue
+                if passed_through_itself(self.state.position, self.structure):
+                    return Outcome.PASSED_THROUGH
+                return Outcome.CONVERGED if fits else Outcome.OVERFULL
             if self.iterations >= last:
                 return Outcome.STEPS_SPENT
             self.iterations += 1
@@ -270,7 +282,10 @@ class _Run:
         if self.tension == 0.0:
             self.tension = reference_tension(self.problem)
             state.density[:] = self.tension / structure.length
-        measure(structure, self.loading, self.tension, switch, 0.0, state)
+        self._measure()
+
+    def _measure(self) -> None:
+        measure(self.structure, self.loading, self.tension, self.switch, 0.0, self.state)
 
     def arguments(self, shift: float, tolerance: float, fresh: bool = True) -> tuple:
         """What ``advance`` takes after the linear system."""

@@ -23,8 +23,8 @@ FAILED, IN_FIRST, IN_SECOND = range(3)
 
 
 NEARBY = 1e-4
-"""Residual up to which a step with negative pivots is made if it is a good one: loads that follow a long net make its
-tangent so unsymmetric that pivots turn negative at stable equilibria too, and in steps that are shifted it crawls."""
+"""Residual up to which a step with negative pivots is made if it is a good one: where a bag turns about its axis for
+nothing a pivot is 0 but for round-off, of either sign, and in steps that are shifted it crawls."""
 
 
 class Limits(NamedTuple):

@@ -32,6 +32,11 @@ class Outcome(Enum):
         """Whether the result may be used."""
         return self is Outcome.CONVERGED
 
+    @property
+    def balanced(self) -> bool:
+        """Whether the net is in equilibrium: with its catch, or full, and the catch is larger."""
+        return self in (Outcome.CONVERGED, Outcome.OVERFULL)
+
 
 @dataclass(frozen=True)
 class SolverReport:
