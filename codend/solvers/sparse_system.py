@@ -55,6 +55,7 @@ class SparseSystem:
         matrix = csc_array(
             (blocks.reshape(-1)[self._gather], self._indices, self._starts), shape=(self.size, self.size)
         )
+        self._factors = None
         try:
             self._factors = splu(
                 matrix,
