@@ -186,8 +186,8 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
     from codend.comparison import Hoop, read_flume_table
     from codend.comparison import compare as compare_with
     from codend.plan import load_plan
-    from codend.report.comparison_plot import FILES, comparison_figure
-    from codend.report.files import whole_file, write_table
+    from codend.report.comparison_plot import comparison_figure
+    from codend.report.files import COMPARISON_FILES, whole_file, write_table
     from codend.report.style import png
     from codend.run_tables import read_run_table
 
@@ -197,9 +197,9 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
         plan = load_plan(folder / "plan.toml")
         hoop = Hoop(plan.entry.radius_m, hoop_rod_mm / 1000.0, plan.tow.water_density_kg_m3)
     comparison = compare_with(read_run_table(results), read_flume_table(table), results, hoop)
-    check_writable(folder, FILES)
+    check_writable(folder, COMPARISON_FILES)
     with written_into(folder):
-        points, summary, picture = (folder / name for name in FILES)
+        points, summary, picture = (folder / name for name in COMPARISON_FILES)
         write_table(comparison.points, points)
         write_table(comparison.summary, summary)
         with whole_file(picture) as temporary:

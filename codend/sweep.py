@@ -14,7 +14,7 @@ import pandas as pd
 from codend.errors import OPTIONS, InputError
 from codend.overrides import parsed_override
 from codend.plan import Plan, load_plan
-from codend.report.files import whole_file, write_table
+from codend.report.files import COMPARISON_FILES, whole_file, write_table
 from codend.report.plan_copy import plan_toml, toml_value
 from codend.run_tables import read_run_table
 from codend.study import solve
@@ -179,9 +179,9 @@ def _remove_leftovers(count: int, folder: Path) -> None:
 
 def _remove_run(folder: Path) -> None:
     """Remove an earlier run from its folder, the plan's copy first, and what other commands made of it."""
-    from codend.report import comparison_plot, selectivity_page
+    from codend.report.selectivity_page import FILES
 
-    derived = (*comparison_plot.FILES, *selectivity_page.FILES)
+    derived = (*COMPARISON_FILES, *FILES)
     for name in (*TABLES, *(name for name in derived if name != "report.html")):
         if (folder / name).is_file():
             (folder / name).unlink()

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FILES: Final = ("comparison.csv", "comparison_summary.csv", "comparison.png")
-"""What ``codend compare`` writes: every value, their statistics, and the figure."""
 LABELS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "catch_mass_kg": "catch, kg",

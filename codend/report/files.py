@@ -1,4 +1,4 @@
-"""Writing files so that nobody ever meets half of one."""
+"""Writing files so that nobody ever meets half of one, and the names of those that are made of a run later."""
 
 import os
 from collections.abc import Iterator
@@ -10,6 +10,12 @@ import numpy as np
 
 if TYPE_CHECKING:
     import pandas as pd
+
+COMPARISON_FILES = ("comparison.csv", "comparison_summary.csv", "comparison.png")
+"""What ``codend compare`` writes: every value, their statistics, and the figure."""
+TRIAL_TABLES = ("together.csv", "together_l50.csv", "calibration.csv", "calibrated_species.toml")
+"""What ``codend selectivity`` writes beside ``SELECTIVITY_TABLES`` when it is given a trial."""
+SELECTIVITY_TABLES = ("selectivity.csv", "retention.csv", "sensitivity.csv")
 
 
 @contextmanager

@@ -88,6 +88,8 @@ def notes(study: Study) -> list[str]:
             "Where sections of different mesh counts meet, knots are laced to knots in the ratio of the counts, "
             "without slack: the joint is no wider than the fewer meshes, with the shorter bar, pulled fully open."
         )
+    if study.plan.catch_density_kg_m3 != study.plan.tow.water_density_kg_m3:
+        found.append("The catch's density gives its mass; its own weight in water does not act on the net.")
     if any(section.twine_density_kg_m3 is None for section in study.plan.netting):
         found.append("Twine whose density the plan does not give is taken as neutrally buoyant.")
     return found

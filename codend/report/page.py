@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from codend.plan import Plan
 from codend.report.drag_plot import drag_plot
-from codend.report.files import whole_file, write_table
+from codend.report.files import COMPARISON_FILES, SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_table
 from codend.report.html import PageFigure, page_html
 from codend.report.picture import net_picture
 from codend.report.plan_copy import plan_toml
@@ -163,9 +163,7 @@ def _write_bytes(content: bytes, path: Path) -> None:
 def _remove_leftovers(folder: Path, written: set[Path]) -> None:
     nets = [path for path in folder.glob("net_*.vtu") if re.fullmatch(r"net_\d+\.vtu", path.name)]
     plots = [folder / "plots" / f"{plot.name}.png" for plot in PLOTS]
-    selectivity = [folder / f"{name}.csv" for name in ("selectivity", "retention", "sensitivity", "calibration")]
-    selectivity += [folder / name for name in ("together.csv", "together_l50.csv", "calibrated_species.toml")]
     plots += (folder / "plots").glob("selectivity_*.png")
-    compared = [folder / name for name in ("comparison.csv", "comparison_summary.csv", "comparison.png")]
-    for path in {*nets, *plots, *selectivity, *compared, folder / "meshes.csv"} - written:
+    derived = [folder / name for name in (*SELECTIVITY_TABLES, *TRIAL_TABLES, *COMPARISON_FILES)]
+    for path in {*nets, *plots, *derived, folder / "meshes.csv"} - written:
         path.unlink(missing_ok=True)

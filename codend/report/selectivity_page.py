@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from codend.report.files import whole_file, write_table
+from codend.report.files import SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_table
 from codend.report.html import PageFigure
 from codend.report.selectivity_plots import catch_plot, history_plot, mesh_plot, retention_plot, sensitivity_plot
 from codend.report.style import column_text, png
@@ -60,9 +60,8 @@ TOGETHER = (
     "and to computed retention at the same catches and lengths; lines are L50 read off the computed curves, which do "
     "not go to zero for small fish."
 )
-FIELD_TABLES = ("together.csv", "together_l50.csv", "calibration.csv", "calibrated_species.toml")
 FILES = (
-    *("selectivity.csv", "retention.csv", "sensitivity.csv", *FIELD_TABLES, "report.html"),
+    *(*SELECTIVITY_TABLES, *TRIAL_TABLES, "report.html"),
     *(f"plots/selectivity_{name}.png" for name in ("together", *PLOTS)),
 )
 """Every file that ``write_selectivity`` may write or remove."""
@@ -101,7 +100,7 @@ def write_selectivity(predictions: Sequence[Prediction], folder: Path, together:
         "retention.csv": retention_table(predictions),
         "sensitivity.csv": sensitivity_table(predictions),
     }
-    for name in FIELD_TABLES:
+    for name in TRIAL_TABLES:
         (folder / name).unlink(missing_ok=True)
     if together:
         tables |= {"together.csv": together_table(together), "together_l50.csv": together_l50_table(together)}
