@@ -24,6 +24,10 @@ LENGTH_TOLERANCE = 1e-6
 
 ROUGH = 1e-2
 """Residual to which a start without tensions is relaxed before the multipliers are first set."""
+TIGHTENING = 0.2
+"""Residual asked for between two settings of the multipliers, over the length error at the last."""
+STEPS_AT_ONCE = 20_000
+"""Steps between two looks at the progress."""
 
 _OUTCOMES = {
     relaxation.CONVERGED: Outcome.CONVERGED,
@@ -44,10 +48,6 @@ class RelaxationSettings:
     """Axial stiffness EA that stands in for inextensible twine, in units of the reference tension."""
     mass_factor: float = 1.5
     """Fictitious masses over their bound for a stable unit time step."""
-    tightening: float = 0.2
-    """Residual asked for between two settings of the multipliers, over the length error at the last."""
-    steps_at_once: int = 20_000
-    """Steps between two looks at the progress."""
     steps_allowed: int = 200_000
     restarts: int = 4
 
@@ -178,7 +178,7 @@ class _Run:
             inner = max(tolerance, 0.1 * ROUGH)
         best, last_gain = np.inf, 0
         while True:
-            spend = min(self.settings.steps_at_once, self.steps_allowed - self.steps)
+            spend = min(STEPS_AT_ONCE, self.steps_allowed - self.steps)
             code, steps, _, self.residual, self.imbalance = relaxation.relax(
                 work, structure, self.problem.loading, inner, self.mass_factor, self.settings.viscous, spend
             )
@@ -191,7 +191,7 @@ class _Run:
             if max(self.residual, self.imbalance) < 0.5 * best:
                 best, last_gain = max(self.residual, self.imbalance), self.steps
             if outcome is Outcome.STEPS_SPENT:
-                if self.steps >= self.steps_allowed or self.steps - last_gain > 2 * self.settings.steps_at_once:
+                if self.steps >= self.steps_allowed or self.steps - last_gain > 2 * STEPS_AT_ONCE:
                     return Outcome.STEPS_SPENT
                 continue
             last_error, self.length_error = self.length_error, length_error(structure, work.length, work.density)
@@ -204,10 +204,10 @@ class _Run:
             if not 0.5 < tension / self.tension < 2.0:
                 self._set_law(tension)
             work.multiplier[:] = work.density
-            inner = min(inner, self.settings.tightening * self.length_error)
+            inner = min(inner, TIGHTENING * self.length_error)
             if self.length_error < 0.5 * last_error:
                 inner = max(inner, tolerance)
-            elif inner > 0.01 * self.settings.tightening * self.length_error:
+            elif inner > 0.01 * TIGHTENING * self.length_error:
                 # multipliers taken from a shape that has not settled do not bring the lengths nearer: settle it further
                 inner *= 0.3
             else:

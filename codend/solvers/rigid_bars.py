@@ -36,6 +36,10 @@ LOOK = 25
 """Steps between two looks at the state of the motion."""
 LOST = 0.5
 """Drift of a bar, relative, beyond which the motion has lost its footing."""
+SAFETY = 0.5
+"""Time step over the largest stable one, halved at every restart."""
+REST_SPEED = 1e-3
+"""Root mean square of the nodes' speeds over the towing speed at which the net counts as at rest (LB99 5)."""
 
 
 @dataclass(frozen=True)
@@ -43,16 +47,11 @@ class RigidBarsSettings:
     """What may be tuned; the defaults hold for all plans the project knows."""
 
     time_step_s: float | None = None
-    """None: ``safety`` times the largest stable step, found anew for every step."""
-    safety: float = 0.5
+    """None: ``SAFETY`` times the largest stable step, found anew for every step."""
     ramp_s: float = 0.5
     """Time in which the catch's pressure comes up, from the empty net."""
-    rest_speed: float = 1e-3
-    """Root mean square of the nodes' speeds over the towing speed at which the net counts as at rest (LB99 5)."""
     stop_at_peaks: bool = True
     """Stop the net at peaks of its kinetic energy, once the catch is all there."""
-    project: bool = False
-    """Bring the bars to their lengths after every step, instead of letting the next step do it nearly."""
     slack: bool = False
     """Drop bars that would carry compression for a step, instead of refusing an equilibrium that has them."""
     steps_allowed: int = 60_000
@@ -92,7 +91,7 @@ def solve(
     compile_kernels(problem)
     started = perf_counter()
     attempts: list[str] = []
-    steps, safety = 0, settings.safety
+    steps, safety = 0, SAFETY
     for _ in range(1 if settings.time_step_s is not None else settings.restarts + 1):
         run = _Run(problem, settings, safety, progress)
         outcome = run.to_rest(tolerance)
@@ -164,7 +163,7 @@ class _Run:
     def __init__(self, problem: Problem, settings: RigidBarsSettings, safety: float, progress: Progress | None) -> None:
         self.problem, self.settings, self.safety, self.progress = problem, settings, safety, progress
         still = np.zeros_like(problem.net.positions)
-        self.motion = RigidMotion(problem, problem.net.positions, still, project=settings.project, slack=settings.slack)
+        self.motion = RigidMotion(problem, problem.net.positions, still, slack=settings.slack)
         self.steps, self.stops = 0, 0
         self.time_s = self.speed = self.largest_drift = 0.0
         self.residual = self.imbalance = self.length_error = np.inf
@@ -202,7 +201,7 @@ class _Run:
             last = self.steps == settings.steps_allowed
             if last or self.steps % LOOK == 0:
                 self.speed, peak_speed = peak_speed, 0.0
-                at_rest = filling == 1.0 and self.speed <= settings.rest_speed * self.problem.loading.speed
+                at_rest = filling == 1.0 and self.speed <= REST_SPEED * self.problem.loading.speed
                 outcome = self._look(tolerance) if at_rest or last else None
                 if self.progress is not None:
                     self.progress(METHOD, float(max(self.residual, self.imbalance)))
