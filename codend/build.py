@@ -15,7 +15,7 @@ def build_net(
     plan: Plan,
     *,
     globalisation: int = 1,
-    columns: int | None = None,
+    sectors: int | None = None,
     rows: tuple[Floats, Floats] | None = None,
     azimuth_rad: float = 0.0,
 ) -> Net:
@@ -26,7 +26,7 @@ def build_net(
         globalisation: real meshes merged into one each way: bar length and drag diameter grow by this factor, solid
             diameter by its square root, axial stiffness by this factor (Le Bris et al. 1999, section 3.1; Bessonneau
             and Marichal 1997, section 4), so that mass, wet weight and drag area stay the same.
-        columns: equal sectors that are modelled side by side, of as many as the meshes round of all sections can be
+        sectors: equal sectors that are modelled side by side, of as many as the meshes round of all sections can be
             divided into: each is one (merged) mesh wide where they have the same; None gives the full net.
         rows: positions along the axis and radii of the rows, each (rows + 1,); a crude bag by default.
         azimuth_rad: turns the whole net about the axis.
@@ -36,7 +36,7 @@ def build_net(
             stiffness has no place in the model.
     """
     _check_bending(plan)
-    lattice = _lattice_of(plan, globalisation, columns)
+    lattice = _lattice_of(plan, globalisation, sectors)
     x, radius = rows if rows is not None else crude_rows(plan, globalisation)
     shape = RowShape(x, np.concatenate([[plan.entry.radius_m], radius[1:-1], [0.0]]), azimuth_rad)
     knots = knots_of(lattice)
@@ -46,7 +46,7 @@ def build_net(
     return with_straps(net, plan, knots)
 
 
-def _lattice_of(plan: Plan, globalisation: int, columns: int | None) -> Lattice:
+def _lattice_of(plan: Plan, globalisation: int, sectors: int | None) -> Lattice:
     if globalisation not in plan.globalisations:
         raise InputError(
             file=plan.source,
@@ -56,12 +56,12 @@ def _lattice_of(plan: Plan, globalisation: int, columns: int | None) -> Lattice:
         )
     sections = rows_of(plan, globalisation)
     meshes_round = np.array([s.meshes_round // globalisation for s in sections])
-    sectors = int(np.gcd.reduce(meshes_round))
-    columns = sectors if columns is None else columns
-    if sectors % columns:
-        raise ValueError(f"columns must divide {sectors} equal sectors, not {columns}")
-    order = sectors // columns
-    return Lattice(sections, meshes_round // order, columns, order, globalisation)
+    most = int(np.gcd.reduce(meshes_round))
+    abreast = most if sectors is None else sectors
+    if most % abreast:
+        raise ValueError(f"sectors must divide {most}, the equal ones all round, not be {abreast}")
+    order = most // abreast
+    return Lattice(sections, meshes_round // order, abreast, order, globalisation)
 
 
 def _check_bending(plan: Plan) -> None:

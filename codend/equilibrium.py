@@ -49,7 +49,7 @@ class Scene:
 
     plan: Plan
     net: Net
-    columns: int | None
+    sectors: int | None
     globalisation: int
 
     @cached_property
@@ -58,7 +58,7 @@ class Scene:
         return newton.prepare(structure_of(self.net))
 
 
-def scene_of(plan: Plan, globalisation: int, columns: int | None) -> Scene:
+def scene_of(plan: Plan, globalisation: int, sectors: int | None) -> Scene:
     """Build the net of a plan.
 
     Raises:
@@ -68,7 +68,7 @@ def scene_of(plan: Plan, globalisation: int, columns: int | None) -> Scene:
     if plan.model.method == "rigid-bars" and stretching:
         allowed = 'left out with model.method = "rigid-bars": rigid bars do not stretch'
         raise InputError(file=plan.source, key="netting.axial_stiffness_n", value=stretching[0], allowed=allowed)
-    return Scene(plan, build_net(plan, globalisation=globalisation, columns=columns), columns, globalisation)
+    return Scene(plan, build_net(plan, globalisation=globalisation, sectors=sectors), sectors, globalisation)
 
 
 def solve(
@@ -157,10 +157,10 @@ def _attempts(
         same = any(other.catch_value == case.catch_value for other, _ in known)
         # on a wide net a start that leads nowhere costs minutes, and the equilibrium of a sector next to nothing
         near = _reaches(path, case.catch_value) and (isinstance(scene.prepared.system, BandedSystem) or not by_meshes)
-        led = known and (scene.columns == 1 or same or near)
+        led = known and (scene.sectors == 1 or same or near)
         if led:
             yield "where the last equilibria lead", from_the_last
-        if scene.columns is None and scene.plan.model.bars_per_side == 1:
+        if scene.sectors is None and scene.plan.model.bars_per_side == 1:
             yield "the equilibrium of a sector", from_sector
         yield "a crude bag", through_the_interior
         if by_meshes:
@@ -245,17 +245,17 @@ def _laid_out(scene: Scene, shape: MeridianShape | None) -> Solution | None:
         return None
     g = scene.globalisation
     rows = (shape.x_m[::g], shape.radius_m[::g])
-    sector = build_net(scene.plan, globalisation=g, columns=1, rows=rows)
+    sector = build_net(scene.plan, globalisation=g, sectors=1, rows=rows)
     tension = g * tensions_on(sector, shape, g)
     return all_round_start(sector, sector.positions, tension, sector.order // scene.net.order)
 
 
-def all_round_start(sector: Net, positions: np.ndarray, tension: np.ndarray, columns: int) -> Solution:
-    """A start for the net of ``columns`` sectors, from the shape and tensions of one without hinges.
+def all_round_start(sector: Net, positions: np.ndarray, tension: np.ndarray, sectors: int) -> Solution:
+    """A start for a net of so many sectors, from the shape and tensions of one without hinges.
 
     Nodes and bars of the wider net are numbered row by row, and those that differ by whole sectors one after the other.
     """
-    turned = rotate(positions[:-1, None], np.arange(columns)[None], sector.order).reshape(-1, 3)
+    turned = rotate(positions[:-1, None], np.arange(sectors)[None], sector.order).reshape(-1, 3)
     return Solution(
-        np.concatenate([turned, positions[-1:]]), np.repeat(tension, columns), np.zeros(sector.bands), START
+        np.concatenate([turned, positions[-1:]]), np.repeat(tension, sectors), np.zeros(sector.bands), START
     )

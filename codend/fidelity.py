@@ -25,7 +25,7 @@ class Choice:
     fidelity: str
     """``meridian``, ``sector``, ``globalised`` or ``full``."""
     globalisation: int
-    columns: int | None
+    sectors: int | None
     """Equal sectors that are modelled side by side, None for all."""
     why: str
     drag_error: float
@@ -43,7 +43,7 @@ def choose(plan: Plan) -> Choice:
     and of the real net.
     """
     asked, g = plan.model.fidelity, plan.model.globalisation
-    sector = build_net(plan, columns=1)
+    sector = build_net(plan, sectors=1)
     # twine that floats counts like twine that sinks: in different sections they bend the bag all the same
     weight = sector.order * float(np.abs(wet_weight(sector, plan.tow.water_density_kg_m3)).sum())
     drag = _least_drag(plan) if weight > 0.0 and asked in ("auto", "sector", "meridian") else math.inf

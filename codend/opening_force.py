@@ -24,7 +24,7 @@ from codend.plan import Case, Plan
 from codend.solvers import interior_point, newton
 from codend.solvers.outcome import Progress, Solution
 
-FEWEST_COLUMNS = 10
+FEWEST_SECTORS = 10
 WIDER = 1.4
 """Factor by which the model is made wider at least, from one to the next."""
 WHOLE = 60
@@ -146,10 +146,10 @@ def pull_mesh(
             converged=True,
         )
     found: list[Pull] = []
-    for columns in _widths(net.order):
-        start = equilibrium.all_round_start(net, solution.positions, solution.bar_tension, columns)
-        pulled = _pulled(plan, columns, row, start, pull, progress)
-        attempts += tuple(f"{columns} of {net.order} sectors: {line}" for line in pulled.attempts)
+    for sectors in _widths(net.order):
+        start = equilibrium.all_round_start(net, solution.positions, solution.bar_tension, sectors)
+        pulled = _pulled(plan, sectors, row, start, pull, progress)
+        attempts += tuple(f"{sectors} of {net.order} sectors: {line}" for line in pulled.attempts)
         if pulled.converged:
             found.append(pulled)
         if len(found) > 2 and _changes(found).max() <= ENOUGH * found[-1].opening_force_in_net_n:
@@ -168,18 +168,18 @@ def _changes(found: list[Pull]) -> Floats:
     return np.abs(np.diff([pull.opening_force_in_net_n for pull in found[-3:]]))
 
 
-def _widths(sectors: int) -> Iterator[int]:
-    """Numbers of sectors to model side by side, from narrow to the full net."""
+def _widths(order: int) -> Iterator[int]:
+    """Numbers of sectors to model side by side, from narrow to the full net of ``order`` of them."""
     last = 0.0
-    for columns in range(1 if sectors > WHOLE else sectors, sectors + 1):
-        if sectors % columns == 0 and (columns == sectors or columns >= max(FEWEST_COLUMNS, WIDER * last)):
-            yield columns
-            last = columns
+    for sectors in range(1 if order > WHOLE else order, order + 1):
+        if order % sectors == 0 and (sectors == order or sectors >= max(FEWEST_SECTORS, WIDER * last)):
+            yield sectors
+            last = sectors
 
 
-def _pulled(plan: Plan, columns: int, row: int, start: Solution, pull: Pull, progress: Progress | None) -> Pull:
-    """The pull with ``columns`` sectors side by side: its force, not yet the error."""
-    net = replace(build_net(plan, columns=columns), positions=start.positions)
+def _pulled(plan: Plan, sectors: int, row: int, start: Solution, pull: Pull, progress: Progress | None) -> Pull:
+    """The pull with so many sectors side by side: its force, not yet the error."""
+    net = replace(build_net(plan, sectors=sectors), positions=start.positions)
     mesh = _middle_mesh(net, row)
     right = np.unique([net.mesh_sides[mesh, 0, 1], net.mesh_sides[mesh, 1, 0]])
     left = np.unique([net.mesh_sides[mesh, 2, 1], net.mesh_sides[mesh, 3, 0]])
@@ -222,7 +222,7 @@ def _pulled(plan: Plan, columns: int, row: int, start: Solution, pull: Pull, pro
                 pull,
                 opening_force_in_net_n=force + short * (force - last_force),
                 opening_force_in_net_error_n=abs(short * (force - last_force)),
-                sectors=columns,
+                sectors=sectors,
                 slack_bars=int(slack),
                 residual=trial.report.residual,
                 converged=True,
@@ -230,7 +230,7 @@ def _pulled(plan: Plan, columns: int, row: int, start: Solution, pull: Pull, pro
             )
         goal += short * (goal - last_goal)
     return replace(
-        pull, opening_force_in_net_n=float("nan"), sectors=columns, converged=False, attempts=tuple(attempts)
+        pull, opening_force_in_net_n=float("nan"), sectors=sectors, converged=False, attempts=tuple(attempts)
     )
 
 

@@ -125,7 +125,7 @@ def solve(plan: Plan, progress: StudyProgress | None = None, choice: Choice | No
     choice = fidelity.choose(plan) if choice is None else choice
     if choice.fidelity == "meridian":
         return Study(plan, choice, tuple(_solve_meridian(plan, choice, progress)))
-    scene = equilibrium.scene_of(plan, choice.globalisation, choice.columns)
+    scene = equilibrium.scene_of(plan, choice.globalisation, choice.sectors)
     cases = plan.cases()
     known: list[tuple[Case, Solution]] = []
     results: dict[int, CaseResult] = {}
@@ -181,7 +181,7 @@ def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) 
             solve_ms=1e3 * (perf_counter() - started),
             attempts=(f"meridian method, {shape.method}: {shape.outcome.value}",),
         )
-        net = build_net(plan, columns=1, rows=(shape.x_m, shape.radius_m))
+        net = build_net(plan, sectors=1, rows=(shape.x_m, shape.radius_m))
         problem = problem_of(net, plan, case)
         share = plan_case.share_of(shape, net.bands)
         solution = Solution(net.positions, plan_case.tensions_on(net, shape), share, report)

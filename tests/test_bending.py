@@ -16,10 +16,10 @@ KINDS = [("diamond", 0.0), ("diamond", 6.0), ("t90", 6.0)]
 
 
 @pytest.mark.parametrize(("mesh", "knot"), KINDS)
-@pytest.mark.parametrize("columns", [1, 2, None])
-def test_bending_forces_are_minus_the_gradient_of_the_energy(mesh, knot, columns):
+@pytest.mark.parametrize("sectors", [1, 2, None])
+def test_bending_forces_are_minus_the_gradient_of_the_energy(mesh, knot, sectors):
     plan = make_plan(12, 6, mesh=mesh, netting={"knot_mm": knot, "bending_stiffness_n_m2": 1e-3})
-    net = build_net(plan, columns=columns)
+    net = build_net(plan, sectors=sectors)
     rng = np.random.default_rng(1)
     positions = net.positions + 0.003 * rng.normal(size=net.positions.shape)
     positions[-1, 1:] = 0.0
@@ -34,7 +34,7 @@ def test_every_twine_has_its_bending_energy_once(mesh, knot):
     """A long net whose twines are all turned by the same angle from rest: k / 2 times that angle squared, each."""
     stiffness, turn = 1e-3, 0.1
     plan = make_plan(200, 40, mesh=mesh, netting={"knot_mm": knot, "bending_stiffness_n_m2": stiffness})
-    net = build_net(plan, columns=1)
+    net = build_net(plan, sectors=1)
     sign = np.where(net.corner_rest > np.pi / 2, -1.0, 1.0)
     stored = (net.corner_stiffness * (2 * turn * sign) ** 2).sum() / 8
     twines = np.count_nonzero(net.bar_drag_diameter > 0)

@@ -19,7 +19,7 @@ KINDS = [
 def test_a_sector_repeated_all_round_is_the_full_net(mesh, netting):
     plan = make_plan(12, 8, mesh=mesh, netting=netting)
     full = build_net(plan)
-    sector = build_net(plan, columns=1)
+    sector = build_net(plan, sectors=1)
     assert sector.order == 12
     whole = all_round(sector, sector.positions)
 
@@ -68,10 +68,10 @@ def test_every_diamond_knot_inside_the_net_holds_four_twines():
     assert twines[-1] == 24
 
 
-@pytest.mark.parametrize("columns", [1, 2, None])
+@pytest.mark.parametrize("sectors", [1, 2, None])
 @pytest.mark.parametrize(("mesh", "netting"), KINDS)
-def test_mesh_sides_name_their_bars(mesh, netting, columns):
-    net = build_net(make_plan(12, 8, mesh=mesh, netting=netting), columns=columns)
+def test_mesh_sides_name_their_bars(mesh, netting, sectors):
+    net = build_net(make_plan(12, 8, mesh=mesh, netting=netting), sectors=sectors)
     there = net.mesh_bars >= 0
     # the entry's ring is held and the codline a point: square meshes there have three sides of twine
     whole = ~np.isin(net.mesh_row, [0, net.bands - 1]) if mesh == "square" else np.ones(len(there), dtype=bool)
@@ -104,7 +104,7 @@ def test_globalised_elastic_bars_are_as_much_stiffer_as_they_carry_more():
 
 
 def test_a_hinge_in_mid_bar_leaves_length_and_drag_area():
-    net = build_net(make_plan(12, 8, netting={"knot_mm": 8.0}), columns=1)
+    net = build_net(make_plan(12, 8, netting={"knot_mm": 8.0}), sectors=1)
     twine = net.bar_drag_diameter > 0
     halved = split_bars(net, twine)
     assert halved.bar_length.sum() == pytest.approx(net.bar_length.sum())
@@ -119,7 +119,7 @@ def test_sections_follow_one_another():
     plan = make_plan(12, 8)
     second = plan.netting[0].model_copy(update={"bar_mm": 20.0, "meshes_long": 3})
     joined = plan.model_copy(update={"netting": (plan.netting[0], second)})
-    net = build_net(joined, columns=1)
+    net = build_net(joined, sectors=1)
     assert len(rows_of(joined)) == net.bands == 22
     assert np.unique(net.bar_length[net.bar_band >= 16]) == pytest.approx([0.020])
     assert np.unique(net.bar_length[net.bar_band < 16]) == pytest.approx([0.040])
@@ -128,6 +128,6 @@ def test_sections_follow_one_another():
 def test_knots_keep_their_length_on_rows_that_close_up():
     plan = make_plan(12, 8, netting={"knot_mm": 8.0})
     x, radius = np.linspace(0.0, 0.4, 17), np.full(17, 0.05)
-    net = build_net(plan, columns=1, rows=(x, radius))
+    net = build_net(plan, sectors=1, rows=(x, radius))
     knot = bar_vectors(net, net.positions)[net.bar_drag_diameter == 0.0]
     assert np.linalg.norm(knot[1:-1], axis=1) == pytest.approx(0.008, rel=1e-12)

@@ -152,8 +152,8 @@ def test_a_case_known_already_is_no_start_for_a_path_to_itself():
 def test_two_sectors_side_by_side_have_the_equilibrium_of_one():
     plan = make_plan(24, 20)
     drags = []
-    for columns in (1, 2):
-        problem, solution = equilibrium.solve(equilibrium.scene_of(plan, 1, columns), plan.cases()[0], (), None)
+    for sectors in (1, 2):
+        problem, solution = equilibrium.solve(equilibrium.scene_of(plan, 1, sectors), plan.cases()[0], (), None)
         assert solution.report.outcome.converged
         drags.append(measure_all(problem, solution)[2].drag_n)
     assert drags[1] == pytest.approx(drags[0], rel=1e-6)

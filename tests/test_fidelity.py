@@ -38,8 +38,8 @@ def test_full_net_and_sectors_of_any_size_have_the_same_equilibrium(plan):
     full_net, full = equilibrium(plan)
     radius = np.hypot(full.positions[:, 1], full.positions[:, 2]).max()
     by_place = np.lexsort(full_net.positions.round(9).T)
-    for columns, azimuth in ((1, 0.0), (1, 0.3), (3, 0.0)):
-        net, sector = equilibrium(plan, columns=columns, azimuth_rad=azimuth)
+    for sectors, azimuth in ((1, 0.0), (1, 0.3), (3, 0.0)):
+        net, sector = equilibrium(plan, sectors=sectors, azimuth_rad=azimuth)
         assert sector.report.outcome.converged
         whole = all_round(net, sector.positions)
         start = all_round(net, net.positions).positions
@@ -65,8 +65,8 @@ def test_full_net_and_sectors_of_any_size_have_the_same_equilibrium(plan):
 )
 def test_every_mesh_of_a_sector_measures_as_those_it_stands_for_in_the_full_net(plan):
     measured = []
-    for columns in (1, None):
-        net = build_net(plan, columns=columns)
+    for sectors in (1, None):
+        net = build_net(plan, sectors=sectors)
         problem = problem_of(net, plan, plan.cases()[0])
         meshes, rows, measures = measure_all(problem, newton.solve(problem, TIGHT))
         by_mesh = [meshes.opening_deg, meshes.bar_tension_n, meshes.opening_force_n, meshes.pressure_pa]
@@ -109,7 +109,7 @@ def test_a_rotated_full_net_is_the_same_net_rotated():
 
 def test_a_sector_does_not_depend_on_which_images_its_nodes_are_taken_from():
     plan = make_plan(24, 20)
-    net, plain = equilibrium(plan, columns=1)
+    net, plain = equilibrium(plan, sectors=1)
     shift = np.arange(len(net.positions)) % 2
     shift[-1] = 0
     recut = replace(
@@ -170,7 +170,7 @@ def test_counts_without_a_common_divisor_make_a_sector_that_bears_its_weight():
     choice = fidelity.choose(plan)
     assert choice.why.startswith("Asked for: the full net (its mesh counts 13 and 12 have no common divisor).")
     assert choice.weight_share == 0.0
-    assert problem_of(build_net(plan, columns=1), plan, plan.cases()[0]).loading.dead.any()
+    assert problem_of(build_net(plan, sectors=1), plan, plan.cases()[0]).loading.dead.any()
 
 
 def test_only_wide_models_of_many_knots_are_told_to_be_slow():
@@ -181,7 +181,7 @@ def test_only_wide_models_of_many_knots_are_told_to_be_slow():
     assert "Its 6001 knots take seconds to minutes a case." in fidelity.choose(merged).why
     for plan in (full, merged):
         choice = fidelity.choose(plan)
-        net = build_net(plan, globalisation=choice.globalisation, columns=choice.columns)
+        net = build_net(plan, globalisation=choice.globalisation, sectors=choice.sectors)
         assert f" {len(net.positions)} knots" in choice.why
     # one mesh wide and 3000 rows long
     assert "minutes" not in fidelity.choose(make_plan(120, 1500)).why
@@ -200,7 +200,7 @@ def test_weight_changes_openings_by_less_than_its_share_of_the_drag_and_drag_by_
     light = solve(make_plan(24, 20, **options, model={"fidelity": "sector"})).cases[0]
     share = 0.06
     weight = share * light.measures.drag_n
-    per_density = 24 * abs(float(wet_weight(build_net(_dense(options, 2000.0), columns=1), 1000.0).sum()))
+    per_density = 24 * abs(float(wet_weight(build_net(_dense(options, 2000.0), sectors=1), 1000.0).sum()))
     plan = _dense(options, 1000.0 + 1000.0 * weight / per_density, fidelity="full")
     heavy = solve(plan).cases[0]
     assert abs(heavy.measures.drag_n / light.measures.drag_n - 1.0) <= accuracy.WEIGHT_LEFT_OUT[0, 1] * share**2

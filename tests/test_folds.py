@@ -41,10 +41,10 @@ twine_mm = 4.0
 
 
 @pytest.mark.parametrize(("mesh", "netting"), KINDS)
-@pytest.mark.parametrize("columns", [1, 2, None])
-def test_two_knots_of_a_ring_that_change_places_lay_their_meshes_in_folds(mesh, netting, columns):
+@pytest.mark.parametrize("sectors", [1, 2, None])
+def test_two_knots_of_a_ring_that_change_places_lay_their_meshes_in_folds(mesh, netting, sectors):
     plan = make_plan(24, 20, mesh=mesh, netting=netting)
-    problem = problem_of(build_net(plan, columns=columns), plan, plan.cases()[0])
+    problem = problem_of(build_net(plan, sectors=sectors), plan, plan.cases()[0])
     solution = newton.solve(problem, 1e-8)
     net, rows = problem.net, measure_rows(problem, solution, measure_meshes(problem, solution))
 

@@ -66,8 +66,8 @@ def closure(net: Net) -> tuple[np.ndarray, float, float]:
 @pytest.mark.parametrize("sections", SMALL.values(), ids=SMALL)
 def test_facets_close_the_bag_across_a_joint_and_face_outward(sections):
     plan = joined_plan(*sections)
-    for columns in (1, 2, None):
-        total, lid, outward = closure(build_net(plan, columns=columns))
+    for sectors in (1, 2, None):
+        total, lid, outward = closure(build_net(plan, sectors=sectors))
         assert total == pytest.approx([lid, 0.0, 0.0], abs=1e-12)
         assert outward > -1e-12
 
@@ -75,7 +75,7 @@ def test_facets_close_the_bag_across_a_joint_and_face_outward(sections):
 @pytest.mark.parametrize("sections", SMALL.values(), ids=SMALL)
 def test_a_sector_of_joined_sections_repeated_all_round_is_the_full_net(sections):
     plan = joined_plan(*sections)
-    full, sector = build_net(plan), build_net(plan, columns=1)
+    full, sector = build_net(plan), build_net(plan, sectors=1)
     whole = all_round(sector, sector.positions)
 
     def segments(positions, bars):
@@ -156,8 +156,8 @@ def test_entry_reaction_is_pressure_times_the_polygon_of_the_front_row_at_joints
     assert result.measures.entry_reaction_n == pytest.approx(1.4 * 500.0 * polygon, rel=2e-6)
 
 
-def measured(plan: Plan, columns: int) -> Measures:
-    problem, solution = solve_case(scene_of(plan, 1, columns), plan.cases()[0], (), None)
+def measured(plan: Plan, sectors: int) -> Measures:
+    problem, solution = solve_case(scene_of(plan, 1, sectors), plan.cases()[0], (), None)
     assert solution.report.outcome.converged, solution.report.attempts
     return measure_all(problem, solution)[2]
 
@@ -166,7 +166,7 @@ def measured(plan: Plan, columns: int) -> Measures:
 def test_models_of_one_and_two_sectors_have_the_same_equilibrium(sections):
     """Each finds it from a crude start of its own."""
     plan = joined_plan(*sections, model={"tolerance": 1e-9})
-    narrow, wide = (measured(plan, columns) for columns in (1, 2))
+    narrow, wide = (measured(plan, sectors) for sectors in (1, 2))
     for name in ("drag_n", "catch_volume_m3", "length_m", "max_radius_m", "opening_ahead_deg"):
         assert getattr(wide, name) == pytest.approx(getattr(narrow, name), rel=1e-6)
 
@@ -223,7 +223,7 @@ def test_a_joint_is_no_wider_than_the_fewer_meshes_of_the_shorter_bar_pulled_ope
 
 def test_rows_ahead_of_the_front_are_counted_through_a_change_of_mesh_kind():
     plan = joined_plan(("diamond", 20, 6, 40.0, {}), ("square", 20, 7, 40.0, {}))
-    net = build_net(plan, columns=1)
+    net = build_net(plan, sectors=1)
     share = np.ones(net.bands)
     share[: 12 + 2] = 0.0
     assert opening_rows_ahead(net, share) == pytest.approx([7.5, 6.5, 5.5, 5.0, 4.5])
@@ -237,7 +237,7 @@ def test_the_reason_tells_how_many_meshes_make_a_sector():
 
 def test_counts_without_a_common_divisor_make_one_sector_of_the_whole_net():
     plan = joined_plan(("diamond", 9, 4, 40.0, {}), ("diamond", 7, 6, 40.0, {}), catch={"filled_meshes": 4.0})
-    net = build_net(plan, columns=1)
+    net = build_net(plan, sectors=1)
     assert net.order == 1
     check(solve(plan).cases[0], 1e-6)
 

@@ -27,7 +27,7 @@ KINDS = st.sampled_from([("diamond", 0.0), ("diamond", 6.0), ("t90", 6.0), ("squ
 
 
 @st.composite
-def random_nets(draw, columns=None):
+def random_nets(draw, sectors=None):
     mesh, knot = draw(KINDS)
     meshes = draw(st.integers(4, 9))
     plan = make_plan(
@@ -40,7 +40,7 @@ def random_nets(draw, columns=None):
         catch={"filled_meshes": draw(st.floats(0.3, 2.0)), **draw(st.sampled_from([UNIFORM, {}]))},
         drag={"law": draw(st.sampled_from(["le-bris-1999", "bessonneau-1997"]))},
     )
-    net = build_net(plan, columns=columns)
+    net = build_net(plan, sectors=sectors)
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     shaken = net.positions + 0.005 * rng.normal(size=net.positions.shape) * ~net.fixed
     return plan, replace(net, positions=shaken)
@@ -82,7 +82,7 @@ def test_loads_turn_and_travel_with_the_net(case, angle, shift):
 
 
 @settings(max_examples=25, deadline=None)
-@given(random_nets(columns=1))
+@given(random_nets(sectors=1))
 def test_a_sector_carries_the_loads_of_its_part_of_the_full_net(case):
     """Whichever image of a node is taken for its representative."""
     plan, net = case
@@ -163,7 +163,7 @@ def test_the_catch_pushes_no_lid_at_its_open_front():
 
 def test_the_front_moves_continuously_through_the_rows():
     plan = make_plan(12, 8, filled=4.0)
-    net = build_net(plan, columns=1)
+    net = build_net(plan, sectors=1)
     loads = []
     for filled in np.linspace(3.9, 4.6, 281):
         problem = problem_of(net, plan, replace(plan.cases()[0], catch_value=filled))

@@ -20,7 +20,7 @@ from codend.solvers.sparse_system import SparseSystem
 from validation.plain_nets import plain_net, plain_problem
 
 
-def _problem(columns=1, catch=None, drag=1.36, **section):
+def _problem(sectors=1, catch=None, drag=1.36, **section):
     netting = {
         "mesh": "diamond",
         "meshes_round": 60,
@@ -39,7 +39,7 @@ def _problem(columns=1, catch=None, drag=1.36, **section):
             "drag": {"normal": drag, "tangential": 0.07 if drag else 0.0},
         }
     )
-    return problem_of(build_net(plan, columns=columns), plan, plan.cases()[0])
+    return problem_of(build_net(plan, sectors=sectors), plan, plan.cases()[0])
 
 
 PLANS = {
@@ -134,9 +134,9 @@ def test_convergence_is_quadratic_near_the_solution():
     assert order > 1.8
 
 
-@pytest.mark.parametrize("columns", [2, None])
-def test_sector_and_wider_models_have_the_same_equilibrium(columns):
-    narrow, wide = (_problem(c, meshes_round=12, meshes_long=10, catch={"filled_meshes": 4.0}) for c in (1, columns))
+@pytest.mark.parametrize("sectors", [2, None])
+def test_sector_and_wider_models_have_the_same_equilibrium(sectors):
+    narrow, wide = (_problem(c, meshes_round=12, meshes_long=10, catch={"filled_meshes": 4.0}) for c in (1, sectors))
     small, large = newton.solve(narrow, 1e-10), newton.solve(wide, 1e-10)
 
     def sorted_points(problem, solution):
@@ -226,10 +226,10 @@ def _tangent(problem, shift):
     return blocks, unknown, row, column, matrix
 
 
-@pytest.mark.parametrize("columns", [1, None])
+@pytest.mark.parametrize("sectors", [1, None])
 @pytest.mark.parametrize("shift", [0.0, -150.0])
-def test_band_and_sparse_factors_solve_the_dense_system_and_pivots_count_eigenvalues(columns, shift):
-    problem = _problem(columns, meshes_round=12, meshes_long=8, knot_mm=5.0, catch={"filled_meshes": 3.0})
+def test_band_and_sparse_factors_solve_the_dense_system_and_pivots_count_eigenvalues(sectors, shift):
+    problem = _problem(sectors, meshes_round=12, meshes_long=8, knot_mm=5.0, catch={"filled_meshes": 3.0})
     blocks, unknown, row, column, matrix = _tangent(problem, shift)
     half_band = int(np.abs(row - column)[(row >= 0) & (column >= 0)].max())
     banded, sparse = BandedSystem(unknown, row, column, half_band), SparseSystem(unknown, row, column)

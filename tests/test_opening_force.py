@@ -36,9 +36,9 @@ def hooked_problem(plan, pulled_m):
     case = plan.cases()[0]
     sector = equilibrium.scene_of(plan, 1, 1)
     _, solution = equilibrium.solve(sector, case, (), None)
-    columns = sector.net.order
-    start = equilibrium.all_round_start(sector.net, solution.positions, solution.bar_tension, columns)
-    net = replace(build_net(plan, columns=columns), positions=start.positions)
+    sectors = sector.net.order
+    start = equilibrium.all_round_start(sector.net, solution.positions, solution.bar_tension, sectors)
+    net = replace(build_net(plan, sectors=sectors), positions=start.positions)
     mesh = pulling._middle_mesh(net, 10)
     right, left = net.mesh_sides[mesh, 0, 1:], net.mesh_sides[mesh, 2, 1:]
     abeam = start.positions[right[0]] - start.positions[left[0]]

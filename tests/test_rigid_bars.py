@@ -186,7 +186,7 @@ def test_a_string_goes_slack_where_a_rigid_bar_pushes_and_its_weight_flies():
 
 def test_a_sector_moves_as_the_full_net_does():
     plan = make_plan(8, 6, filled=3.0)
-    whole, part = (problem_of(net, plan, plan.cases()[0]) for net in (build_net(plan), build_net(plan, columns=1)))
+    whole, part = (problem_of(net, plan, plan.cases()[0]) for net in (build_net(plan), build_net(plan, sectors=1)))
     full, sector = (motion(problem, 5e-4, 0.05) for problem in (whole, part))
     turned = rotate(sector.positions[-1, :-1, None], np.arange(8)[None], 8).reshape(-1, 3)
     assert full.positions[-1, :-1] == pytest.approx(turned, abs=1e-9)
@@ -228,9 +228,9 @@ def case_of(plan, **options):
     ("problem", "slack"),
     [
         (case_of(make_plan(24, 20), globalisation=2), False),
-        (case_of(make_plan(24, 20, catch={"volume_m3": 0.02}), columns=1), False),
-        (case_of(make_plan(24, 20, mesh="t90", netting={"knot_mm": 12.0}), columns=1), True),
-        (case_of(make_plan(24, 20, mesh="square", entry=0.8), columns=1), True),
+        (case_of(make_plan(24, 20, catch={"volume_m3": 0.02}), sectors=1), False),
+        (case_of(make_plan(24, 20, mesh="t90", netting={"knot_mm": 12.0}), sectors=1), True),
+        (case_of(make_plan(24, 20, mesh="square", entry=0.8), sectors=1), True),
         (case_of(make_plan(12, 10, filled=4.0, netting={"twine_density_kg_m3": 1400.0})), False),
     ],
     ids=["globalised", "volume", "t90 with slack knots", "square with slack rings", "heavy"],
@@ -253,7 +253,7 @@ def test_a_solve_makes_the_steps_it_reports_and_no_others(monkeypatch):
     made = []
     step = RigidMotion.step
     monkeypatch.setattr(RigidMotion, "step", lambda *arguments: made.append(1) or step(*arguments))
-    report = rigid_bars.solve(case_of(make_plan(8, 6, filled=3.0), columns=1), 1e-5).report
+    report = rigid_bars.solve(case_of(make_plan(8, 6, filled=3.0), sectors=1), 1e-5).report
     assert len(made) == report.iterations
 
 
@@ -269,7 +269,7 @@ def signatures():
     return sum(len(kernel.overloads) for kernel in _kernels())
 
 plan = make_plan(8, 6, filled=3.0)
-problem = problem_of(build_net(plan, columns=1), plan, plan.cases()[0])
+problem = problem_of(build_net(plan, sectors=1), plan, plan.cases()[0])
 rigid_bars.compile_kernels(problem)
 compiled = signatures()
 print(rigid_bars.solve(problem, 1e-5).report.outcome.converged, signatures() - compiled)
@@ -280,7 +280,7 @@ print(rigid_bars.solve(problem, 1e-5).report.outcome.converged, signatures() - c
 
 
 def test_an_equilibrium_with_bars_in_compression_is_refused():
-    problem = case_of(make_plan(24, 20, mesh="t90", netting={"knot_mm": 12.0}), columns=1)
+    problem = case_of(make_plan(24, 20, mesh="t90", netting={"knot_mm": 12.0}), sectors=1)
     found = rigid_bars.solve(problem, 1e-5)
     assert found.report.outcome is Outcome.COMPRESSED
     assert np.isnan(found.positions).all()
@@ -288,23 +288,23 @@ def test_an_equilibrium_with_bars_in_compression_is_refused():
 
 
 def test_too_long_a_time_step_is_reported_and_gives_no_numbers():
-    found = rigid_bars.solve(case_of(make_plan(24, 20), columns=1), 1e-5, RigidBarsSettings(time_step_s=0.05))
+    found = rigid_bars.solve(case_of(make_plan(24, 20), sectors=1), 1e-5, RigidBarsSettings(time_step_s=0.05))
     assert found.report.outcome is Outcome.NOT_FINITE
     assert np.isnan(found.positions).all()
     with pytest.raises(ArithmeticError, match="smaller dt"):
-        motion(case_of(make_plan(24, 20), columns=1), 0.5, 50.0)
+        motion(case_of(make_plan(24, 20), sectors=1), 0.5, 50.0)
 
 
 def test_lengths_that_rigid_bars_cannot_have_are_refused():
     """Rings of square mesh fix the radius of a rigid bag, which cannot then narrow to the codline."""
-    found = rigid_bars.solve(case_of(make_plan(24, 20, mesh="square", entry=0.8), columns=1), 1e-5)
+    found = rigid_bars.solve(case_of(make_plan(24, 20, mesh="square", entry=0.8), sectors=1), 1e-5)
     assert found.report.outcome is Outcome.NOT_FINITE
     assert found.report.iterations == 0
     assert found.report.largest_drift > 1e-3
 
 
 def test_without_drag_nothing_comes_to_rest_unless_it_is_stopped():
-    problem = case_of(uniform_plan(24, 20, 6.0), columns=1)
+    problem = case_of(uniform_plan(24, 20, 6.0), sectors=1)
     left_alone = RigidBarsSettings(stop_at_peaks=False, steps_allowed=2000)
     found = rigid_bars.solve(problem, 1e-5, left_alone).report
     assert found.outcome is Outcome.STEPS_SPENT
@@ -314,7 +314,7 @@ def test_without_drag_nothing_comes_to_rest_unless_it_is_stopped():
 
 
 def test_what_rigid_bars_cannot_model_is_an_error():
-    stretching = case_of(make_plan(8, 6, filled=3.0, netting={"axial_stiffness_n": 1e3}), columns=1)
+    stretching = case_of(make_plan(8, 6, filled=3.0, netting={"axial_stiffness_n": 1e3}), sectors=1)
     with pytest.raises(ValueError, match="inextensible"):
         rigid_bars.solve(stretching, 1e-5)
     problem = pendulum(1.0)

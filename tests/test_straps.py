@@ -221,7 +221,7 @@ def test_relaxation_and_newton_find_the_same_strap(kind, strap):
 def test_a_hinge_in_mid_bar_is_not_put_into_a_strap():
     plan = strapped(length_m=2.0)
     hinged = plan.model_copy(update={"model": plan.model.model_copy(update={"bars_per_side": 2})})
-    net = build_net(hinged, columns=1)
+    net = build_net(hinged, sectors=1)
     assert np.all(net.node_row[net.bars[net.straps]] == net.bands - 24)
 
 

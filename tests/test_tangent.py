@@ -36,7 +36,7 @@ ROUND_OFF_OF_PRESSURE = 1e-13
 
 
 def distorted(
-    mesh: str, columns: int | None, *, catch: dict | None = None, law: str = LAWS[0], shake: float = 0.01, seed: int = 7
+    mesh: str, sectors: int | None, *, catch: dict | None = None, law: str = LAWS[0], shake: float = 0.01, seed: int = 7
 ) -> Problem:
     """A small elastic net away from its built shape, every other bar slack, stiff in bending where that has a place."""
     netting = {"twine_mm": 4.0, "axial_stiffness_n": 50.0, "knot_mm": 20.0 if mesh in {"knotted", "t90"} else 0.0}
@@ -53,7 +53,7 @@ def distorted(
         drag={"law": law, "tangential": 0.1},
         speed=1.3,
     )
-    net = build_net(plan, columns=columns)
+    net = build_net(plan, sectors=sectors)
     rng = np.random.default_rng(seed)
     positions = net.positions + shake * rng.normal(size=net.positions.shape)
     bars = np.arange(len(net.bars))
@@ -146,17 +146,17 @@ def check_bending(problem: Problem) -> None:
     )
 
 
-@pytest.mark.parametrize("columns", COLUMNS)
+@pytest.mark.parametrize("sectors", COLUMNS)
 @pytest.mark.parametrize("mesh", MESHES)
-def test_tangent_of_taut_and_slack_elastic_bars_is_the_derivative_of_their_pull(mesh, columns):
-    check_bars(distorted(mesh, columns))
+def test_tangent_of_taut_and_slack_elastic_bars_is_the_derivative_of_their_pull(mesh, sectors):
+    check_bars(distorted(mesh, sectors))
 
 
 @pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("columns", COLUMNS)
+@pytest.mark.parametrize("sectors", COLUMNS)
 @pytest.mark.parametrize("mesh", ["diamond", "t90"])
-def test_tangent_of_the_drag_is_its_derivative_at_given_shares(mesh, columns, law):
-    check_drag(distorted(mesh, columns, law=law))
+def test_tangent_of_the_drag_is_its_derivative_at_given_shares(mesh, sectors, law):
+    check_drag(distorted(mesh, sectors, law=law))
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -167,16 +167,16 @@ def test_tangent_of_the_drag_of_taut_and_slack_straps_is_its_derivative(law):
 
 
 @pytest.mark.parametrize("catch", [{}, UNIFORM], ids=["sphere", "uniform"])
-@pytest.mark.parametrize("columns", COLUMNS)
+@pytest.mark.parametrize("sectors", COLUMNS)
 @pytest.mark.parametrize("mesh", MESHES)
-def test_tangent_of_the_pressure_is_its_derivative_at_given_shares(mesh, columns, catch):
-    check_pressure(distorted(mesh, columns, catch={"filled_meshes": 2.3, **catch}))
+def test_tangent_of_the_pressure_is_its_derivative_at_given_shares(mesh, sectors, catch):
+    check_pressure(distorted(mesh, sectors, catch={"filled_meshes": 2.3, **catch}))
 
 
-@pytest.mark.parametrize("columns", COLUMNS)
+@pytest.mark.parametrize("sectors", COLUMNS)
 @pytest.mark.parametrize("mesh", ["diamond", "knotted", "t90"])
-def test_tangent_of_stiff_twine_is_the_derivative_of_its_resistance(mesh, columns):
-    check_bending(distorted(mesh, columns))
+def test_tangent_of_stiff_twine_is_the_derivative_of_its_resistance(mesh, sectors):
+    check_bending(distorted(mesh, sectors))
 
 
 @settings(max_examples=12)
@@ -188,8 +188,8 @@ def test_tangent_of_stiff_twine_is_the_derivative_of_its_resistance(mesh, column
     st.floats(0.002, 0.03),
     st.integers(0, 2**32 - 1),
 )
-def test_tangents_are_the_derivatives_on_random_nets(mesh, columns, law, filled, shake, seed):
-    problem = distorted(mesh, columns, catch={"filled_meshes": filled}, law=law, shake=shake, seed=seed)
+def test_tangents_are_the_derivatives_on_random_nets(mesh, sectors, law, filled, shake, seed):
+    problem = distorted(mesh, sectors, catch={"filled_meshes": filled}, law=law, shake=shake, seed=seed)
     check_bars(problem)
     check_drag(problem)
     check_pressure(problem)
@@ -197,11 +197,11 @@ def test_tangents_are_the_derivatives_on_random_nets(mesh, columns, law, filled,
         check_bending(problem)
 
 
-@pytest.mark.parametrize("columns", COLUMNS)
+@pytest.mark.parametrize("sectors", COLUMNS)
 @pytest.mark.parametrize("mesh", ["diamond", "knotted", "t90"])
 @pytest.mark.parametrize("catch", [PLANE, VOLUME], ids=["plane", "volume"])
-def test_the_share_of_the_fronts_band_follows_the_net_by_its_gradient(mesh, columns, catch):
-    problem = distorted(mesh, columns, catch=catch, shake=0.003)
+def test_the_share_of_the_fronts_band_follows_the_net_by_its_gradient(mesh, sectors, catch):
+    problem = distorted(mesh, sectors, catch=catch, shake=0.003)
     net, share = problem.net, shares(problem)
     band = front_band(problem.loading, share)
     assert 0 < band < net.bands - 1
@@ -212,12 +212,12 @@ def test_the_share_of_the_fronts_band_follows_the_net_by_its_gradient(mesh, colu
     assert_same(gradient.ravel(), by_node[0])
 
 
-@pytest.mark.parametrize("columns", COLUMNS)
+@pytest.mark.parametrize("sectors", COLUMNS)
 @pytest.mark.parametrize("mesh", MESHES)
 @pytest.mark.parametrize("catch", [None, PLANE, VOLUME], ids=["meshes", "plane", "volume"])
-def test_newtons_linearisation_is_the_derivative_of_all_that_is_out_of_balance(mesh, columns, catch):
+def test_newtons_linearisation_is_the_derivative_of_all_that_is_out_of_balance(mesh, sectors, catch):
     """Of elastic nets, their force densities eliminated; a moving front adds the product of two vectors."""
-    problem = distorted(mesh, columns, catch=catch, shake=0.003)
+    problem = distorted(mesh, sectors, catch=catch, shake=0.003)
     net, structure, loading, position = problem.net, problem.structure, problem.loading, problem.net.positions
     pattern = pattern_of(structure)
     state, step = newton_state.empty_state(structure), newton_step.empty_step(structure, pattern)

@@ -174,15 +174,15 @@ def test_slack_twine_is_solved_at_any_speed(speed):
 
 def test_a_net_that_has_passed_through_itself_is_seen_on_sectors_and_full_nets():
     for mesh in ({}, {"mesh": "square"}, {"mesh": "t90", "knot_mm": 8.0}, {"knot_mm": 8.0}):
-        for globalisation, columns in ((1, 1), (2, 2), (4, None)):
-            problem = problem_from(plan_of(netting=mesh), globalisation, columns)
+        for globalisation, sectors in ((1, 1), (2, 2), (4, None)):
+            problem = problem_from(plan_of(netting=mesh), globalisation, sectors)
             net = problem.net
             sound = newton.solve(problem, 1e-8).positions
             aft = sound[:, 0] > 0.5 * sound[:, 0].max()
             through = np.where(aft[:, None], sound * [1.0, -1.0, -1.0], sound)
             assert not passed_through_itself(sound, structure_of(net))
             assert passed_through_itself(through, structure_of(net))
-            if columns is None:
+            if sectors is None:
                 assert not passed_through_itself(sound + np.array([0.0, 3.0, 1.0]), structure_of(net))
 
 

@@ -56,8 +56,8 @@ def main() -> None:
     print(f"compiling or loading the kernels: {perf_counter() - started:.1f} s")
     print(f"{'model':18}{'nodes':>8}{'bars':>8}{'inner loop':>16}{'with loads':>14}{'steps':>8}{'ms to 1e-6':>12}")
     print(f"{'':34}{'ns/bar/step':>16}{'ns/bar/step':>14}")
-    for name, globalisation, columns in MODELS:
-        problem = problem_of(build_net(plan, globalisation=globalisation, columns=columns), plan, case)
+    for name, globalisation, sectors in MODELS:
+        problem = problem_of(build_net(plan, globalisation=globalisation, sectors=sectors), plan, case)
         bars = len(problem.net.bars)
         inner = nanoseconds_a_bar_and_step(problem)
         repeats = 1 if bars > 20_000 else 3

@@ -131,7 +131,7 @@ def _solver_of(plan: Plan, choice: Choice) -> Callable[[], float]:
     """Solves the plan's case from nothing, without the error estimates, and tells the time it took, ms."""
     if choice.fidelity == "meridian":
         return lambda: _time_of(lambda: solve_case(plan, plan.cases()[0]))
-    scene = equilibrium.scene_of(plan, choice.globalisation, choice.columns)
+    scene = equilibrium.scene_of(plan, choice.globalisation, choice.sectors)
     return lambda: float(equilibrium.solve(scene, plan.cases()[0], (), None)[1].report.solve_ms)
 
 

@@ -35,9 +35,9 @@ TURN_RAD = 0.123
 SEED, FIELDS = 42, 20
 
 
-def _solved(changes: list[str], globalisation: int, columns: int | None = None) -> tuple[Problem, Solution]:
+def _solved(changes: list[str], globalisation: int, sectors: int | None = None) -> tuple[Problem, Solution]:
     plan = load_plan(FLUME, [*CATCH, *changes])
-    scene = equilibrium.scene_of(plan, globalisation, columns)
+    scene = equilibrium.scene_of(plan, globalisation, sectors)
     problem, solution = equilibrium.solve(scene, plan.cases()[0], (), None)
     return problem, _checked(solution)
 
@@ -195,7 +195,7 @@ def _turned_error(_: bool) -> float:
 def _sector_error(quick: bool) -> float:
     """Of every measure, between the full net of limp light twine and one sector of it."""
     g = QUICK_GLOBALISATION if quick else 1
-    full, sector = (np.array(astuple(measure_all(*_solved([], g, columns))[2])) for columns in (None, 1))
+    full, sector = (np.array(astuple(measure_all(*_solved([], g, sectors))[2])) for sectors in (None, 1))
     # the net has no straps, whose tension is nan, and no folds
     return float(np.nanmax(np.abs(full - sector) / np.where(sector == 0.0, 1.0, np.abs(sector))))
 

@@ -65,9 +65,9 @@ def plan_bound(section: dict[str, Any]) -> float:
     return float(section["meshes_round"] * across / 1000.0 / np.pi / (2.0 if section["mesh"] == "square" else 1.0))
 
 
-def problem_from(plan: Plan, globalisation: int = 1, columns: int | None = 1) -> Problem:
+def problem_from(plan: Plan, globalisation: int = 1, sectors: int | None = 1) -> Problem:
     """Net and loads of the plan's first case, on one sector unless told otherwise."""
-    net = build_net(plan, globalisation=globalisation, columns=columns)
+    net = build_net(plan, globalisation=globalisation, sectors=sectors)
     return problem_of(net, plan, plan.cases()[0])
 
 
