@@ -1,0 +1,51 @@
+"""The interior-point method where Newton's method finds nothing: long joined nets, much of whose twine is slack."""
+
+import numpy as np
+import pytest
+
+from codend import equilibrium
+from codend.loads import problem_of
+from codend.measures import measure_all
+from codend.solvers import interior_point
+from codend.solvers.outcome import Outcome
+from tests.plans import UNIFORM, joined_plan
+
+JOINED = {
+    "T90, T90 and diamond": joined_plan(
+        ("t90", 60, 49, 41.4, {"knot_mm": 7.16, "twine_mm": 2.31, "axial_stiffness_n": 507.0}),
+        ("t90", 40, 36, 44.7, {"twine_mm": 2.61, "axial_stiffness_n": 17100.0}),
+        ("diamond", 40, 39, 44.7, {"knot_mm": 7.09, "twine_mm": 3.02}),
+        entry=0.43,
+        catch={"filled_meshes": 10.6},
+    ),
+    "T90 and diamond, nearly empty": joined_plan(
+        ("t90", 60, 51, 33.3, {"knot_mm": 3.41, "twine_mm": 1.61}),
+        ("diamond", 45, 43, 33.8, {"twine_mm": 1.15}),
+        entry=0.395,
+        catch={"filled_meshes": 2.13, **UNIFORM},
+    ),
+    "three kinds of twine": joined_plan(
+        ("t90", 180, 36, 76.7, {"knot_mm": 13.0, "twine_mm": 7.6}),
+        ("diamond", 120, 48, 69.5, {"knot_mm": 13.5, "twine_mm": 5.0, "axial_stiffness_n": 3030.0}),
+        ("diamond", 60, 52, 85.1, {"twine_mm": 5.04}),
+        entry=1.09,
+        catch={"filled_meshes": 4.6},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", JOINED)
+def test_steps_that_a_nearly_singular_tangent_asks_for_are_not_followed(name, monkeypatch):
+    """Followed, however shortened, they end on the singular tangent itself."""
+    plan = JOINED[name]
+    scene = equilibrium.scene_of(plan, 1, 1)
+    problem = problem_of(scene.net, plan, plan.cases()[0])
+    solution = interior_point.solve(problem, 1e-8, prepared=scene.prepared)
+    assert solution.report.outcome is Outcome.CONVERGED
+    assert np.all(solution.bar_tension >= 0.0)
+    assert np.count_nonzero(solution.bar_tension == 0.0) > 0.03 * len(solution.bar_tension)
+    measures = measure_all(problem, solution)[2]
+    assert measures.entry_reaction_n == pytest.approx(measures.drag_n, rel=1e-7)
+    assert measures.folded_share == 0.0
+    monkeypatch.setattr(interior_point, "FARTHEST_TURN", np.inf)
+    assert interior_point.solve(problem, 1e-8, prepared=scene.prepared).report.outcome is Outcome.NOT_IMPROVING
