@@ -58,20 +58,16 @@ _QUANTITIES = ("drag_n", "catch_volume_m3", "max_radius_m", "opening_ahead_deg")
 
 
 def estimate(
-    scene: Scene, case: Case, problem: Problem, solution: Solution, measures: Measures, weight_share: float = 0.0
+    scene: Scene, case: Case, problem: Problem, solution: Solution, measures: Measures, unseen_weight_n: float = 0.0
 ) -> Errors:
     """Error estimates of one solved case.
 
     The solver's part is the distance to an answer that Newton's method finds from the result at a far smaller residual.
     With measures of the meridian method beside the solution of a sector, that distance is the membrane's error.
-    ``weight_share`` is the wet weight that the model leaves out, over the drag; heavy square mesh has no estimates.
+    ``unseen_weight_n`` is the wet weight that the model leaves out; heavy square mesh has no estimates.
     The part of a globalised net is the distance between a sector of it and one of the real net, under the loads that
     are the same all round.
     """
-    if scene.globalisation > 1:
-        weight_share += float(np.abs(problem.loading.dead).sum()) / measures.drag_n
-    if weight_share > HEAVIEST_SQUARE and problem.net.square_mesh.any():
-        return Errors.unknown()
     prepared = scene.prepared
     finest = max(POLISHED * max(solution.report.residual, solution.report.imbalance), FINEST)
     polished = newton.solve(problem, finest, solution, NEARBY, prepared=prepared)
@@ -82,8 +78,12 @@ def estimate(
     if scene.globalisation > 1:
         merged = _distance(*(sector_measures(scene.plan, case, g) for g in (1, scene.globalisation)))
     sizes = np.abs([getattr(measures, name) for name in _QUANTITIES])
-    weight = WEIGHT_LEFT_OUT @ [weight_share, weight_share**2]
+    borne_by_merged_n = float(np.abs(problem.loading.dead).sum()) if scene.globalisation > 1 else 0.0
+    share = (unseen_weight_n + borne_by_merged_n) / measures.drag_n
+    weight = WEIGHT_LEFT_OUT @ [share, share**2]
     errors = SAFETY * (solver + merged) + (NOISE + weight) * sizes
+    if share > HEAVIEST_SQUARE and problem.net.square_mesh.any():
+        errors = np.full(len(_QUANTITIES), np.nan)
     drag, volume, radius, opening = map(float, errors)
     return Errors(drag, volume, radius, opening, _change_with_suction(problem, polished, prepared))
 

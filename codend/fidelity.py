@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from codend.accuracy import WEIGHT_LEFT_OUT, sector_measures
+from codend.accuracy import HEAVIEST_SQUARE, WEIGHT_LEFT_OUT, sector_measures
 from codend.build import build_net
 from codend.loads import wet_weight
 from codend.net import Net
@@ -14,6 +14,9 @@ from codend.plan import Plan
 SLOW_KNOTS, SLOW_MESHES = 3000, 10
 """Knots of a model, and meshes round it, from which a case takes seconds or more: full nets of joined sections took 2 s
 with 3 800 knots and 23 s with 15 000. Narrow sectors, however long, take milliseconds."""
+HEAVIEST_MERGED = 0.5
+"""Weight over the drag of the smallest catch up to which merged diamond and T90 meshes are tried: there they were off
+by no more than weightless sectors are; at a weight like the drag by ten times that."""
 FEWEST_MESHES_ROUND = 8
 """Merged meshes round below which a globalised net is no bag any more."""
 
@@ -30,8 +33,8 @@ class Choice:
     why: str
     drag_error: float
     """Relative error in drag that the choice of model costs; nan where it was the user's and is not known ahead."""
-    weight_share: float = 0.0
-    """Wet weight that the model does not see, over the drag."""
+    unseen_weight_n: float = 0.0
+    """Wet weight that the model does not see."""
 
 
 def choose(plan: Plan) -> Choice:
@@ -40,7 +43,7 @@ def choose(plan: Plan) -> Choice:
     A plan that is the same all round needs one rotational sector of the real net, which is exact. Wet weight breaks
     that symmetry: openings then differ from top to bottom, by as much as the weight over the drag, which counts once it
     exceeds ``model.accuracy``. Then as many meshes are merged as that allows in drag, judged by sectors of the merged
-    and of the real net.
+    and of the real net, but none where the weight is so large that such sectors, which know none, tell nothing.
     """
     asked, g = plan.model.fidelity, plan.model.globalisation
     sector = build_net(plan, sectors=1)
@@ -50,8 +53,8 @@ def choose(plan: Plan) -> Choice:
     heavy = weight > plan.model.accuracy * drag
     weighed = f"wet weight {weight:.3g} N, {100.0 * weight / drag:.2g} % of the drag of the smallest catch"
     # the sector of counts without a common divisor is the whole net, which bears its weight
-    unseen = 0.0 if sector.order == 1 and asked != "meridian" else weight / drag
-    error = float(WEIGHT_LEFT_OUT[0] @ [unseen, unseen**2])
+    unseen = 0.0 if sector.order == 1 and asked != "meridian" else weight
+    error = float(WEIGHT_LEFT_OUT[0] @ [unseen / drag, (unseen / drag) ** 2])
     left_out = f"; it leaves out the wet weight, which here matters ({weighed})" if heavy and unseen > 0.0 else ""
     if asked == "sector":
         why = f"Asked for: {_sector(plan, sector.order)}{left_out}.{_slow(plan, sector)}"
@@ -65,12 +68,14 @@ def choose(plan: Plan) -> Choice:
     if asked == "full":
         return Choice("full", 1, None, f"Asked for: every mesh of the real net.{_slow(plan, sector, 1)}", 0.0)
     if heavy:
-        merged, error = _merged(plan, weight / drag)
+        square = any(part.mesh == "square" for part in plan.netting)
+        bearable = weight <= (HEAVIEST_SQUARE if square else HEAVIEST_MERGED) * drag
+        merged, error = _merged(plan) if bearable else (1, 0.0)
         model = f"the full net, {merged} x {merged} meshes merged into one" if merged > 1 else "the full net"
-        why = (
-            f"Wet weight breaks the symmetry ({weighed}): {model}, "
-            f"which costs {100.0 * error:.2g} % in drag where {100.0 * plan.model.accuracy:g} % is allowed."
-        )
+        cost = f"which costs {100.0 * error:.2g} % in drag where {100.0 * plan.model.accuracy:g} % is allowed"
+        if not bearable:
+            cost = "for merged meshes may bear so much of it otherwise"
+        why = f"Wet weight breaks the symmetry ({weighed}): {model}, {cost}."
         return Choice("globalised" if merged > 1 else "full", merged, None, why + _slow(plan, sector, merged), error)
     dense = any(part.twine_density_kg_m3 is not None for part in plan.netting)
     light = f"{weighed}, is negligible" if dense else "no twine density is given, so wet weight is left out"
@@ -117,11 +122,8 @@ def _listed(counts: list[int]) -> str:
     return f"{', '.join(others)} and {last}" if others else last
 
 
-def _merged(plan: Plan, weight_share: float) -> tuple[int, float]:
-    """Most meshes that may be merged each way for the accuracy asked for, and the relative error in drag.
-
-    Merging is judged without weight, and by what it may change in the effect of a weight of that share of the drag.
-    """
+def _merged(plan: Plan) -> tuple[int, float]:
+    """Most meshes that may be merged each way for the accuracy asked for, and the relative error in drag."""
     by_size = sorted(plan.cases(), key=lambda case: case.catch_value)
     cases = by_size[:1] if by_size[0].catch_value == by_size[-1].catch_value else [by_size[0], by_size[-1]]
     real_n = [sector_measures(plan, case, 1).drag_n for case in cases]
@@ -129,8 +131,7 @@ def _merged(plan: Plan, weight_share: float) -> tuple[int, float]:
         if g == 1 or min(part.meshes_round for part in plan.netting) < FEWEST_MESHES_ROUND * g:
             continue
         merged_n = [sector_measures(plan, case, g).drag_n for case in cases]
-        bent = float(WEIGHT_LEFT_OUT[0] @ [weight_share, weight_share**2])
-        errors = [bent + abs(merged / real - 1.0) for merged, real in zip(merged_n, real_n, strict=True)]
+        errors = [abs(merged / real - 1.0) for merged, real in zip(merged_n, real_n, strict=True)]
         if all(error <= plan.model.accuracy for error in errors):  # nan, where a sector was not solved, is no reason
             return g, max(errors)
     return 1, 0.0

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from codend.errors import InputError
 from codend.input_table import InputTable, read_table
+from codend.table_columns import MESH_COLUMNS, PROFILE_COLUMNS, RESULT_COLUMNS, STRAP_COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -16,8 +17,9 @@ WORDS: Final[dict[str, dict[str, object]]] = {
     "converged": {"True": True, "False": False, "TRUE": True, "FALSE": False},
     "fidelity": {name: name for name in ("meridian", "sector", "globalised", "full")},
 }
-"""Columns of words, and what the words stand for, as spreadsheets may have spelled them; ``method`` is any text, all
-other columns are numbers."""
+"""Columns of words, and what the words stand for, as spreadsheets may have spelled them."""
+NUMBERS: Final = {*RESULT_COLUMNS, *STRAP_COLUMNS, *PROFILE_COLUMNS, *MESH_COLUMNS} - {*WORDS, "method"}
+"""Columns of numbers; what users have added may be any text."""
 
 
 def read_run_table(path: str | Path, filled: Sequence[str] = ()) -> pd.DataFrame:
@@ -40,11 +42,11 @@ def read_run_table(path: str | Path, filled: Sequence[str] = ()) -> pd.DataFrame
         if name in WORDS:
             table.check(name, cells.isin(WORDS[name]).to_numpy(), ", ".join(WORDS[name]))
             columns[name] = cells.map(WORDS[name])
-        elif name == "method":
-            columns[name] = cells
-        else:
+        elif name in NUMBERS:
             table.numbers(name, may_be_empty=name not in filled)
             columns[name] = pd.to_numeric(cells)
+        else:
+            columns[name] = cells
     return pd.DataFrame(columns, table.frame.index)
 
 

@@ -70,7 +70,7 @@ class CaseResult:
     @property
     def unstable(self) -> bool:
         """Whether the pivots say that the net, though in balance, would not stay as it is."""
-        return self.negative_pivots not in (None, 0)
+        return (self.negative_pivots or 0) > 0
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ def solve(plan: Plan, progress: StudyProgress | None = None, choice: Choice | No
         if result.converged:
             known.append((case, solution))
             pivots = newton.negative_pivots(problem, solution, scene.prepared)
-            errors = accuracy.estimate(scene, case, problem, solution, result.measures, choice.weight_share)
+            errors = accuracy.estimate(scene, case, problem, solution, result.measures, choice.unseen_weight_n)
             result = replace(result, errors=errors, negative_pivots=pivots)
         results[case.number] = result
     if progress is not None:
@@ -202,7 +202,7 @@ def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) 
             entry_reaction_n=shape.entry_reaction_n,
         )
         _, of_bars = equilibrium.solve(sector, case, [(case, solution)], None)
-        errors = accuracy.estimate(sector, case, problem, of_bars, own, choice.weight_share)
+        errors = accuracy.estimate(sector, case, problem, of_bars, own, choice.unseen_weight_n)
         yield replace(result, measures=own, errors=errors)
     if progress is not None:
         progress(len(cases), len(cases), "done")

@@ -1,4 +1,4 @@
-"""Results as tables: the columns of ``results.csv``, ``profile.csv``, ``meshes.csv`` and ``opening_force.csv``."""
+"""Results as tables: ``results.csv``, ``profile.csv``, ``meshes.csv`` and ``opening_force.csv``."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -8,58 +8,13 @@ import pandas as pd
 
 from codend.opening_force import Pull
 from codend.study import CaseResult, Study
-
-RESULT_COLUMNS = [
-    "case",
-    "speed_m_s",
-    "filled_meshes",
-    "catch_volume_m3",
-    "catch_mass_kg",
-    "front_radius_m",
-    "front_from_codline_m",
-    "max_radius_m",
-    "length_m",
-    "drag_n",
-    "catch_drag_n",
-    "twine_drag_n",
-    "entry_reaction_n",
-    "opening_ahead_deg",
-    "opening_force_ahead_n",
-    "max_bar_tension_n",
-    "drag_error_n",
-    "fidelity",
-    "method",
-    "iterations",
-    "residual",
-    "converged",
-    "solve_ms",
-    "catch_volume_error_m3",
-    "max_radius_error_m",
-    "opening_ahead_error_deg",
-    "drag_change_with_suction",
-    "negative_pivots",
-    "folded_share",
-]
-
-STRAP_COLUMNS = ["max_strap_tension_n"]
-"""Further columns of plans with straps."""
-
-
-OPENING_FORCE_COLUMNS = [
-    "case",
-    "speed_m_s",
-    "filled_meshes",
-    "meshes_from_entry",
-    "opening_deg",
-    "wanted_opening_deg",
-    "opening_force_alone_n",
-    "opening_force_in_net_n",
-    "opening_force_in_net_error_n",
-    "sectors",
-    "slack_bars",
-    "residual",
-    "converged",
-]
+from codend.table_columns import (
+    MESH_COLUMNS,
+    OPENING_FORCE_COLUMNS,
+    PROFILE_COLUMNS,
+    RESULT_COLUMNS,
+    STRAP_COLUMNS,
+)
 
 
 def opening_force_table(pulls: Sequence[Pull]) -> pd.DataFrame:
@@ -98,19 +53,16 @@ def _result_row(study: Study, result: CaseResult) -> dict[str, object]:
 
 def profile_table(study: Study) -> pd.DataFrame:
     """A row a knot row of a solved case, row 0 at the entry."""
-    columns = ["case", "row", "x_m", "radius_m", "opening_deg", "bar_tension_n", "opening_force_n", "pressure_pa"]
     parts = [
         pd.DataFrame({"case": r.case.number, "row": np.arange(len(r.rows.x_m)), **asdict(r.rows)})
         for r in study.cases
         if r.rows is not None
     ]
-    return pd.concat(parts, ignore_index=True)[columns] if parts else pd.DataFrame(columns=columns)
+    return pd.concat(parts, ignore_index=True)[PROFILE_COLUMNS] if parts else pd.DataFrame(columns=PROFILE_COLUMNS)
 
 
 def mesh_table(study: Study) -> pd.DataFrame:
     """A row a mesh of a solved case on a full net, with the position of the mesh's middle."""
-    columns = ["case", "row", "mesh", "x_m", "y_m", "z_m"]
-    columns += ["opening_deg", "bar_tension_n", "opening_force_n", "pressure_pa"]
     parts = []
     for result in study.cases:
         if result.meshes is None or result.net.order > 1:
@@ -132,4 +84,4 @@ def mesh_table(study: Study) -> pd.DataFrame:
                 }
             )
         )
-    return pd.concat(parts, ignore_index=True)[columns] if parts else pd.DataFrame(columns=columns)
+    return pd.concat(parts, ignore_index=True)[MESH_COLUMNS] if parts else pd.DataFrame(columns=MESH_COLUMNS)

@@ -17,7 +17,7 @@ from codend import console, doctor, fidelity
 from codend.cli import main
 from codend.plan import load_plan
 from codend.report import files, page
-from codend.tables import RESULT_COLUMNS
+from codend.table_columns import RESULT_COLUMNS
 from tests.bad_plans import BAD_PLANS, VALID_PLAN, BadPlan
 
 ROOT = Path(__file__).parents[1]

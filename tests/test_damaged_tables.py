@@ -9,13 +9,14 @@ import pandas as pd
 import pytest
 
 import codend
+from codend.plan import Plan
 from codend.report.files import write_table
 from codend.report.plan_copy import plan_toml
 from codend.run_tables import read_run_table
 from codend.selectivity.catches import catches_of, read_run
 from codend.selectivity.species import example_species_path
-from codend.tables import RESULT_COLUMNS
-from tests.plans import make_plan
+from codend.table_columns import RESULT_COLUMNS
+from tests.plans import joined_plan, make_plan
 from tests.test_cli import assert_refused, codend_cli
 
 Change = Callable[[list[str]], list[str]]
@@ -39,13 +40,40 @@ def without(line: int) -> Change:
 
 def written(model: dict, folder: Path) -> Path:
     """What ``codend run`` leaves that other commands read; two cases in 21 rows, or 11 where meshes are merged."""
-    study = codend.solve(make_plan(12, 10, filled=[3.0, 5.0], model=model))
+    return left_by_run(make_plan(12, 10, filled=[3.0, 5.0], model=model), folder)
+
+
+def left_by_run(plan: Plan, folder: Path) -> Path:
+    study = codend.solve(plan)
     assert study.converged
     for name, table in (("results", study.table), ("profile", study.profile), ("meshes", study.meshes)):
         if not table.empty:
             write_table(table, folder / f"{name}.csv")
     (folder / "plan.toml").write_text(plan_toml(study.plan), encoding="utf-8")
     return folder
+
+
+SQUARES_BETWEEN = tuple((mesh, 24, 8, 40.0, {}) for mesh in ("diamond", "square", "diamond"))
+HALVED = ("diamond", 24, 8, 40.0, {}), ("diamond", 12, 8, 40.0, {})
+COPRIME = ("diamond", 24, 8, 40.0, {}), ("diamond", 13, 8, 40.0, {})
+
+
+@pytest.mark.parametrize(
+    ("sections", "model"),
+    [
+        (SQUARES_BETWEEN, {}),
+        (SQUARES_BETWEEN, {"fidelity": "full"}),
+        (HALVED, {}),
+        (HALVED, {"fidelity": "full"}),
+        (HALVED, {"fidelity": "globalised", "globalisation": 2}),
+        (COPRIME, {}),
+    ],
+)
+def test_runs_of_joined_sections_are_read_back_whole(sections, model, tmp_path):
+    """Joints count no mesh where square mesh ends, and elsewhere those of the fewer meshes round."""
+    plan = joined_plan(*sections, catch={"filled_meshes": [3.0, 5.0]}, model=model)
+    for catch in catches_of(read_run(left_by_run(plan, tmp_path)), 4.0):
+        assert np.bincount((catch.rows_ahead + 1e-9).astype(int), weights=catch.share)[1:4] == pytest.approx(1.0)
 
 
 @pytest.fixture(scope="module")
@@ -165,3 +193,10 @@ def test_tables_are_read_back_as_they_were_written(model, tmp_path):
         finite = table.replace([np.inf, -np.inf], np.nan)
         pd.testing.assert_frame_equal(again, finite, rtol=1e-11, check_dtype=False)
         assert again["case"].dtype == np.int64
+
+
+def test_a_column_of_words_that_a_user_added_is_nobodys_business(sector, tmp_path):
+    folder = copytree(sector, tmp_path / "noted")
+    lines = (folder / "results.csv").read_text().splitlines()
+    (folder / "results.csv").write_text("\n".join([f"{lines[0]},remark", *(f"{line},fine" for line in lines[1:])]))
+    assert len(catches_of(read_run(folder), 4.0)) == 2

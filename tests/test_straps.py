@@ -16,7 +16,7 @@ from codend.plan_reach import least_radius_m
 from codend.report.page_tables import results_table
 from codend.report.picture import RISE_DEG, STRAP_WIDTH, net_picture
 from codend.study import CaseResult, solve
-from codend.tables import RESULT_COLUMNS
+from codend.table_columns import RESULT_COLUMNS
 from tests.plans import joined_plan
 from validation.reference import bar_pulls, nodal_loads, residual
 

@@ -101,8 +101,7 @@ def cautions(study: Study) -> list[str]:
     if unstable := _named([result for result in study.cases if result.unstable], study):
         found.append(
             f"In balance, but not stable by the pivots of the tangent: {unstable}. At a touch such a net takes another "
-            "shape, often in folds, whose drag, volume and openings can be quite different: no error estimate covers "
-            'that. model.method = "dynamic-relaxation" may find a stable one.'
+            "shape, often in folds, whose drag, volume and openings can be quite different: no estimate covers that."
         )
     in_folds = [result for result in study.cases if result.measures.folded_share > FOLDS_WORTH_TELLING]
     if folded := _named(in_folds, study):

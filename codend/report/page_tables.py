@@ -97,7 +97,7 @@ def solving_table(study: Study) -> PageTable:
         column_text(drag, digits=6),
         [_small(difference) for difference in reaction - drag],
         [_small(report.length_error) for report in reports],
-        ["" if r.negative_pivots is None else "no" if r.unstable else "yes" for r in study.cases],
+        [_stable(result) for result in study.cases],
         column_text(100.0 * study.table["folded_share"].to_numpy(dtype=float), digits=3),
     ]
     heads = (
@@ -129,6 +129,12 @@ def _rows(study: Study, columns: list[list[str]]) -> tuple[PageRow, ...]:
         PageRow(cells, not report.outcome.converged, report.outcome.value, report.attempts)
         for cells, report in zip(zip(*columns, strict=True), reports, strict=True)
     )
+
+
+def _stable(result: CaseResult) -> str:
+    if result.negative_pivots is None:
+        return ""
+    return "no" if result.unstable else "yes" if result.negative_pivots == 0 else "not sure"
 
 
 def _case_text(result: CaseResult) -> str:

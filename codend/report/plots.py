@@ -47,6 +47,12 @@ class Curve:
         """Row at which the catch begins, between two rows when the last one is partly filled."""
         return float(np.sum(1.0 - self.result.solution.share))
 
+    def of_meshes(self, values: Floats) -> Floats:
+        """Values of the rows of meshes where the rows of knots are; those of square mesh lie between two."""
+        has_mesh, net = np.isfinite(self.rows.opening_deg), self.result.net
+        places = net.mesh_place[has_mesh]
+        return np.interp(net.row_place, places, values[has_mesh], left=np.nan, right=np.nan)
+
     def at_front(self, values: Floats) -> float:
         """Value of a quantity of the rows at the catch's front."""
         return float(np.interp(self.front, np.arange(len(values)), values))
@@ -104,13 +110,14 @@ def profiles_plot(study: Study) -> "Figure":
 
 def opening_plot(study: Study) -> "Figure":
     """Mesh opening angle along the codend."""
-    return _along(study, "mesh opening angle (degrees)", lambda rows: rows.opening_deg, from_zero=True)
+    return _along(study, "mesh opening angle (degrees)", lambda c: c.of_meshes(c.rows.opening_deg), from_zero=True)
 
 
 def opening_force_plot(study: Study) -> "Figure":
     """Opening force of the meshes ahead of the catch, with the line below which none is needed."""
     wanted = f"{WANTED_OPENING_DEG:g}°"
-    figure = _along(study, f"opening force to {wanted} (N)", lambda rows: rows.opening_force_n, ahead_only=True)
+    label = f"opening force to {wanted} (N)"
+    figure = _along(study, label, lambda c: c.of_meshes(c.rows.opening_force_n), ahead_only=True)
     for axes in figure.axes:
         axes.axhline(0.0, color=INK, linewidth=1.0)
         bottom, top = axes.get_ylim()
@@ -121,16 +128,16 @@ def opening_force_plot(study: Study) -> "Figure":
 
 def tension_plot(study: Study) -> "Figure":
     """Bar tension along the codend."""
-    return _along(study, "bar tension (N)", lambda rows: rows.bar_tension_n, from_zero=True)
+    return _along(study, "bar tension (N)", lambda c: c.rows.bar_tension_n, from_zero=True)
 
 
 def _along(
-    study: Study, label: str, value: Callable[[Rows], Floats], ahead_only: bool = False, from_zero: bool = False
+    study: Study, label: str, value: Callable[[Curve], Floats], ahead_only: bool = False, from_zero: bool = False
 ) -> "Figure":
     with _panels(study, 2.8, ahead_only) as (figure, panels):
         for axes, curves in panels:
             for curve in curves:
-                _draw(axes, curve, curve.meshes_from_entry, value(curve.rows), ahead_only)
+                _draw(axes, curve, curve.meshes_from_entry, value(curve), ahead_only)
                 axes.set_xlim(0.0, curve.meshes_from_entry[-1])
             axes.set_xlabel("meshes from the entry")
             axes.set_ylabel(label)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.build import rows_of
+from codend.build import build_net, rows_of
 from codend.errors import InputError
 from codend.input_table import InputTable
 from codend.plan import Netting, Plan, load_plan
@@ -103,11 +103,16 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
     solved = solved_cases(run.results, results.source, ("case", "speed_m_s", "filled_meshes", "catch_volume_m3"))
     InputTable(results.source, solved).check("case", ~solved["case"].duplicated().to_numpy(), "each case once")
     from_entry = np.concatenate([[0.0], np.cumsum([1.0 / section.rows_per_mesh for section in rows_of(run.plan)])])
+    # meshes round that every row counts, by the globalisation; none where square mesh ends ahead of diamonds
+    meshes_round: dict[int, NDArray[np.integer]] = {}
     found = []
     for result in solved.to_dict("records"):
         profile, merged = _profile_of(run, result)
         sections = rows_of(run.plan, merged)
-        meshes = _meshes_of(run, result, profile, merged)
+        if merged not in meshes_round:
+            sector = build_net(run.plan, globalisation=merged, sectors=1)
+            meshes_round[merged] = sector.order * np.bincount(sector.mesh_row, minlength=len(profile))
+        meshes = _meshes_of(run, result, profile, meshes_round[merged])
         front_row = np.interp(from_entry[-1] - result["filled_meshes"], from_entry, np.arange(len(from_entry)))
         row = meshes["row"].to_numpy(dtype=int)
         # a merged row stands for real rows about it, of square mesh for those of the band behind it
@@ -141,20 +146,22 @@ def _profile_of(run: Run, result: dict[Hashable, Any]) -> tuple[pd.DataFrame, in
     if last not in merged or not np.array_equal(profile["row"], np.arange(last + 1)):
         allowed = f"rows 0 to {' or '.join(map(str, merged))}, each once, as in the plan"
         raise InputError(source, "case", result["case"], allowed, f"has {len(profile)} rows, not those of the plan")
-    InputTable(source, profile[1:-1]).numbers("opening_deg")  # the first and the last row may have no whole mesh
     return profile, merged[last]
 
 
-def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, merged: int) -> pd.DataFrame:
+def _meshes_of(
+    run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, meshes_round: NDArray[np.integer]
+) -> pd.DataFrame:
     """Meshes of a solved case: one a row of a net that is the same all round, of another all."""
-    rows = profile[profile["opening_deg"].notna()]
+    counted = np.flatnonzero(meshes_round)
     if run.meshes.empty and result["fidelity"] in ("meridian", "sector"):
+        rows = profile.iloc[counted]
+        InputTable(str(Path(run.source) / "profile.csv"), rows).numbers("opening_deg")
         return rows
     meshes = run.meshes[run.meshes["case"] == result["case"]]
-    sections = _sections_of(rows, rows_of(run.plan, merged))
-    wanted = np.repeat(rows["row"], [section.meshes_round // merged for section in sections])
+    wanted = np.repeat(np.arange(len(meshes_round)), meshes_round)
     if not np.array_equal(np.sort(meshes["row"]), wanted):
-        allowed = f"the {len(wanted)} of the plan in rows {wanted.min()} to {wanted.max()}"
+        allowed = f"the {len(wanted)} of the plan in rows {counted[0]} to {counted[-1]}"
         source = Path(run.source) / "meshes.csv"
         raise InputError(source, "case", result["case"], allowed, f"has {len(meshes)} meshes, not those of the plan")
     return meshes
@@ -163,9 +170,12 @@ def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, mer
 def _sections_of(meshes: pd.DataFrame, sections: list[Netting]) -> list[Netting]:
     """Section of each mesh, by the row it is counted by."""
     row = meshes["row"].to_numpy(dtype=int)
-    # a square mesh lies behind the row it is counted by, another about it
-    behind = [sections[min(r, len(sections) - 1)] for r in row]
-    return [s if s.mesh == "square" else sections[max(r - 1, 0)] for r, s in zip(row, behind, strict=True)]
+    # a square mesh lies behind the row it is counted by, another about it, at a joint one of the fewer meshes round
+    pairs = [(sections[max(r - 1, 0)], sections[min(r, len(sections) - 1)]) for r in row]
+    return [
+        behind if behind.mesh == "square" or behind.meshes_round < ahead.meshes_round else ahead
+        for ahead, behind in pairs
+    ]
 
 
 def _holes(sections: list[Netting], meshes: pd.DataFrame, radius_m: Floats) -> Holes:

@@ -156,14 +156,13 @@ def _step(
         the largest change of a bar's vector over its length, infinite if no shift helps, and the shift it took.
     """
     structure, loading, step, system = problem.structure, problem.loading, prepared.step, prepared.system
-    turn = np.inf
-    while shift <= DIRECT.largest_shift:
+    while True:
+        turn = np.inf
         sides = kernels.linearise(structure, loading, prepared.pattern, tension, shift, barrier, state, step)
         if system.factorise(step.blocks) == 0:
             solved = system.solve(step.right[:sides])
             _, asked, determinant = kernels.finish_step(structure, state, state, solved, step)
             turn = float(asked) if determinant > 0.0 else np.inf
-            if turn <= FARTHEST_TURN:
-                break
+        if turn <= FARTHEST_TURN or shift >= DIRECT.largest_shift:
+            return turn, shift
         shift = max(10.0 * shift, DIRECT.first_shift)
-    return turn, shift

@@ -1,0 +1,56 @@
+"""Names of the columns of a run's tables, which other people's scripts rely on."""
+
+RESULT_COLUMNS = [
+    "case",
+    "speed_m_s",
+    "filled_meshes",
+    "catch_volume_m3",
+    "catch_mass_kg",
+    "front_radius_m",
+    "front_from_codline_m",
+    "max_radius_m",
+    "length_m",
+    "drag_n",
+    "catch_drag_n",
+    "twine_drag_n",
+    "entry_reaction_n",
+    "opening_ahead_deg",
+    "opening_force_ahead_n",
+    "max_bar_tension_n",
+    "drag_error_n",
+    "fidelity",
+    "method",
+    "iterations",
+    "residual",
+    "converged",
+    "solve_ms",
+    "catch_volume_error_m3",
+    "max_radius_error_m",
+    "opening_ahead_error_deg",
+    "drag_change_with_suction",
+    "negative_pivots",
+    "folded_share",
+]
+
+STRAP_COLUMNS = ["max_strap_tension_n"]
+"""Further columns of plans with straps."""
+
+OF_MESHES = ["opening_deg", "bar_tension_n", "opening_force_n", "pressure_pa"]
+PROFILE_COLUMNS = ["case", "row", "x_m", "radius_m", *OF_MESHES]
+MESH_COLUMNS = ["case", "row", "mesh", "x_m", "y_m", "z_m", *OF_MESHES]
+
+OPENING_FORCE_COLUMNS = [
+    "case",
+    "speed_m_s",
+    "filled_meshes",
+    "meshes_from_entry",
+    "opening_deg",
+    "wanted_opening_deg",
+    "opening_force_alone_n",
+    "opening_force_in_net_n",
+    "opening_force_in_net_error_n",
+    "sectors",
+    "slack_bars",
+    "residual",
+    "converged",
+]
