@@ -489,3 +489,9 @@ def test_a_catch_of_a_billionth_of_a_mesh_asks_for_no_more_grid_than_there_is_ro
     found = solve_plan(make_plan(24, 10, filled=1e-9))
     assert found.converged
     assert 0.0 < found.table["catch_volume_m3"].item() < 1e-12
+
+
+@pytest.mark.parametrize("filled", [0.1, 0.3, 4.25])
+def test_the_meshes_filled_are_told_as_they_were_asked_for(filled):
+    told = solve_plan(make_plan(24, 20, filled=filled, model={"fidelity": "meridian"})).table
+    assert told["filled_meshes"].item() == pytest.approx(filled, rel=1e-12)

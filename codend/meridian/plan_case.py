@@ -137,9 +137,8 @@ def tensions_on(net: Net, shape: MeridianShape, globalisation: int = 1) -> Float
 
 
 def share_of(shape: MeridianShape, bands: int) -> Floats:
-    """Share of each band that lies in the catch, by the place of the front on the axis, (bands,)."""
-    front_row = np.interp(shape.front_x_m, shape.x_m, np.arange(bands + 1.0))
-    return np.clip(np.arange(1.0, bands + 1.0) - front_row, 0.0, 1.0)
+    """Share of each band that lies in the catch, in meshes, (bands,)."""
+    return np.clip(np.arange(1.0, bands + 1.0) - shape.front_row, 0.0, 1.0)
 
 
 def _rows(plan: Plan) -> int:

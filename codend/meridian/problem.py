@@ -117,6 +117,8 @@ class MeridianShape:
     """Half opening angle phi of the meshes; 0 where T90 knots are slack."""
     bar_tension_n: Floats
     """Tension of one real bar."""
+    front_row: float
+    """Half-mesh row of the front, that of the problem."""
     front_x_m: float
     front_radius_m: float
     largest_radius_m: float

@@ -141,6 +141,7 @@ def _shape(problem: MeridianProblem, grid: Grid, result: NewtonResult, method: s
         slope_rad=slope[rows],
         half_angle_rad=np.arctan2(bars.sine, bars.cosine)[rows],
         bar_tension_n=(force * q / (2.0 * problem.meshes_round * bars.cosine))[rows],
+        front_row=problem.front_row,
         front_x_m=float(x[grid.front]),
         front_radius_m=float(spread * radius[grid.front]),
         largest_radius_m=spread * _largest_radius(step, state, bars.row_length),
