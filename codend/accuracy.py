@@ -73,7 +73,8 @@ def estimate(
     polished = newton.solve(problem, finest, solution, NEARBY, prepared=prepared)
     if not polished.report.outcome.converged:
         return Errors.unknown()
-    solver = _distance(measures, measure_all(problem, polished)[2])
+    exact = measure_all(problem, polished)[2]
+    solver = _distance(measures, exact)
     merged = np.zeros(len(_QUANTITIES))
     if scene.globalisation > 1:
         merged = _distance(*(sector_measures(scene.plan, case, g) for g in (1, scene.globalisation)))
@@ -85,7 +86,7 @@ def estimate(
     if share > HEAVIEST_SQUARE and problem.net.square_mesh.any():
         errors = np.full(len(_QUANTITIES), np.nan)
     drag, volume, radius, opening = map(float, errors)
-    return Errors(drag, volume, radius, opening, _change_with_suction(problem, polished, prepared))
+    return Errors(drag, volume, radius, opening, _change_with_suction(problem, polished, prepared, exact.drag_n))
 
 
 def sector_measures(plan: Plan, case: Case, globalisation: int) -> Measures:
@@ -103,7 +104,7 @@ def _distance(first: Measures, second: Measures) -> np.ndarray:
     return np.array([abs(getattr(first, name) - getattr(second, name)) for name in _QUANTITIES])
 
 
-def _change_with_suction(problem: Problem, solution: Solution, prepared: newton.Prepared) -> float:
+def _change_with_suction(problem: Problem, solution: Solution, prepared: newton.Prepared, drag_n: float) -> float:
     """1 - Cp becomes 1 - 1.1 Cp; inside the catch the water stays at stagnation pressure."""
     coefficients = (1.0 + MORE_SUCTION) * problem.loading.coefficients
     coefficients[3] -= MORE_SUCTION
@@ -111,7 +112,5 @@ def _change_with_suction(problem: Problem, solution: Solution, prepared: newton.
     moved = newton.solve(changed, 1e-8, solution, NEARBY, prepared=prepared)
     if not moved.report.outcome.converged:
         return float("nan")
-    before, after = (
-        sum(load[:, 0].sum() for load in current_loads(*state)) for state in ((problem, solution), (changed, moved))
-    )
-    return float(after / before - 1.0)
+    drag = sum(load[:, 0].sum() for load in current_loads(changed, moved)) * problem.net.order
+    return float(drag / drag_n - 1.0)

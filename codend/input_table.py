@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.errors import InputError
+from codend.input_text import read_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -99,12 +100,7 @@ def read_table(path: str | Path) -> InputTable:
     """
     import pandas as pd
 
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise InputError(path, "", None, "the path of a CSV table", f"cannot be read: {error.strerror}") from None
-    except ValueError as error:  # bytes that are not UTF-8, a null character in the path
-        raise InputError(path, "", None, "a CSV table in UTF-8", f"cannot be read: {error}") from None
+    text = read_text(path, "CSV table")
     comments, numbers, lines = [], [], []
     for number, line in enumerate(text.split("\n"), start=1):
         bare = line.strip(' "\t')  # spreadsheets put quotes round comments too

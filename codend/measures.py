@@ -83,14 +83,14 @@ def opening_force(bar_tension_n: Floats, opening_deg: Floats, wanted_deg: float 
     return np.asarray(along * (np.tan(np.radians(wanted_deg) / 2.0) - np.tan(half)))
 
 
-def mesh_openings(net: Net, positions: Floats) -> tuple[Floats, Floats]:
-    """Opening angles in degrees (k,) and outward normals (k, 3) of the meshes of a net.
+def mesh_openings(net: Net, corners: Floats) -> tuple[Floats, Floats]:
+    """Opening angles in degrees (k,) and outward normals (k, 3) of the meshes of a net, by their ``mesh_corners``.
 
     The opening is 2 atan(transverse / longitudinal diagonal), both taken over the twine only, without the knots. In
     meshes that are folded over their widest part by a strap, the longitudinal one is taken along the netting: their
     twines are as far apart as if it lay flat. A square mesh has its width over its length instead: 90 degrees open.
     """
-    corners, square = mesh_corners(net, positions), net.of_square_mesh
+    square = net.of_square_mesh
     side = corners[:, :, 1] - corners[:, :, 0]
     fore, aft = 0.5 * (side[:, 0] - side[:, 3]), 0.5 * (side[:, 1] - side[:, 2])
     longitudinal = np.where(square[:, None], 0.5 * (side[:, 1] - side[:, 3]), fore + aft)
@@ -109,13 +109,14 @@ def mesh_openings(net: Net, positions: Floats) -> tuple[Floats, Floats]:
 def measure_meshes(problem: Problem, solution: Solution) -> Meshes:
     """Opening, tension, opening force and net pressure of every mesh of the model."""
     net = problem.net
-    opening, normal = mesh_openings(net, solution.positions)
+    corners = mesh_corners(net, solution.positions)
+    opening, normal = mesh_openings(net, corners)
     tension = _mean_over(solution.bar_tension, net.mesh_bars) / net.globalisation
     behind = np.minimum(net.mesh_row, net.bands - 1)
     ahead = np.where(net.of_square_mesh, behind, np.maximum(behind - 1, 0))
     filled = 0.5 * (solution.share[ahead] + solution.share[behind])
     return Meshes(
-        centre_m=mesh_corners(net, solution.positions).mean(axis=(1, 2)),
+        centre_m=corners.mean(axis=(1, 2)),
         opening_deg=opening,
         bar_tension_n=tension,
         opening_force_n=np.where(net.of_square_mesh, np.nan, opening_force(tension, opening)),
@@ -204,7 +205,7 @@ def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
 
     area, moment = np.empty(net.bands), np.empty(net.bands)
     pressure.band_geometry(position, structure, area, moment)
-    front = float(np.sum(1.0 - share))
+    front = solution.front_row
     front_x = float(np.interp(front, np.arange(net.bands + 1), rows.x_m))
     ahead = opening_rows_ahead(net, share)
     has_mesh = np.flatnonzero(np.isfinite(rows.opening_deg))
@@ -243,11 +244,11 @@ def opening_rows_ahead(net: Net, share: Floats) -> Floats:
     """Middles of the five real mesh rows just ahead of the front, or as many as there are, in meshes from the entry."""
     end = float((1.0 - share) @ net.band_meshes)
     # rows are half a mesh apart, in square mesh a whole one
-    step = net.band_meshes / net.globalisation
+    row_place, step = net.row_place, net.band_meshes / net.globalisation
     middles: list[float] = []
     while len(middles) < ROWS_AHEAD and end >= 1.0 - 1e-9:
         middles.append(end - 0.5)
-        end -= float(step[max(int(np.searchsorted(net.row_place, end - 1e-9)) - 1, 0)])
+        end -= float(step[max(int(np.searchsorted(row_place, end - 1e-9)) - 1, 0)])
     return np.array(middles)
 
 

@@ -19,7 +19,7 @@ from codend.build import build_net
 from codend.errors import OPTIONS, InputError
 from codend.loads import problem_of
 from codend.measures import WANTED_OPENING_DEG, measure_meshes, mesh_openings, opening_force
-from codend.net import Floats, Ints, Net, with_bars
+from codend.net import Floats, Ints, Net, mesh_corners, with_bars
 from codend.plan import Case, Plan
 from codend.solvers import interior_point, newton
 from codend.solvers.outcome import Progress, Solution
@@ -206,7 +206,7 @@ def _pulled(plan: Plan, sectors: int, row: int, start: Solution, pull: Pull, pro
         if not trial.report.outcome.converged:
             goal = 0.5 * (goal + pulled_by[-1][0])
             continue
-        reached = float(mesh_openings(hooked, trial.positions)[0][mesh])
+        reached = float(mesh_openings(hooked, mesh_corners(hooked, trial.positions))[0][mesh])
         force = 0.5 * float(trial.bar_tension[-hooks:].sum())
         last_goal, last_opening, last_force = pulled_by[-1]
         if not (reached - last_opening) * (goal - last_goal) > 0.0:

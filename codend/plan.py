@@ -15,6 +15,7 @@ from annotated_types import MinLen
 from pydantic import PrivateAttr, ValidationError, model_validator
 
 from codend.errors import InputError
+from codend.input_text import read_text
 from codend.overrides import CatchKind, apply_overrides
 from codend.plan_messages import Contradiction, input_error
 from codend.plan_reach import least_radius_m
@@ -163,12 +164,7 @@ def load_plan(path: str | Path, overrides: Sequence[str] = ()) -> Plan:
 
 
 def _read_toml(path: str | Path) -> dict[str, Any]:
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise InputError(path, "", None, "the path of a TOML plan", f"cannot be read: {error.strerror}") from None
-    except ValueError as error:  # bytes that are not UTF-8, a null character in the path
-        raise InputError(path, "", None, "a TOML plan in UTF-8", f"cannot be read: {error}") from None
+    text = read_text(path, "TOML plan")
     try:
         return tomllib.loads(text)
     except RecursionError:

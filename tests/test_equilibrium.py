@@ -5,6 +5,7 @@ import pytest
 
 from codend import equilibrium
 from codend.measures import measure_all, mesh_openings
+from codend.net import mesh_corners
 from codend.solvers.outcome import Outcome
 from codend.study import solve
 from tests.plans import UNIFORM, make_plan, uniform_plan
@@ -123,7 +124,7 @@ def test_viscous_and_kinetic_damping_end_at_the_same_equilibrium():
 
 
 def test_openings_of_a_flat_panel_are_those_it_was_laid_with(uniform):
-    opening, normal = mesh_openings(uniform.net, uniform.positions)
+    opening, normal = mesh_openings(uniform.net, mesh_corners(uniform.net, uniform.positions))
     assert np.linalg.norm(normal, axis=1) == pytest.approx(1.0)
     phi = np.radians(opening) / 2
     spacing = np.pi * uniform.rows.radius_m[uniform.net.mesh_row] / uniform.net.order

@@ -15,6 +15,7 @@ from codend.equilibrium import START
 from codend.errors import InputError
 from codend.loads import problem_of
 from codend.measures import mesh_openings
+from codend.net import mesh_corners
 from codend.opening_force import pull_mesh
 from codend.solvers import dynamic_relaxation, interior_point, newton
 from codend.solvers.outcome import Outcome, Solution
@@ -76,7 +77,7 @@ def test_a_pulled_net_with_slack_bars_is_the_one_that_relaxation_finds():
     assert found.report.outcome is relaxed.report.outcome is Outcome.CONVERGED
     assert np.any(found.bar_tension == 0.0)
     assert found.bar_tension[-2:] == pytest.approx(relaxed.bar_tension[-2:], rel=1e-5)
-    openings = [mesh_openings(problem.net, s.positions)[0][mesh] for s in (found, relaxed)]
+    openings = [mesh_openings(problem.net, mesh_corners(problem.net, s.positions))[0][mesh] for s in (found, relaxed)]
     assert openings[0] == pytest.approx(openings[1], abs=1e-4)
     assert found.bar_tension[-1] == pytest.approx(found.bar_tension[-2], rel=1e-6), "the mesh is pulled evenly"
 
@@ -159,8 +160,8 @@ def test_a_pull_that_the_mesh_does_not_follow_has_failed_and_says_so(closing_deg
     before = pull_mesh(plan, case, 8.0, 1.0).opening_deg
     measured = pulling.mesh_openings
 
-    def unmoved(net, positions):
-        return np.full(len(net.mesh_row), before - closing_deg), measured(net, positions)[1]
+    def unmoved(net, corners):
+        return np.full(len(corners), before - closing_deg), measured(net, corners)[1]
 
     monkeypatch.setattr(pulling, "mesh_openings", unmoved)
     pull = pull_mesh(plan, case, 8.0)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from codend.measures import mesh_openings
-from codend.net import WholeNet, all_round, bar_vectors
+from codend.net import WholeNet, all_round, bar_vectors, mesh_corners
 from codend.plan import plan_from_dict
 from codend.report.polygons import joined_on_axis, mesh_polygons
 from codend.report.vtk import net_mesh, write_vtu
@@ -143,7 +143,7 @@ def test_each_mesh_is_one_polygon(case: CaseResult):
 
 def test_polygons_are_walked_anticlockwise_seen_from_outside(case: CaseResult):
     whole = all_round(case.net, case.positions)
-    _, normal = mesh_openings(case.net, case.positions)
+    _, normal = mesh_openings(case.net, mesh_corners(case.net, case.positions))
     for which, corners in mesh_polygons(whole):
         points = whole.positions[corners]
         area = np.cross(points, np.roll(points, -1, axis=1)).sum(axis=1)

@@ -55,7 +55,7 @@ def net_picture(result: CaseResult) -> "Figure":
     colours = ScalarMappable(Normalize(0.0, most), colormaps["viridis"])
     opening = np.tile(result.meshes.opening_deg, result.net.order)
     in_catch = np.tile(result.meshes.pressure_pa > 0.0, result.net.order)
-    front = float(np.sum(1.0 - result.solution.share))
+    front = result.solution.front_row
     entry_ring, front_ring, *straps = (
         _ring(result, sectors, row) @ _screen_axes() for row in (0, round(front), *_strap_rows(result.net))
     )

@@ -42,11 +42,6 @@ class Curve:
         """Place of every row, (rows + 1,)."""
         return self.result.net.row_place
 
-    @property
-    def front(self) -> float:
-        """Row at which the catch begins, between two rows when the last one is partly filled."""
-        return float(np.sum(1.0 - self.result.solution.share))
-
     def of_meshes(self, values: Floats) -> Floats:
         """Values of the rows of meshes where the rows of knots are; those of square mesh lie between two."""
         has_mesh, net = np.isfinite(self.rows.opening_deg), self.result.net
@@ -55,15 +50,15 @@ class Curve:
 
     def at_front(self, values: Floats) -> float:
         """Value of a quantity of the rows at the catch's front."""
-        return float(np.interp(self.front, np.arange(len(values)), values))
+        return float(np.interp(self.result.solution.front_row, np.arange(len(values)), values))
 
     def ahead(self, values: Floats) -> Floats:
         """Values from the entry to the front."""
-        return np.append(values[: int(np.ceil(self.front))], self.at_front(values))
+        return np.append(values[: int(np.ceil(self.result.solution.front_row))], self.at_front(values))
 
     def behind(self, values: Floats) -> Floats:
         """Values from the front to the codline."""
-        return np.insert(values[int(np.floor(self.front)) + 1 :], 0, self.at_front(values))
+        return np.insert(values[int(np.floor(self.result.solution.front_row)) + 1 :], 0, self.at_front(values))
 
 
 def solved(study: Study) -> list[CaseResult]:

@@ -4,6 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 
+import numpy as np
+
 from codend.net import Floats
 
 Progress = Callable[[str, float], None]
@@ -67,3 +69,8 @@ class Solution:
     share: Floats
     """Share of each band that lies in the catch, (bands,)."""
     report: SolverReport
+
+    @property
+    def front_row(self) -> float:
+        """Row at which the catch begins, between two rows when the last one is partly filled."""
+        return float(np.sum(1.0 - self.share))
