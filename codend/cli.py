@@ -185,11 +185,11 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
     """
     from codend.comparison import Hoop, read_flume_table
     from codend.comparison import compare as compare_with
+    from codend.io.files import COMPARISON_FILES, whole_file, write_table
+    from codend.io.run_tables import read_run_table
     from codend.plan import load_plan
     from codend.report.comparison_plot import comparison_figure
-    from codend.report.files import COMPARISON_FILES, whole_file, write_table
     from codend.report.style import png
-    from codend.run_tables import read_run_table
 
     results = folder / "results.csv"
     hoop = None

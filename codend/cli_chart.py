@@ -36,7 +36,7 @@ def chart(plan: str, folder: Path, number: int, quick: bool, changes: tuple[str,
     fastest for which accuracy and what `codend run` would choose. What the plan says of fidelity and method does not
     matter here. Writes chart.csv, chart_choices.csv, chart_drag.png, chart_opening.png and chart_volume.png into DIR.
     """
-    from codend.report.files import whole_file, write_table
+    from codend.io.files import whole_file, write_table
     from codend.report.speed_plot import speed_figure
     from codend.report.style import png
     from codend.speed_accuracy.choices import choices

@@ -50,9 +50,9 @@ def force(plan: str, folder: Path, places: tuple[float, ...], wanted_deg: float,
     no wet weight. Writes opening_force.csv into DIR. Takes seconds a mesh where the twine
     stretches, a minute or two where it is inextensible.
     """
+    from codend.io.files import write_table
     from codend.opening_force import check_place, pull_mesh
     from codend.plan import load_plan
-    from codend.report.files import write_table
     from codend.tables import opening_force_table
 
     checked = load_plan(plan, changes)

@@ -145,7 +145,7 @@ def species() -> None:
 def fit(data: str, design: str, folder: Path, replicates: int, **choices: Any) -> int:
     """Fit retention curves to a covered-codend or paired-gear trial; writes fit.csv and diagnostics.csv into DIR."""
     check_writable(folder, ("fit.csv", "diagnostics.csv"))
-    from codend.report.files import write_table
+    from codend.io.files import write_table
     from codend.selectivity.analysis import diagnostics_table, fit_field_data, fit_table
 
     fitted = fit_field_data(data, design, n_bootstrap=replicates, **choices)

@@ -38,7 +38,7 @@ def sweep(plan: str, folder: Path, vary: tuple[str, ...], changes: tuple[str, ..
     interrupted goes on where it stopped: runs that DIR holds already are not solved again. Runs that a longer sweep
     left in DIR/runs are removed.
     """
-    from codend.report.files import whole_file, write_table
+    from codend.io.files import whole_file, write_table
     from codend.report.style import png
     from codend.report.sweep_plot import sweep_figure
     from codend.sweep import files_of, runs_of, solve_runs

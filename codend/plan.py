@@ -15,7 +15,7 @@ from annotated_types import MinLen
 from pydantic import PrivateAttr, ValidationError, model_validator
 
 from codend.errors import InputError
-from codend.input_text import read_text
+from codend.io.text import read_text
 from codend.overrides import CatchKind, apply_overrides
 from codend.plan_messages import Contradiction, input_error
 from codend.plan_reach import least_radius_m

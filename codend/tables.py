@@ -6,15 +6,15 @@ from dataclasses import asdict
 import numpy as np
 import pandas as pd
 
-from codend.opening_force import Pull
-from codend.study import CaseResult, Study
-from codend.table_columns import (
+from codend.io.columns import (
     MESH_COLUMNS,
     OPENING_FORCE_COLUMNS,
     PROFILE_COLUMNS,
     RESULT_COLUMNS,
     STRAP_COLUMNS,
 )
+from codend.opening_force import Pull
+from codend.study import CaseResult, Study
 
 
 def opening_force_table(pulls: Sequence[Pull]) -> pd.DataFrame:

@@ -15,9 +15,10 @@ from click.testing import CliRunner, Result
 import codend.study
 from codend import console, doctor, fidelity
 from codend.cli import main
+from codend.io import files
+from codend.io.columns import RESULT_COLUMNS
 from codend.plan import load_plan
-from codend.report import files, page
-from codend.table_columns import RESULT_COLUMNS
+from codend.report import page
 from tests.bad_plans import BAD_PLANS, VALID_PLAN, BadPlan
 
 ROOT = Path(__file__).parents[1]

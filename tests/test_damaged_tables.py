@@ -9,13 +9,13 @@ import pandas as pd
 import pytest
 
 import codend
+from codend.io.columns import RESULT_COLUMNS
+from codend.io.files import write_table
+from codend.io.run_tables import read_run_table
 from codend.plan import Plan
-from codend.report.files import write_table
 from codend.report.plan_copy import plan_toml
-from codend.run_tables import read_run_table
 from codend.selectivity.catches import catches_of, read_run
 from codend.selectivity.species import example_species_path
-from codend.table_columns import RESULT_COLUMNS
 from tests.plans import joined_plan, make_plan
 from tests.test_cli import assert_refused, codend_cli
 

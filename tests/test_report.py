@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from codend.io.files import whole_file, write_table
 from codend.measures import Measures
 from codend.plan import plan_from_dict
 from codend.report import page
-from codend.report.files import whole_file, write_table
 from codend.report.html import notes
 from codend.report.page import PLOTS, files_of, write_report
 from codend.report.style import column_text, number_text, spread

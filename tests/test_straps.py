@@ -9,6 +9,7 @@ from codend.build import build_net
 from codend.equilibrium import scene_of
 from codend.equilibrium import solve as solve_case
 from codend.errors import InputError
+from codend.io.columns import RESULT_COLUMNS
 from codend.measures import Measures, measure_all
 from codend.mechanics.drag import add_drag
 from codend.net import bar_vectors
@@ -16,7 +17,6 @@ from codend.plan_reach import least_radius_m
 from codend.report.page_tables import results_table
 from codend.report.picture import RISE_DEG, STRAP_WIDTH, net_picture
 from codend.study import CaseResult, solve
-from codend.table_columns import RESULT_COLUMNS
 from tests.plans import joined_plan
 from validation.reference import bar_pulls, nodal_loads, residual
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from catch_models.pressure import sphere_law
-from codend.report.files import whole_file
+from codend.io.files import whole_file
 
 HEADER = """\
 # 1 - Cp on a sphere as cubic pieces in theta: computed from sphere_cp_subcritical.csv, a reconstruction (see there), by

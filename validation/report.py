@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from codend.report.files import whole_file, write_table
+from codend.io.files import whole_file, write_table
 from codend.report.style import png
 from validation.section import Picture, Section, Verdict
 

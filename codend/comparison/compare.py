@@ -9,7 +9,7 @@ import pandas as pd
 from codend.comparison.flume_table import CATCH_COLUMNS, HOOP_COLUMN, MEASURED_COLUMNS, SPEED_COLUMN, Floats, FlumeTable
 from codend.comparison.hoop import Hoop
 from codend.errors import InputError
-from codend.run_tables import solved_cases
+from codend.io.run_tables import solved_cases
 
 SAME = 1e-6
 """Relative difference up to which two speeds or catch sizes are one."""
@@ -69,7 +69,7 @@ def compare(
     within the computed range, of equals the one for which most rows need no interpolation; the others are compared.
 
     Args:
-        results: ``Study.table``, or ``results.csv`` as ``codend.run_tables.read_run_table`` returns it.
+        results: ``Study.table``, or ``results.csv`` as ``codend.io.run_tables.read_run_table`` returns it.
         table: as ``read_flume_table`` returns it.
         source: where the results are from, for messages.
         hoop: whose drag is added to the computed drag, for a table that has the column ``hoop_drag_n``, and so drag

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.errors import InputError
-from codend.input_table import read_table
+from codend.io.input_table import read_table
 
 Floats = NDArray[np.float64]
 

@@ -8,9 +8,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from codend.io.files import COMPARISON_FILES, SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_table
 from codend.plan import Plan
 from codend.report.drag_plot import drag_plot
-from codend.report.files import COMPARISON_FILES, SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_table
 from codend.report.html import PageFigure, page_html
 from codend.report.picture import net_picture
 from codend.report.plan_copy import plan_toml

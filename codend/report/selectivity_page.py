@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from codend.report.files import SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_table
+from codend.io.files import SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_table
 from codend.report.html import PageFigure
 from codend.report.selectivity_plots import catch_plot, history_plot, mesh_plot, retention_plot, sensitivity_plot
 from codend.report.style import column_text, png

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.errors import OPTIONS, InputError
-from codend.input_table import InputTable, read_table
+from codend.io.input_table import InputTable, read_table
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.errors import InputError
-from codend.input_text import read_text
+from codend.io.text import read_text
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from codend.errors import InputError
-from codend.input_table import InputTable, read_table
-from codend.table_columns import MESH_COLUMNS, PROFILE_COLUMNS, RESULT_COLUMNS, STRAP_COLUMNS
+from codend.io.columns import MESH_COLUMNS, PROFILE_COLUMNS, RESULT_COLUMNS, STRAP_COLUMNS
+from codend.io.input_table import InputTable, read_table
 
 if TYPE_CHECKING:
     import pandas as pd
