@@ -11,7 +11,7 @@ import numpy as np
 from codend import equilibrium
 from codend.equilibrium import Scene
 from codend.measures import Measures, current_loads, measure_all
-from codend.plan import Case, Plan
+from codend.plan.plan import Case, Plan
 from codend.problem import Problem
 from codend.solvers import newton
 from codend.solvers.newton import DIRECT

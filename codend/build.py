@@ -7,7 +7,7 @@ from codend.knots import knots_of
 from codend.net import Floats, Net, split_bars, twine_bars
 from codend.net_parts import Lattice, RowShape
 from codend.netting import net_of
-from codend.plan import Netting, Plan
+from codend.plan.plan import Netting, Plan
 from codend.straps import with_straps
 
 

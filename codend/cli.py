@@ -115,7 +115,7 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     Nothing is written before all cases are solved. In a DIR that exists, files of an earlier run are replaced, each
     at once, or removed where this run has nothing to put into them; all else is left alone.
     """
-    from codend.plan import load_plan
+    from codend.plan.plan import load_plan
 
     checked = load_plan(plan, changes)
     from codend.fidelity import choose
@@ -187,7 +187,7 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
     from codend.comparison import compare as compare_with
     from codend.io.files import COMPARISON_FILES, whole_file, write_table
     from codend.io.run_tables import read_run_table
-    from codend.plan import load_plan
+    from codend.plan.plan import load_plan
     from codend.report.comparison_plot import comparison_figure
     from codend.report.style import png
 

@@ -52,7 +52,7 @@ def force(plan: str, folder: Path, places: tuple[float, ...], wanted_deg: float,
     """
     from codend.io.files import write_table
     from codend.opening_force import check_place, pull_mesh
-    from codend.plan import load_plan
+    from codend.plan.plan import load_plan
     from codend.tables import opening_force_table
 
     checked = load_plan(plan, changes)

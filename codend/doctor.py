@@ -104,7 +104,7 @@ def _kernels() -> Sequence[Any]:
 
 def warm_up() -> str:
     """Solve a tiny net, so that every kernel is compiled and cached; says what was compiled and how long it took."""
-    from codend.plan import plan_from_dict
+    from codend.plan.plan import plan_from_dict
     from codend.study import solve
 
     started = perf_counter()

@@ -9,7 +9,7 @@ from codend.accuracy import HEAVIEST_SQUARE, WEIGHT_LEFT_OUT, sector_measures
 from codend.build import build_net
 from codend.loads import wet_weight
 from codend.net import Net
-from codend.plan import Plan
+from codend.plan.plan import Plan
 
 SLOW_KNOTS, SLOW_MESHES = 3000, 10
 """Knots of a model, and meshes round it, from which a case takes seconds or more: full nets of joined sections took 2 s

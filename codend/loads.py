@@ -7,7 +7,7 @@ from codend.errors import InputError
 from codend.mechanics import arrays
 from codend.mechanics.arrays import Loading, structure_of
 from codend.net import Floats, Net
-from codend.plan import Case, Plan
+from codend.plan.plan import Case, Plan
 from codend.problem import Problem
 
 GRAVITY_M_S2 = 9.80665

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.net import Floats, Ints, Net
-from codend.plan import Netting
+from codend.plan.plan import Netting
 
 Counts = NDArray[np.int64]
 

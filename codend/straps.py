@@ -18,9 +18,9 @@ import numpy as np
 from codend.errors import InputError
 from codend.knots import LEFT, RIGHT, Knots
 from codend.net import Net, with_bars
-from codend.plan import Plan
-from codend.plan_reach import least_radius_m
-from codend.plan_tables import Strap
+from codend.plan.plan import Plan
+from codend.plan.reach import least_radius_m
+from codend.plan.tables import Strap
 
 
 def with_straps(net: Net, plan: Plan, knots: Knots) -> Net:

@@ -14,7 +14,7 @@ from codend.loads import problem_of
 from codend.measures import Measures, Meshes, Rows, measure_all
 from codend.meridian import plan_case
 from codend.net import Floats, Net, real_tensions
-from codend.plan import Case, Plan
+from codend.plan.plan import Case, Plan
 from codend.problem import Problem
 from codend.solvers import newton
 from codend.solvers.outcome import Solution, SolverReport

@@ -14,9 +14,9 @@ import pandas as pd
 from codend.errors import OPTIONS, InputError
 from codend.io.files import COMPARISON_FILES, whole_file, write_table
 from codend.io.run_tables import read_run_table
-from codend.overrides import parsed_override
-from codend.plan import Plan, load_plan
-from codend.report.plan_copy import plan_toml, toml_value
+from codend.plan.copy import plan_toml, toml_value
+from codend.plan.overrides import parsed_override
+from codend.plan.plan import Plan, load_plan
 from codend.study import solve
 
 SweepProgress = Callable[[int, int, str], None]

@@ -1,6 +1,6 @@
 """Plans for the tests, made from keyword arguments."""
 
-from codend.plan import Plan, plan_from_dict
+from codend.plan.plan import Plan, plan_from_dict
 
 
 def make_plan(

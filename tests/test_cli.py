@@ -17,7 +17,7 @@ from codend import console, doctor, fidelity
 from codend.cli import main
 from codend.io import files
 from codend.io.columns import RESULT_COLUMNS
-from codend.plan import load_plan
+from codend.plan.plan import load_plan
 from codend.report import page
 from tests.bad_plans import BAD_PLANS, VALID_PLAN, BadPlan
 

@@ -12,8 +12,8 @@ import codend
 from codend.io.columns import RESULT_COLUMNS
 from codend.io.files import write_table
 from codend.io.run_tables import read_run_table
-from codend.plan import Plan
-from codend.report.plan_copy import plan_toml
+from codend.plan.copy import plan_toml
+from codend.plan.plan import Plan
 from codend.selectivity.catches import catches_of, read_run
 from codend.selectivity.species import example_species_path
 from tests.plans import joined_plan, make_plan

@@ -6,7 +6,7 @@ import pytest
 from codend import equilibrium
 from codend.loads import problem_of
 from codend.measures import measure_all
-from codend.plan import Plan
+from codend.plan.plan import Plan
 from codend.problem import Problem
 from codend.solvers import interior_point
 from codend.solvers.outcome import Outcome, Solution

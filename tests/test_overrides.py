@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from codend.errors import InputError
-from codend.plan import load_plan, plan_from_dict
+from codend.plan.plan import load_plan, plan_from_dict
 from tests.bad_plans import VALID_PLAN, assert_is_one_clear_line
 
 

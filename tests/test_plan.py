@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from codend.errors import InputError
-from codend.plan import Case, Plan, load_plan, plan_from_dict
-from codend.plan_tables import Drag, Netting
+from codend.plan.plan import Case, Plan, load_plan, plan_from_dict
+from codend.plan.tables import Drag, Netting
 from tests.bad_plans import BAD_PLANS, VALID_PLAN, BadPlan, assert_is_one_clear_line
 
 CASES = Path(__file__).parents[1] / "validation" / "cases"
@@ -388,7 +388,7 @@ def test_the_flume_plan_is_that_of_le_bris_1999():
 
 
 def test_reading_a_plan_needs_no_heavy_library():
-    code = "import sys, codend.plan; print({'numpy', 'scipy', 'numba', 'pandas', 'matplotlib'} & set(sys.modules))"
+    code = "import sys, codend.plan.plan; print({'numpy', 'scipy', 'numba', 'pandas', 'matplotlib'} & set(sys.modules))"
     root = str(Path(__file__).parents[1])
     out = subprocess.run(
         [sys.executable, "-c", code], check=True, capture_output=True, text=True, env=os.environ | {"PYTHONPATH": root}

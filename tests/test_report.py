@@ -12,7 +12,7 @@ import pytest
 
 from codend.io.files import whole_file, write_table
 from codend.measures import Measures
-from codend.plan import plan_from_dict
+from codend.plan.plan import plan_from_dict
 from codend.report import page
 from codend.report.html import notes
 from codend.report.page import PLOTS, files_of, write_report

@@ -11,8 +11,8 @@ from matplotlib.text import Text
 import codend
 from codend.cli import main
 from codend.errors import InputError
-from codend.plan import Plan, load_plan, plan_from_dict
-from codend.report.plan_copy import plan_toml
+from codend.plan.copy import plan_toml
+from codend.plan.plan import Plan, load_plan, plan_from_dict
 from codend.report.selectivity_page import END, START, with_section, write_selectivity
 from codend.report.selectivity_plots import sensitivity_plot
 from codend.selectivity.catches import Run, catches_of, inside_mesh_m, read_run, run_of

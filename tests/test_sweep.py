@@ -8,8 +8,8 @@ import pytest
 
 import codend.sweep
 from codend.errors import InputError
-from codend.plan import load_plan
-from codend.report.plan_copy import plan_toml
+from codend.plan.copy import plan_toml
+from codend.plan.plan import load_plan
 from codend.study import solve
 from codend.sweep import runs_of, solve_runs
 from tests.test_cli import TINY_PLAN, assert_refused, codend_cli

@@ -18,7 +18,7 @@ from codend import accuracy, equilibrium
 from codend.accuracy import Errors
 from codend.loads import problem_of
 from codend.measures import Measures, measure_all
-from codend.plan import Plan, plan_from_dict
+from codend.plan.plan import Plan, plan_from_dict
 from codend.report.style import BLUE, INK, ORANGE, dress, new_figure
 from codend.solvers import interior_point
 from codend.study import CaseResult, solve

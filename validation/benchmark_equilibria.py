@@ -12,7 +12,7 @@ import click
 import numpy as np
 
 from codend import equilibrium
-from codend.plan import Plan, load_plan, plan_from_dict
+from codend.plan.plan import Plan, load_plan, plan_from_dict
 from codend.study import solve
 
 FLUME = Path(__file__).parent / "cases" / "flume_150x140.toml"

@@ -14,7 +14,7 @@ import numba
 from codend.build import build_net
 from codend.loads import problem_of
 from codend.mechanics import relaxation
-from codend.plan import load_plan
+from codend.plan.plan import load_plan
 from codend.problem import Problem
 from codend.solvers import dynamic_relaxation
 

@@ -16,7 +16,7 @@ import numpy as np
 
 import codend
 from catch_models.fish import Species
-from codend.plan import load_plan
+from codend.plan.plan import load_plan
 from codend.selectivity.calibrate import calibrate
 from codend.selectivity.catches import catches_of, run_of
 from codend.selectivity.fielddata import read_field_data

@@ -13,7 +13,7 @@ import pandas as pd
 
 from codend import study
 from codend.comparison import Comparison, Hoop, compare, read_flume_table
-from codend.plan import load_plan
+from codend.plan.plan import load_plan
 from codend.report.drag_plot import PARTS
 from codend.report.style import INK, dress, new_figure
 from validation.report import markdown_table

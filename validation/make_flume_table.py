@@ -9,7 +9,7 @@ import click
 
 from codend.loads import pressure_law_of
 from codend.meridian import MeridianProblem, MeridianShape, solve_meridian
-from codend.plan import Plan, load_plan
+from codend.plan.plan import Plan, load_plan
 
 HERE = Path(__file__).parent
 CASE = HERE / "cases" / "flume_150x140.toml"

@@ -12,7 +12,7 @@ from collections import Counter
 import click
 import numpy as np
 
-from codend.plan import Plan, plan_from_dict
+from codend.plan.plan import Plan, plan_from_dict
 from codend.study import CaseResult, solve
 
 TOLERANCE = 1e-8

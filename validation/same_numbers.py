@@ -17,7 +17,7 @@ from click.testing import CliRunner
 
 from codend import InputError, Plan, load_plan, solve
 from codend.cli import main as codend_command
-from codend.plan import plan_from_dict
+from codend.plan.plan import plan_from_dict
 
 CASES = Path(__file__).parent / "cases"
 NOT_NUMBERS_OF_A_NET = ("solve_ms",)

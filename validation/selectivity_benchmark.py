@@ -18,7 +18,7 @@ import numpy as np
 
 import codend
 from catch_models.fish import Species
-from codend.plan import Plan, plan_from_dict
+from codend.plan.plan import Plan, plan_from_dict
 from codend.selectivity.catches import catches_of, run_of
 from codend.selectivity.haul import hauls_of, terms_of_catches, terms_of_haul
 from codend.selectivity.predict import predict

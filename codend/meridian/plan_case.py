@@ -9,7 +9,7 @@ from codend.loads import pressure_law_of
 from codend.meridian.problem import Floats, MeridianProblem, MeridianShape
 from codend.meridian.solve import solve_meridian, uniform_pressure_shape
 from codend.net import Net
-from codend.plan import Case, Plan
+from codend.plan.plan import Case, Plan
 from codend.solvers.outcome import Outcome
 
 METHOD = "meridian"

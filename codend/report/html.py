@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
 from typing import Any
 
-from codend.plan import Plan
+from codend.plan.plan import Plan
 from codend.report.page_tables import results_table, solving_table
 from codend.study import CaseResult, Study
 

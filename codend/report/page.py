@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from codend.io.files import COMPARISON_FILES, SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_table
-from codend.plan import Plan
+from codend.plan.copy import plan_toml
+from codend.plan.plan import Plan
 from codend.report.drag_plot import drag_plot
 from codend.report.html import PageFigure, page_html
 from codend.report.picture import net_picture
-from codend.report.plan_copy import plan_toml
 from codend.report.plots import catch_text, opening_force_plot, opening_plot, profiles_plot, solved, tension_plot
 from codend.report.style import number_text, png
 from codend.report.vtk import write_vtu

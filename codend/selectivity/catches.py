@@ -15,7 +15,7 @@ from codend.errors import InputError
 from codend.io.input_table import InputTable
 from codend.io.run_tables import read_run_table, solved_cases
 from codend.net import Net
-from codend.plan import Netting, Plan, load_plan
+from codend.plan.plan import Netting, Plan, load_plan
 from codend.selectivity.passage import KINDS, SQUARE
 from codend.selectivity.penetration import Holes
 

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from catch_models.fish import PARAMETERS, Species
 from codend.errors import InputError
-from codend.plan_messages import input_error
+from codend.plan.messages import input_error
 
 MOST_LENGTH_CLASSES = 10_000
 """Far more than any ruler tells apart; retention is computed for each, and a step of a micrometre fills any memory."""

@@ -11,7 +11,7 @@ from codend import fidelity
 from codend.errors import OPTIONS, InputError
 from codend.fidelity import FEWEST_MESHES_ROUND
 from codend.meridian.plan_case import why_not_exactly
-from codend.plan import Plan, load_plan
+from codend.plan.plan import Plan, load_plan
 
 NEWTON, KINETIC, VISCOUS, RIGID, MERIDIAN = (
     "Newton",

@@ -12,7 +12,7 @@ from codend.fidelity import Choice
 from codend.meridian.plan_case import first_guess, problem_for, solve_case
 from codend.meridian.problem import MeridianShape
 from codend.meridian.solve import solve_meridian
-from codend.plan import Plan
+from codend.plan.plan import Plan
 from codend.speed_accuracy.contenders import (
     FULL,
     KINETIC,

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 
 from codend import study
-from codend.plan import Plan, plan_from_dict
+from codend.plan.plan import Plan, plan_from_dict
 from codend.study import CaseResult
 
 SPREAD_M = 4.0

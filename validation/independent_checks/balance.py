@@ -21,7 +21,7 @@ from codend.build import build_net
 from codend.loads import problem_of
 from codend.measures import measure_all
 from codend.net import bar_vectors, facet_corners
-from codend.plan import load_plan
+from codend.plan.plan import load_plan
 from codend.problem import Problem
 from codend.solvers import newton
 from codend.solvers.outcome import Solution

@@ -10,8 +10,8 @@ from typing import Annotated, Any, Literal, Self
 from annotated_types import Ge, Gt, Le, Lt, MinLen
 from pydantic import AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Strict, model_validator
 
-from codend.overrides import CATCH_QUANTITIES, MESH_SIZES, CatchKind
-from codend.plan_messages import Contradiction
+from codend.plan.messages import Contradiction
+from codend.plan.overrides import CATCH_QUANTITIES, MESH_SIZES, CatchKind
 
 Number = Annotated[float, Strict(), AllowInfNan(False)]
 Whole = Annotated[int, Strict()]

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from codend.plan import Plan
+from codend.plan.plan import Plan
 
 
 def plan_toml(plan: Plan) -> str:

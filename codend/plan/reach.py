@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from codend.plan_tables import Netting
+from codend.plan.tables import Netting
 
 
 def least_radius_m(netting: Sequence[Netting], entry_radius_m: float, rows_to_codline: int) -> float:

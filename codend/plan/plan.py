@@ -16,10 +16,10 @@ from pydantic import PrivateAttr, ValidationError, model_validator
 
 from codend.errors import InputError
 from codend.io.text import read_text
-from codend.overrides import CatchKind, apply_overrides
-from codend.plan_messages import Contradiction, input_error
-from codend.plan_reach import least_radius_m
-from codend.plan_tables import Catch, Drag, Entry, Model, Netting, Strap, Table, Text, Tow
+from codend.plan.messages import Contradiction, input_error
+from codend.plan.overrides import CatchKind, apply_overrides
+from codend.plan.reach import least_radius_m
+from codend.plan.tables import Catch, Drag, Entry, Model, Netting, Strap, Table, Text, Tow
 
 
 @dataclass(frozen=True)
