@@ -4,7 +4,7 @@ import numpy as np
 
 from codend.errors import InputError
 from codend.knots import knots_of
-from codend.net import Floats, Net, split_bars, twine_bars
+from codend.net.net import Floats, Net, split_bars, twine_bars
 from codend.net_parts import Lattice, RowShape
 from codend.netting import net_of
 from codend.plan.plan import Netting, Plan

@@ -13,7 +13,7 @@ from codend.loads import problem_of
 from codend.mechanics.arrays import structure_of
 from codend.meridian.plan_case import equilibrium_guess, first_guess, tensions_on
 from codend.meridian.problem import MeridianShape
-from codend.net import Net, rotate
+from codend.net.net import Net, rotate
 from codend.plan.plan import Case, Plan
 from codend.problem import Problem
 from codend.solvers import dynamic_relaxation, interior_point, newton, rigid_bars

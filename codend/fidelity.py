@@ -8,7 +8,7 @@ import numpy as np
 from codend.accuracy import HEAVIEST_SQUARE, WEIGHT_LEFT_OUT, sector_measures
 from codend.build import build_net
 from codend.loads import wet_weight
-from codend.net import Net
+from codend.net.net import Net
 from codend.plan.plan import Plan
 
 SLOW_KNOTS, SLOW_MESHES = 3000, 10

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.net import Floats, Ints
+from codend.net.net import Floats, Ints
 from codend.net_parts import Corner, Counts, Lattice, RowShape, taken_up
 
 LEFT, RIGHT = range(2)

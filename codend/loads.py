@@ -6,7 +6,7 @@ from catch_models.pressure import PressureLaw, sphere_law, uniform_law
 from codend.errors import InputError
 from codend.mechanics import arrays
 from codend.mechanics.arrays import Loading, structure_of
-from codend.net import Floats, Net
+from codend.net.net import Floats, Net
 from codend.plan.plan import Case, Plan
 from codend.problem import Problem
 

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.net import Floats, Ints, Net
+from codend.net.net import Floats, Ints, Net
 from codend.plan.plan import Netting
 
 Counts = NDArray[np.int64]

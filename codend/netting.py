@@ -3,7 +3,7 @@
 import numpy as np
 
 from codend.knots import LEFT, RIGHT, Knots, placed_knots
-from codend.net import Net
+from codend.net.net import Net
 from codend.net_parts import Counts, Parts, RowShape, assembled
 
 

@@ -19,7 +19,7 @@ from codend.build import build_net
 from codend.errors import OPTIONS, InputError
 from codend.loads import problem_of
 from codend.measures import WANTED_OPENING_DEG, measure_meshes, mesh_openings, opening_force
-from codend.net import Floats, Ints, Net, mesh_corners, with_bars
+from codend.net.net import Floats, Ints, Net, mesh_corners, with_bars
 from codend.plan.plan import Case, Plan
 from codend.solvers import interior_point, newton
 from codend.solvers.outcome import Progress, Solution

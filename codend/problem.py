@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from codend.mechanics.arrays import Loading, Structure
-from codend.net import Net
+from codend.net.net import Net
 
 
 @dataclass(frozen=True)

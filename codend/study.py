@@ -13,7 +13,7 @@ from codend.fidelity import Choice
 from codend.loads import problem_of
 from codend.measures import Measures, Meshes, Rows, measure_all
 from codend.meridian import plan_case
-from codend.net import Floats, Net, real_tensions
+from codend.net.net import Floats, Net, real_tensions
 from codend.plan.plan import Case, Plan
 from codend.problem import Problem
 from codend.solvers import newton

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, LE_BRIS_1999
-from codend.net import Net, facet_corners, rotate
+from codend.net.net import Net, facet_corners, rotate
 from codend.problem import Problem
 
 STEP = 1e-30

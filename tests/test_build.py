@@ -3,7 +3,7 @@ import pytest
 
 from codend.build import build_net, rows_of
 from codend.loads import wet_weight
-from codend.net import all_round, bar_vectors, facet_corners, split_bars
+from codend.net.net import all_round, bar_vectors, facet_corners, split_bars
 from tests.plans import make_plan
 
 KINDS = [

@@ -5,7 +5,7 @@ import pytest
 
 from codend import equilibrium
 from codend.measures import measure_all, mesh_openings
-from codend.net import mesh_corners
+from codend.net.net import mesh_corners
 from codend.solvers.outcome import Outcome
 from codend.study import solve
 from tests.plans import UNIFORM, make_plan, uniform_plan

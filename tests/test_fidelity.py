@@ -10,7 +10,7 @@ from codend import accuracy, fidelity
 from codend.build import build_net
 from codend.loads import problem_of, wet_weight
 from codend.measures import measure_all
-from codend.net import all_round, rotate
+from codend.net.net import all_round, rotate
 from codend.plan.plan import load_plan
 from codend.solvers import dynamic_relaxation, newton
 from codend.study import solve

@@ -17,7 +17,7 @@ from codend.measures import measure_meshes, measure_rows
 from codend.mechanics import bars, pressure
 from codend.mechanics.arrays import structure_of
 from codend.mechanics.balance import add_loads
-from codend.net import rotate
+from codend.net.net import rotate
 from codend.solvers.outcome import Outcome, Solution, SolverReport
 from tests.plans import NO_DRAG, UNIFORM, make_plan
 from validation.plain_nets import plain_net, plain_problem

@@ -10,7 +10,7 @@ from codend.build import build_net
 from codend.equilibrium import START
 from codend.loads import problem_of
 from codend.mechanics.tangent import add_bar_tangent, pattern_of
-from codend.net import all_round, bar_vectors
+from codend.net.net import all_round, bar_vectors
 from codend.plan.plan import plan_from_dict
 from codend.solvers import continuation, dynamic_relaxation, newton
 from codend.solvers.linear_systems import BandedSystem, _band_numbering, _scalar_places

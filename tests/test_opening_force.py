@@ -15,7 +15,7 @@ from codend.equilibrium import START
 from codend.errors import InputError
 from codend.loads import problem_of
 from codend.measures import mesh_openings
-from codend.net import mesh_corners
+from codend.net.net import mesh_corners
 from codend.opening_force import pull_mesh
 from codend.solvers import dynamic_relaxation, interior_point, newton
 from codend.solvers.outcome import Outcome, Solution

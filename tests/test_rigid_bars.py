@@ -15,7 +15,7 @@ from codend.errors import InputError
 from codend.loads import GRAVITY_M_S2, problem_of
 from codend.measures import measure_all
 from codend.mechanics.drag import add_drag, add_moving_drag
-from codend.net import rotate
+from codend.net.net import rotate
 from codend.solvers import dynamic_relaxation, rigid_bars, rigid_motion
 from codend.solvers.linear_systems import BandedSystem
 from codend.solvers.outcome import Outcome

@@ -12,7 +12,7 @@ from codend.errors import InputError
 from codend.io.columns import RESULT_COLUMNS
 from codend.measures import Measures, measure_all
 from codend.mechanics.drag import add_drag
-from codend.net import bar_vectors
+from codend.net.net import bar_vectors
 from codend.plan.reach import least_radius_m
 from codend.report.page_tables import results_table
 from codend.report.picture import RISE_DEG, STRAP_WIDTH, net_picture

@@ -20,7 +20,7 @@ from codend.mechanics.tangent import Pattern, add_bar_tangent, pattern_of
 from codend.mechanics.tangent_bending import add_bending_tangent
 from codend.mechanics.tangent_front import front_band, load_by_share, share_gradient
 from codend.mechanics.tangent_loads import add_drag_tangent, add_pressure_tangent
-from codend.net import Floats, bar_vectors
+from codend.net.net import Floats, bar_vectors
 from codend.problem import Problem
 from tests import complex_loads
 from tests.complex_loads import derivative

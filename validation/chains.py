@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from codend.net import Floats
+from codend.net.net import Floats
 from codend.problem import Problem
 from validation.plain_nets import plain_net, plain_problem
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from codend.net import Net
+from codend.net.net import Net
 from codend.problem import Problem
 
 

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from codend.net import Floats
+from codend.net.net import Floats
 
 CYLINDER_DRAG = 1.2
 """Drag coefficient of a round cylinder across the flow, as Le Bris et al. (1999, section 4.2) quote it."""

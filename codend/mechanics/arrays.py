@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.net import Floats, Ints, Net
+from codend.net.net import Floats, Ints, Net
 
 Flags = NDArray[np.bool_]
 
@@ -14,7 +14,7 @@ LE_BRIS_1999, BESSONNEAU_1997 = range(2)
 
 
 class Structure(NamedTuple):
-    """A net as the kernels see it; shapes as in ``codend.net.Net``."""
+    """A net as the kernels see it; shapes as in ``codend.net.net.Net``."""
 
     first: Ints
     second: Ints

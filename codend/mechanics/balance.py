@@ -7,7 +7,7 @@ from codend.mechanics.arrays import Loading, Structure
 from codend.mechanics.bending import add_bending
 from codend.mechanics.drag import add_drag
 from codend.mechanics.pressure import add_pressure
-from codend.net import Floats
+from codend.net.net import Floats
 
 
 @njit(cache=True)

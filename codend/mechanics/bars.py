@@ -15,7 +15,7 @@ import numpy as np
 from codend.compiled import njit
 from codend.mechanics.arrays import Structure
 from codend.mechanics.images import add_turned_back, turned
-from codend.net import Floats
+from codend.net.net import Floats
 
 
 @njit(cache=True)

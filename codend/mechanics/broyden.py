@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from codend.compiled import njit
-from codend.net import Floats
+from codend.net.net import Floats
 
 MOST_STEPS = 16
 """With one tangent; each costs two more scalar products than the one before it."""

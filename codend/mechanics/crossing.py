@@ -10,7 +10,7 @@ import numpy as np
 from codend.compiled import njit
 from codend.mechanics.arrays import Structure
 from codend.mechanics.images import turned
-from codend.net import Floats
+from codend.net.net import Floats
 
 THROUGH = 1e-6
 """Scalar product of two knots from the middles of their rings, over a bar squared, that is no round-off any more."""

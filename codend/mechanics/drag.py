@@ -6,7 +6,7 @@ from codend.compiled import njit
 from codend.mechanics.arrays import LE_BRIS_1999, Loading, Structure
 from codend.mechanics.bars import bar_vector
 from codend.mechanics.images import add_turned_back, turned
-from codend.net import Floats
+from codend.net.net import Floats
 
 
 @njit(cache=True)

@@ -1,7 +1,7 @@
 """Turning points and forces between the images of a rotational sector, for kernels."""
 
 from codend.compiled import njit
-from codend.net import Floats
+from codend.net.net import Floats
 
 
 @njit(cache=True)

@@ -14,7 +14,7 @@ from codend.mechanics.arrays import Loading, Structure
 from codend.mechanics.balance import add_loads, out_of_balance
 from codend.mechanics.bars import add_bar_forces, bar_vector
 from codend.mechanics.pressure import fill
-from codend.net import Floats
+from codend.net.net import Floats
 
 LENGTH_WEIGHT = 10.0
 """Force, in units of the reference tension, that a bar's strain of 1 counts as in the merit."""

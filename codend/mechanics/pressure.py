@@ -6,7 +6,7 @@ from catch_models.filling import fill_by_meshes, fill_to_plane, fill_to_volume
 from codend.compiled import njit
 from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, Loading, Structure
 from codend.mechanics.images import add_turned_back, turned
-from codend.net import Floats, Ints
+from codend.net.net import Floats, Ints
 
 
 @njit(cache=True)

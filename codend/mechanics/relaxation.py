@@ -18,7 +18,7 @@ from codend.mechanics.bars import bar_vector
 from codend.mechanics.bending import add_bending_bound
 from codend.mechanics.images import add_turned_back
 from codend.mechanics.pressure import fill
-from codend.net import Floats, Ints
+from codend.net.net import Floats, Ints
 
 REFRESH = 25
 X, FORCE, VELOCITY, MOBILITY, LOAD = 0, 3, 6, 9, 12

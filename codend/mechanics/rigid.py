@@ -19,7 +19,7 @@ from codend.compiled import njit
 from codend.mechanics.arrays import Loading, Structure
 from codend.mechanics.bars import bar_vector
 from codend.mechanics.images import add_turned_back
-from codend.net import Floats, Ints
+from codend.net.net import Floats, Ints
 
 SLIGHT_GIVE = 1e-10
 """Added to the diagonal, relative: bars that lie upon each other then share their tension."""

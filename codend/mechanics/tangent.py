@@ -12,7 +12,7 @@ import numpy as np
 from codend.compiled import njit
 from codend.mechanics.arrays import Structure
 from codend.mechanics.bars import bar_vector
-from codend.net import Floats, Ints
+from codend.net.net import Floats, Ints
 
 
 class Pattern(NamedTuple):

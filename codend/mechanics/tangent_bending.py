@@ -6,7 +6,7 @@ from codend.compiled import njit
 from codend.mechanics.arrays import Structure
 from codend.mechanics.bending import corner_slopes, corner_vectors, dot
 from codend.mechanics.tangent import Pattern, add_turned_block
-from codend.net import Floats
+from codend.net.net import Floats
 
 
 @njit(cache=True)

@@ -12,7 +12,7 @@ from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, Loading, 
 from codend.mechanics.drag import add_drag
 from codend.mechanics.images import add_turned_back
 from codend.mechanics.pressure import add_pressure, area_vector, corners_of_facet, row_positions
-from codend.net import Floats
+from codend.net.net import Floats
 
 
 @njit(cache=True, error_model="numpy")

@@ -10,7 +10,7 @@ from codend.mechanics.arrays import LE_BRIS_1999, Loading, Structure
 from codend.mechanics.bars import bar_vector
 from codend.mechanics.pressure import area_vector, corners_of_facet, is_uniform, law_and_slope
 from codend.mechanics.tangent import Pattern, add_bar_blocks
-from codend.net import Floats, Ints
+from codend.net.net import Floats, Ints
 
 
 @njit(cache=True, error_model="numpy")

@@ -8,7 +8,7 @@ from codend.errors import InputError
 from codend.loads import pressure_law_of
 from codend.meridian.problem import Floats, MeridianProblem, MeridianShape
 from codend.meridian.solve import solve_meridian, uniform_pressure_shape
-from codend.net import Net
+from codend.net.net import Net
 from codend.plan.plan import Case, Plan
 from codend.solvers.outcome import Outcome
 

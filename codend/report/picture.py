@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.net import Floats, Net, WholeNet, all_round
+from codend.net.net import Floats, Net, WholeNet, all_round
 from codend.report.polygons import joined_on_axis, mesh_polygons
 from codend.report.style import INK, new_figure, number_text
 from codend.study import CaseResult

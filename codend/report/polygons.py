@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.net import WholeNet
+from codend.net.net import WholeNet
 
 
 def joined_on_axis(whole: WholeNet) -> WholeNet:

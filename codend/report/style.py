@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from codend.net import Floats
+from codend.net.net import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from codend.net import Floats
+from codend.net.net import Floats
 from codend.report.style import BLUE, INK, ORANGE, PALE, dress, new_figure, number_text
 from codend.selectivity.together import Together, observed_retention
 from codend.selectivity.together_l50 import haul_l50_sr, together_l50_table

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from codend.io.files import whole_file
-from codend.net import all_round
+from codend.net.net import all_round
 from codend.report.polygons import joined_on_axis, mesh_polygons
 from codend.study import CaseResult
 

@@ -14,7 +14,7 @@ from codend.build import build_net, rows_of
 from codend.errors import InputError
 from codend.io.input_table import InputTable
 from codend.io.run_tables import read_run_table, solved_cases
-from codend.net import Net
+from codend.net.net import Net
 from codend.plan.plan import Netting, Plan, load_plan
 from codend.selectivity.passage import KINDS, SQUARE
 from codend.selectivity.penetration import Holes

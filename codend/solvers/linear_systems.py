@@ -15,7 +15,7 @@ from scipy.sparse import csr_array
 from codend.compiled import njit
 from codend.mechanics.arrays import Structure
 from codend.mechanics.tangent import Pattern
-from codend.net import Floats, Ints
+from codend.net.net import Floats, Ints
 from codend.solvers import pardiso_system
 from codend.solvers.pardiso_system import PardisoSystem
 from codend.solvers.sparse_system import SparseSystem

@@ -15,7 +15,7 @@ from codend.mechanics.broyden import MOST_STEPS, correct, keep
 from codend.mechanics.newton_state import State
 from codend.mechanics.newton_step import Step, finish_step, linearise, simplified_move, take
 from codend.mechanics.tangent import Pattern
-from codend.net import Floats
+from codend.net.net import Floats
 from codend.solvers.linear_systems import Band, LinearSystem, factorise_band, solve_band
 
 FAILED, IN_FIRST, IN_SECOND = range(3)

@@ -6,7 +6,7 @@ from enum import Enum
 
 import numpy as np
 
-from codend.net import Floats
+from codend.net.net import Floats
 
 Progress = Callable[[str, float], None]
 """Told what is being done and the residual reached, now and then during a long solve."""

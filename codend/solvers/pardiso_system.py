@@ -22,7 +22,7 @@ Python 3.11, the wheel of python-mumps found there asks for numpy 1, cvxopt and 
 from importlib.util import find_spec
 from typing import Any
 
-from codend.net import Floats, Ints
+from codend.net.net import Floats, Ints
 from codend.solvers.sparse_system import SparseSystem
 
 _ORDERING, _PERTURBATION, _SCALING, _MATCHING, _PERTURBED = 1, 9, 10, 12, 13

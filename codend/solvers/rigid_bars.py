@@ -24,7 +24,7 @@ from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.drag import add_moving_drag
 from codend.mechanics.pressure import add_pressure, fill
 from codend.mechanics.relaxation import set_pressure_bound
-from codend.net import Floats
+from codend.net.net import Floats
 from codend.problem import Problem
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE
 from codend.solvers.linear_systems import factorise_band, solve_band

@@ -17,7 +17,7 @@ from codend.mechanics.bending import add_bending, add_bending_bound
 from codend.mechanics.drag import add_moving_drag
 from codend.mechanics.pressure import add_pressure, fill
 from codend.mechanics.relaxation import set_pressure_bound
-from codend.net import Floats, Ints
+from codend.net.net import Floats, Ints
 from codend.problem import Problem
 from codend.solvers.linear_systems import fitting_system, narrow_numbering
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from codend.net import Floats, Ints
+from codend.net.net import Floats, Ints
 
 
 def columns_in_order(row: Ints, column: Ints, size: int) -> tuple[Ints, Ints, Ints]:

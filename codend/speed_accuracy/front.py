@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from codend.net import Floats
+from codend.net.net import Floats
 
 
 def pareto_front(time: Floats, error: Floats) -> np.ndarray:

@@ -20,7 +20,7 @@ from codend import equilibrium
 from codend.build import build_net
 from codend.loads import problem_of
 from codend.measures import measure_all
-from codend.net import bar_vectors, facet_corners
+from codend.net.net import bar_vectors, facet_corners
 from codend.plan.plan import load_plan
 from codend.problem import Problem
 from codend.solvers import newton

@@ -11,7 +11,7 @@ import numpy as np
 
 from codend import equilibrium
 from codend.loads import pressure_law_of
-from codend.net import Floats
+from codend.net.net import Floats
 from codend.plan.plan import Plan
 from codend.solvers import dynamic_relaxation
 from codend.solvers.outcome import Solution

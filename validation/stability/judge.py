@@ -12,7 +12,7 @@ from enum import Enum
 import numpy as np
 
 from codend.measures import measure_all
-from codend.net import Floats
+from codend.net.net import Floats
 from codend.problem import Problem
 from codend.solvers import dynamic_relaxation, newton
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE

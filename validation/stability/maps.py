@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from codend.net import Floats
+from codend.net.net import Floats
 from codend.report.style import number_text
 from codend.solvers.outcome import Solution
 from validation.section import Verdict

@@ -19,7 +19,7 @@ from scipy.linalg import null_space
 
 from codend.mechanics import rigid
 from codend.mechanics.drag import add_moving_drag
-from codend.net import Floats
+from codend.net.net import Floats
 from codend.problem import Problem
 from codend.solvers import rigid_bars
 from codend.solvers.outcome import Solution

@@ -6,7 +6,7 @@ import numpy as np
 
 from codend.build import build_net
 from codend.loads import problem_of
-from codend.net import Floats
+from codend.net.net import Floats
 from codend.plan.plan import Plan, plan_from_dict
 from codend.problem import Problem
 
