@@ -11,8 +11,8 @@ import numpy as np
 from codend import equilibrium
 from codend.equilibrium import Scene
 from codend.measures import Measures, current_loads, measure_all
+from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
-from codend.problem import Problem
 from codend.solvers import newton
 from codend.solvers.newton import DIRECT
 from codend.solvers.outcome import Solution

@@ -11,11 +11,11 @@ from codend.build import build_net
 from codend.errors import InputError
 from codend.loads import problem_of
 from codend.mechanics.arrays import structure_of
+from codend.mechanics.problem import Problem
 from codend.meridian.plan_case import equilibrium_guess, first_guess, tensions_on
 from codend.meridian.problem import MeridianShape
 from codend.net.net import Net, rotate
 from codend.plan.plan import Case, Plan
-from codend.problem import Problem
 from codend.solvers import dynamic_relaxation, interior_point, newton, rigid_bars
 from codend.solvers.continuation import in_steps, predict, with_catch
 from codend.solvers.dynamic_relaxation import RelaxationSettings

@@ -6,9 +6,9 @@ from catch_models.pressure import PressureLaw, sphere_law, uniform_law
 from codend.errors import InputError
 from codend.mechanics import arrays
 from codend.mechanics.arrays import Loading, structure_of
+from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Net
 from codend.plan.plan import Case, Plan
-from codend.problem import Problem
 
 GRAVITY_M_S2 = 9.80665
 

@@ -10,8 +10,8 @@ import numpy as np
 from catch_models.filling import enclosed_volume
 from catch_models.pressure import PressureLaw
 from codend.mechanics import bars, bending, drag, pressure
+from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Net, mesh_corners, real_tensions, rotate, twine_bars
-from codend.problem import Problem
 from codend.solvers.outcome import Solution
 
 WANTED_OPENING_DEG = 30.0

@@ -12,10 +12,10 @@ from codend.build import build_net
 from codend.fidelity import Choice
 from codend.loads import problem_of
 from codend.measures import Measures, Meshes, Rows, measure_all
+from codend.mechanics.problem import Problem
 from codend.meridian import plan_case
 from codend.net.net import Floats, Net, real_tensions
 from codend.plan.plan import Case, Plan
-from codend.problem import Problem
 from codend.solvers import newton
 from codend.solvers.outcome import Solution, SolverReport
 

@@ -10,8 +10,8 @@ from collections.abc import Callable
 import numpy as np
 
 from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, LE_BRIS_1999
+from codend.mechanics.problem import Problem
 from codend.net.net import Net, facet_corners, rotate
-from codend.problem import Problem
 
 STEP = 1e-30
 

@@ -6,8 +6,8 @@ import pytest
 from codend import equilibrium
 from codend.loads import problem_of
 from codend.measures import measure_all
+from codend.mechanics.problem import Problem
 from codend.plan.plan import Plan
-from codend.problem import Problem
 from codend.solvers import interior_point
 from codend.solvers.outcome import Outcome, Solution
 from tests.plans import UNIFORM, joined_plan

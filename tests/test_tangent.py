@@ -16,12 +16,12 @@ from codend.mechanics.bars import add_bar_forces, bar_lengths
 from codend.mechanics.bending import add_bending
 from codend.mechanics.drag import add_drag
 from codend.mechanics.pressure import add_pressure, fill
+from codend.mechanics.problem import Problem
 from codend.mechanics.tangent import Pattern, add_bar_tangent, pattern_of
 from codend.mechanics.tangent_bending import add_bending_tangent
 from codend.mechanics.tangent_front import front_band, load_by_share, share_gradient
 from codend.mechanics.tangent_loads import add_drag_tangent, add_pressure_tangent
 from codend.net.net import Floats, bar_vectors
-from codend.problem import Problem
 from tests import complex_loads
 from tests.complex_loads import derivative
 from tests.plans import UNIFORM, make_plan

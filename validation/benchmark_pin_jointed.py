@@ -20,8 +20,8 @@ from scipy.interpolate import RegularGridInterpolator
 
 from codend.equilibrium import START
 from codend.mechanics.bars import add_bar_forces
+from codend.mechanics.problem import Problem
 from codend.net.net import Floats, bar_vectors
-from codend.problem import Problem
 from codend.solvers import dynamic_relaxation, newton
 from codend.solvers.newton import DIRECT
 from codend.solvers.outcome import Solution

@@ -14,8 +14,8 @@ import numba
 from codend.build import build_net
 from codend.loads import problem_of
 from codend.mechanics import relaxation
+from codend.mechanics.problem import Problem
 from codend.plan.plan import load_plan
-from codend.problem import Problem
 from codend.solvers import dynamic_relaxation
 
 FLUME = Path(__file__).parent / "cases" / "flume_150x140.toml"

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from codend.mechanics.problem import Problem
 from codend.net.net import Floats
-from codend.problem import Problem
 from validation.plain_nets import plain_net, plain_problem
 
 DIAMETER_M, DENSITY_KG_M3 = 0.01, 3000.0

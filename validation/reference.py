@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from codend.mechanics.problem import Problem
 from codend.net.net import Net
-from codend.problem import Problem
 
 
 def turned(point: np.ndarray, image: int, order: int) -> np.ndarray:

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from codend.problem import Problem
+from codend.mechanics.problem import Problem
 from codend.solvers.outcome import Outcome, Solution
 
 DEGREE = 2

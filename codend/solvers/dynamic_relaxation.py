@@ -13,9 +13,9 @@ from codend.mechanics import relaxation
 from codend.mechanics.balance import add_loads
 from codend.mechanics.bars import augmented_law, bar_lengths, length_error
 from codend.mechanics.crossing import passed_through_itself
+from codend.mechanics.problem import Problem
 from codend.mechanics.relaxation import Workspace
 from codend.net.net import Floats
-from codend.problem import Problem
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
 METHOD = "dynamic-relaxation"

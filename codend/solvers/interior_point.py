@@ -15,7 +15,7 @@ import numpy as np
 from codend.mechanics import newton_step as kernels
 from codend.mechanics.compiling import compile_kernel
 from codend.mechanics.newton_state import State, measure
-from codend.problem import Problem
+from codend.mechanics.problem import Problem
 from codend.solvers import newton
 from codend.solvers.dynamic_relaxation import reference_tension
 from codend.solvers.linear_systems import BandedSystem

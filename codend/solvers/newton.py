@@ -20,8 +20,8 @@ from codend.mechanics.compiling import compile_kernel
 from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.newton_state import State, empty_state, measure
 from codend.mechanics.newton_step import Step
+from codend.mechanics.problem import Problem
 from codend.mechanics.tangent import Pattern, pattern_of
-from codend.problem import Problem
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension, rough_shape
 from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
 from codend.solvers.newton_advance import FAILED, IN_FIRST, IN_SECOND, Limits, advance, advance_banded, within

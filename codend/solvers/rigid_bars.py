@@ -23,9 +23,9 @@ from codend.mechanics.compiling import compile_kernel
 from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.drag import add_moving_drag
 from codend.mechanics.pressure import add_pressure, fill
+from codend.mechanics.problem import Problem
 from codend.mechanics.relaxation import set_pressure_bound
 from codend.net.net import Floats
-from codend.problem import Problem
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE
 from codend.solvers.linear_systems import factorise_band, solve_band
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport

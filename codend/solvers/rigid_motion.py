@@ -16,9 +16,9 @@ from codend.mechanics.bars import bar_lengths
 from codend.mechanics.bending import add_bending, add_bending_bound
 from codend.mechanics.drag import add_moving_drag
 from codend.mechanics.pressure import add_pressure, fill
+from codend.mechanics.problem import Problem
 from codend.mechanics.relaxation import set_pressure_bound
 from codend.net.net import Floats, Ints
-from codend.problem import Problem
 from codend.solvers.linear_systems import fitting_system, narrow_numbering
 
 ADDED_MASS = 1.0

@@ -20,9 +20,9 @@ from codend import equilibrium
 from codend.build import build_net
 from codend.loads import problem_of
 from codend.measures import measure_all
+from codend.mechanics.problem import Problem
 from codend.net.net import bar_vectors, facet_corners
 from codend.plan.plan import load_plan
-from codend.problem import Problem
 from codend.solvers import newton
 from codend.solvers.outcome import Solution
 from validation.independent_checks.check import Check, Floats, Theme

@@ -12,8 +12,8 @@ from enum import Enum
 import numpy as np
 
 from codend.measures import measure_all
+from codend.mechanics.problem import Problem
 from codend.net.net import Floats
-from codend.problem import Problem
 from codend.solvers import dynamic_relaxation, newton
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE
 from codend.solvers.outcome import Outcome, Solution

@@ -5,10 +5,10 @@ import numpy as np
 from catch_models.filling import enclosed_volume
 from codend.mechanics import drag, pressure
 from codend.mechanics.bars import bar_lengths
+from codend.mechanics.problem import Problem
 from codend.mechanics.tangent import add_bar_tangent, pattern_of
 from codend.mechanics.tangent_loads import add_drag_tangent, add_pressure_tangent
 from codend.net.net import Floats
-from codend.problem import Problem
 from codend.solvers.outcome import Solution
 from validation.reference import bar_vector, turned
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from codend.problem import Problem
+from codend.mechanics.problem import Problem
 from codend.solvers import newton
 from codend.solvers.continuation import with_catch
 from codend.solvers.newton import NewtonSettings

@@ -6,7 +6,7 @@ On a full net, where nothing forbids a lopsided answer; every cell is shaken in 
 from collections.abc import Callable
 from dataclasses import replace
 
-from codend.problem import Problem
+from codend.mechanics.problem import Problem
 from codend.solvers import dynamic_relaxation, newton, rigid_bars
 from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.outcome import Solution

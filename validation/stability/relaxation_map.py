@@ -13,7 +13,7 @@ from scipy.linalg import eigh
 
 from codend.mechanics import relaxation
 from codend.mechanics.bars import augmented_law
-from codend.problem import Problem
+from codend.mechanics.problem import Problem
 from codend.solvers import dynamic_relaxation
 from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.outcome import Solution

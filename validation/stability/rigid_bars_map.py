@@ -19,8 +19,8 @@ from scipy.linalg import null_space
 
 from codend.mechanics import rigid
 from codend.mechanics.drag import add_moving_drag
+from codend.mechanics.problem import Problem
 from codend.net.net import Floats
-from codend.problem import Problem
 from codend.solvers import rigid_bars
 from codend.solvers.outcome import Solution
 from codend.solvers.rigid_bars import RigidBarsSettings

@@ -6,9 +6,9 @@ import numpy as np
 
 from codend.build import build_net
 from codend.loads import problem_of
+from codend.mechanics.problem import Problem
 from codend.net.net import Floats
 from codend.plan.plan import Plan, plan_from_dict
-from codend.problem import Problem
 
 MESHES_ROUND, MESHES_LONG = 24, 20
 BAR_M = 0.04
