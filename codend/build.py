@@ -3,12 +3,12 @@
 import numpy as np
 
 from codend.errors import InputError
-from codend.knots import knots_of
 from codend.net.net import Floats, Net, split_bars, twine_bars
-from codend.net_parts import Lattice, RowShape
-from codend.netting import net_of
+from codend.netting.knots import knots_of
+from codend.netting.parts import Lattice, RowShape
+from codend.netting.pattern import net_of
+from codend.netting.straps import with_straps
 from codend.plan.plan import Netting, Plan
-from codend.straps import with_straps
 
 
 def build_net(

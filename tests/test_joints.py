@@ -12,7 +12,7 @@ from codend.equilibrium import scene_of
 from codend.equilibrium import solve as solve_case
 from codend.measures import Measures, measure_all, opening_rows_ahead
 from codend.net.net import Net, all_round, facet_corners
-from codend.net_parts import taken_up
+from codend.netting.parts import taken_up
 from codend.plan.plan import Plan
 from codend.solvers import interior_point, newton
 from codend.solvers.outcome import Outcome, Solution

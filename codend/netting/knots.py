@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.net.net import Floats, Ints
-from codend.net_parts import Corner, Counts, Lattice, RowShape, taken_up
+from codend.netting.parts import Corner, Counts, Lattice, RowShape, taken_up
 
 LEFT, RIGHT = range(2)
 

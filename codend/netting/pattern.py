@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from codend.knots import LEFT, RIGHT, Knots, placed_knots
 from codend.net.net import Net
-from codend.net_parts import Counts, Parts, RowShape, assembled
+from codend.netting.knots import LEFT, RIGHT, Knots, placed_knots
+from codend.netting.parts import Counts, Parts, RowShape, assembled
 
 
 def net_of(knots: Knots, shape: RowShape) -> Net:

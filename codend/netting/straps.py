@@ -16,8 +16,8 @@ from dataclasses import replace
 import numpy as np
 
 from codend.errors import InputError
-from codend.knots import LEFT, RIGHT, Knots
 from codend.net.net import Net, with_bars
+from codend.netting.knots import LEFT, RIGHT, Knots
 from codend.plan.plan import Plan
 from codend.plan.reach import least_radius_m
 from codend.plan.tables import Strap
