@@ -7,13 +7,13 @@ from time import perf_counter
 
 import numpy as np
 
-from codend.build import build_net
+from codend.bag.build import build_net
+from codend.bag.loads import problem_of
+from codend.bag.meridian.plan_case import equilibrium_guess, first_guess, tensions_on
+from codend.bag.meridian.problem import MeridianShape
 from codend.errors import InputError
-from codend.loads import problem_of
 from codend.mechanics.arrays import structure_of
 from codend.mechanics.problem import Problem
-from codend.meridian.plan_case import equilibrium_guess, first_guess, tensions_on
-from codend.meridian.problem import MeridianShape
 from codend.net.net import Net, rotate
 from codend.plan.plan import Case, Plan
 from codend.solvers import dynamic_relaxation, interior_point, newton, rigid_bars

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from codend.accuracy import HEAVIEST_SQUARE, WEIGHT_LEFT_OUT, sector_measures
-from codend.build import build_net
-from codend.loads import wet_weight
+from codend.bag.build import build_net
+from codend.bag.loads import wet_weight
 from codend.net.net import Net
 from codend.plan.plan import Plan
 

@@ -15,10 +15,10 @@ import numpy as np
 
 from codend import equilibrium
 from codend.accuracy import SAFETY
-from codend.build import build_net
+from codend.bag.build import build_net
+from codend.bag.loads import problem_of
+from codend.bag.measures import WANTED_OPENING_DEG, measure_meshes, mesh_openings, opening_force
 from codend.errors import OPTIONS, InputError
-from codend.loads import problem_of
-from codend.measures import WANTED_OPENING_DEG, measure_meshes, mesh_openings, opening_force
 from codend.net.net import Floats, Ints, Net, mesh_corners, with_bars
 from codend.plan.plan import Case, Plan
 from codend.solvers import interior_point, newton

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 from codend import accuracy, equilibrium, fidelity
 from codend.accuracy import Errors
-from codend.build import build_net
+from codend.bag.build import build_net
+from codend.bag.loads import problem_of
+from codend.bag.measures import Measures, Meshes, Rows, measure_all
+from codend.bag.meridian import plan_case
 from codend.fidelity import Choice
-from codend.loads import problem_of
-from codend.measures import Measures, Meshes, Rows, measure_all
 from codend.mechanics.problem import Problem
-from codend.meridian import plan_case
 from codend.net.net import Floats, Net, real_tensions
 from codend.plan.plan import Case, Plan
 from codend.solvers import newton

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from codend.loads import GRAVITY_M_S2
+from codend.bag.loads import GRAVITY_M_S2
 from codend.mechanics.problem import Problem
 from validation.chains import MASS_PER_METRE, chain
 

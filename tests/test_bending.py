@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from codend.build import build_net
+from codend.bag.build import build_net
 from codend.errors import InputError
 from codend.mechanics.arrays import structure_of
 from codend.mechanics.bending import add_bending

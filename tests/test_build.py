@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from codend.build import build_net, rows_of
-from codend.loads import wet_weight
+from codend.bag.build import build_net, rows_of
+from codend.bag.loads import wet_weight
 from codend.net.net import all_round, bar_vectors, facet_corners, split_bars
 from tests.plans import make_plan
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from codend import equilibrium
-from codend.measures import measure_all, mesh_openings
+from codend.bag.measures import measure_all, mesh_openings
 from codend.net.net import mesh_corners
 from codend.solvers.outcome import Outcome
 from codend.study import solve

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from codend import accuracy, fidelity
-from codend.build import build_net
-from codend.loads import problem_of, wet_weight
-from codend.measures import measure_all
+from codend.bag.build import build_net
+from codend.bag.loads import problem_of, wet_weight
+from codend.bag.measures import measure_all
 from codend.net.net import all_round, rotate
 from codend.plan.plan import load_plan
 from codend.solvers import dynamic_relaxation, newton

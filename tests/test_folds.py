@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from codend.build import build_net
+from codend.bag.build import build_net
+from codend.bag.loads import problem_of
+from codend.bag.measures import folded_share, measure_meshes, measure_rows
 from codend.cli import main
-from codend.loads import problem_of
-from codend.measures import folded_share, measure_meshes, measure_rows
 from codend.solvers import newton
 from codend.study import solve
 from tests.plans import joined_plan, make_plan

@@ -11,9 +11,9 @@ from scipy.interpolate import PPoly
 
 from catch_models.filling import enclosed_volume, fill_by_meshes, fill_to_plane, fill_to_volume
 from catch_models.pressure import PressureLaw, sphere_law, uniform_law
-from codend.build import build_net
-from codend.loads import problem_of
-from codend.measures import measure_meshes, measure_rows
+from codend.bag.build import build_net
+from codend.bag.loads import problem_of
+from codend.bag.measures import measure_meshes, measure_rows
 from codend.mechanics import bars, pressure
 from codend.mechanics.arrays import structure_of
 from codend.mechanics.balance import add_loads

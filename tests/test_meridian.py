@@ -8,9 +8,9 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, root
 
 from catch_models.pressure import sphere_law, uniform_law
-from codend.meridian import MeridianProblem, MeridianShape, solve, solve_meridian, uniform_pressure_shape
-from codend.meridian.collocation import NewtonResult
-from codend.meridian.shell import DRAG_LAWS, rates
+from codend.bag.meridian import MeridianProblem, MeridianShape, solve, solve_meridian, uniform_pressure_shape
+from codend.bag.meridian.collocation import NewtonResult
+from codend.bag.meridian.shell import DRAG_LAWS, rates
 from codend.solvers.outcome import Outcome
 from codend.study import solve as solve_plan
 from tests.plans import make_plan

@@ -9,12 +9,12 @@ from click.testing import CliRunner
 
 from codend import equilibrium
 from codend import opening_force as pulling
-from codend.build import build_net
+from codend.bag.build import build_net
+from codend.bag.loads import problem_of
+from codend.bag.measures import mesh_openings
 from codend.cli import main
 from codend.equilibrium import START
 from codend.errors import InputError
-from codend.loads import problem_of
-from codend.measures import mesh_openings
 from codend.net.net import mesh_corners
 from codend.opening_force import pull_mesh
 from codend.solvers import dynamic_relaxation, interior_point, newton

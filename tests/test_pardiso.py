@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from codend.build import build_net
-from codend.loads import problem_of
+from codend.bag.build import build_net
+from codend.bag.loads import problem_of
 from codend.mechanics.tangent import pattern_of
 from codend.solvers import newton, pardiso_system
 from codend.solvers.linear_systems import _band_numbering, _scalar_places, linear_system

@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from codend.bag.measures import Measures
 from codend.io.files import whole_file, write_table
-from codend.measures import Measures
 from codend.plan.plan import plan_from_dict
 from codend.report import page
 from codend.report.html import notes

@@ -10,10 +10,10 @@ import pytest
 from scipy.special import ellipk, jn_zeros
 
 from codend import study
-from codend.build import build_net
+from codend.bag.build import build_net
+from codend.bag.loads import GRAVITY_M_S2, problem_of
+from codend.bag.measures import measure_all
 from codend.errors import InputError
-from codend.loads import GRAVITY_M_S2, problem_of
-from codend.measures import measure_all
 from codend.mechanics.drag import add_drag, add_moving_drag
 from codend.net.net import rotate
 from codend.solvers import dynamic_relaxation, rigid_bars, rigid_motion
@@ -259,9 +259,9 @@ def test_a_solve_makes_the_steps_it_reports_and_no_others(monkeypatch):
 
 def test_a_solve_compiles_no_kernel_once_its_time_is_taken():
     program = """
-from codend.build import build_net
+from codend.bag.build import build_net
 from codend.doctor import _kernels
-from codend.loads import problem_of
+from codend.bag.loads import problem_of
 from codend.solvers import rigid_bars
 from tests.plans import make_plan
 

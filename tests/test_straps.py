@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from codend.build import build_net
+from codend.bag.build import build_net
+from codend.bag.measures import Measures, measure_all
 from codend.equilibrium import scene_of
 from codend.equilibrium import solve as solve_case
 from codend.errors import InputError
 from codend.io.columns import RESULT_COLUMNS
-from codend.measures import Measures, measure_all
 from codend.mechanics.drag import add_drag
 from codend.net.net import bar_vectors
 from codend.plan.reach import least_radius_m

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from catch_models.pressure import sphere_law
-from codend.build import build_net
-from codend.loads import problem_of
+from codend.bag.build import build_net
+from codend.bag.loads import problem_of
 from codend.mechanics import newton_state, newton_step
 from codend.mechanics.arrays import Structure, structure_of
 from codend.mechanics.bars import add_bar_forces, bar_lengths

@@ -6,7 +6,7 @@ import meshio
 import numpy as np
 import pytest
 
-from codend.measures import mesh_openings
+from codend.bag.measures import mesh_openings
 from codend.net.net import WholeNet, all_round, bar_vectors, mesh_corners
 from codend.plan.plan import plan_from_dict
 from codend.report.polygons import joined_on_axis, mesh_polygons

@@ -16,8 +16,8 @@ import pandas as pd
 
 from codend import accuracy, equilibrium
 from codend.accuracy import Errors
-from codend.loads import problem_of
-from codend.measures import Measures, measure_all
+from codend.bag.loads import problem_of
+from codend.bag.measures import Measures, measure_all
 from codend.plan.plan import Plan, plan_from_dict
 from codend.report.style import BLUE, INK, ORANGE, dress, new_figure
 from codend.solvers import interior_point

@@ -11,8 +11,8 @@ from time import perf_counter
 
 import numba
 
-from codend.build import build_net
-from codend.loads import problem_of
+from codend.bag.build import build_net
+from codend.bag.loads import problem_of
 from codend.mechanics import relaxation
 from codend.mechanics.problem import Problem
 from codend.plan.plan import load_plan

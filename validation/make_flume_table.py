@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
-from codend.loads import pressure_law_of
-from codend.meridian import MeridianProblem, MeridianShape, solve_meridian
+from codend.bag.loads import pressure_law_of
+from codend.bag.meridian import MeridianProblem, MeridianShape, solve_meridian
 from codend.plan.plan import Plan, load_plan
 
 HERE = Path(__file__).parent

@@ -3,7 +3,7 @@
 import numpy as np
 
 from catch_models.pressure import PressureLaw, uniform_law
-from codend.loads import wet_weight
+from codend.bag.loads import wet_weight
 from codend.mechanics.arrays import FILLED_MESHES, LE_BRIS_1999, Loading, structure_of
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Net

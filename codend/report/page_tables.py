@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from codend.measures import ROWS_AHEAD, WANTED_OPENING_DEG
+from codend.bag.measures import ROWS_AHEAD, WANTED_OPENING_DEG
 from codend.report.style import column_text
 from codend.study import CaseResult, Study
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from codend.measures import WANTED_OPENING_DEG, Rows
+from codend.bag.measures import WANTED_OPENING_DEG, Rows
 from codend.net.net import Floats
 from codend.report.style import INK, PALE, dress, new_panels, number_text, ordered_colours, spread
 from codend.study import CaseResult, Study

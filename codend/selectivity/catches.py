@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.build import build_net, rows_of
+from codend.bag.build import build_net, rows_of
 from codend.errors import InputError
 from codend.io.input_table import InputTable
 from codend.io.run_tables import read_run_table, solved_cases

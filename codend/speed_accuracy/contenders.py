@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from codend import fidelity
+from codend.bag.meridian.plan_case import why_not_exactly
 from codend.errors import OPTIONS, InputError
 from codend.fidelity import FEWEST_MESHES_ROUND
-from codend.meridian.plan_case import why_not_exactly
 from codend.plan.plan import Plan, load_plan
 
 NEWTON, KINETIC, VISCOUS, RIGID, MERIDIAN = (

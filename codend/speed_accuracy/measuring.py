@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 
 from codend import equilibrium, fidelity
+from codend.bag.meridian.plan_case import first_guess, problem_for, solve_case
+from codend.bag.meridian.problem import MeridianShape
+from codend.bag.meridian.solve import solve_meridian
 from codend.fidelity import Choice
-from codend.meridian.plan_case import first_guess, problem_for, solve_case
-from codend.meridian.problem import MeridianShape
-from codend.meridian.solve import solve_meridian
 from codend.plan.plan import Plan
 from codend.speed_accuracy.contenders import (
     FULL,

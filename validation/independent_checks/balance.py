@@ -17,9 +17,9 @@ from scipy.sparse.linalg import splu
 
 from catch_models.pressure import PressureLaw
 from codend import equilibrium
-from codend.build import build_net
-from codend.loads import problem_of
-from codend.measures import measure_all
+from codend.bag.build import build_net
+from codend.bag.loads import problem_of
+from codend.bag.measures import measure_all
 from codend.mechanics.problem import Problem
 from codend.net.net import bar_vectors, facet_corners
 from codend.plan.plan import load_plan

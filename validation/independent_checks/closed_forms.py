@@ -1,6 +1,6 @@
 """Closed forms of a bare bag against the net, over the number of meshes round.
 
-Netting without drag or knots, p uniform, bars inextensible, N large (*derived*, as in ``codend.meridian.shell``): with
+Netting without drag or knots, p uniform, bars inextensible, N large (*derived*, as in ``codend.bag.meridian.shell``): with
 T the tension of a bar, phi half the opening, a the slope of the meridian and r_c the radius at the catch's front,
 
     T cos^2 phi is the same from entry to codline

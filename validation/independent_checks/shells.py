@@ -1,6 +1,6 @@
 """Sector nets of every kind of knotted netting against their shell equations, over the number of meshes round.
 
-The shell equations (``codend.meridian``) are solved by collocation; no net of bars is involved. Where the knots lie
+The shell equations (``codend.bag.meridian``) are solved by collocation; no net of bars is involved. Where the knots lie
 along the netting (hexagonal meshes) the shell spreads them evenly over a row, while the net has each at the aft end of
 its row: a difference of the order of half a knot, which falls with the first order only, is to be expected there.
 """
@@ -12,7 +12,7 @@ from types import MappingProxyType
 import numpy as np
 import pandas as pd
 
-from codend.meridian import MeridianShape, plan_case
+from codend.bag.meridian import MeridianShape, plan_case
 from codend.report.style import INK, dress, new_figure
 from validation.independent_checks.bags import bag, solved
 from validation.independent_checks.check import Check, Convergence, Theme, convergence_table, draw_convergence

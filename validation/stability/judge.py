@@ -11,7 +11,7 @@ from enum import Enum
 
 import numpy as np
 
-from codend.measures import measure_all
+from codend.bag.measures import measure_all
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
 from codend.solvers import dynamic_relaxation, newton

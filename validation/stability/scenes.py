@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from codend.build import build_net
-from codend.loads import problem_of
+from codend.bag.build import build_net
+from codend.bag.loads import problem_of
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
 from codend.plan.plan import Plan, plan_from_dict

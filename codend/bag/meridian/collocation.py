@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, solve_banded
 
-from codend.meridian.shell import Floats, Shell, rates
+from codend.bag.meridian.shell import Floats, Shell, rates
 
 LONGEST_STEP = 0.05  # in t: the shape varies over about 1
 CATCH_STEPS = 40

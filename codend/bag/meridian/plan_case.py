@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from codend.bag.loads import pressure_law_of
+from codend.bag.meridian.problem import Floats, MeridianProblem, MeridianShape
+from codend.bag.meridian.solve import solve_meridian, uniform_pressure_shape
 from codend.errors import InputError
-from codend.loads import pressure_law_of
-from codend.meridian.problem import Floats, MeridianProblem, MeridianShape
-from codend.meridian.solve import solve_meridian, uniform_pressure_shape
 from codend.net.net import Net
 from codend.plan.plan import Case, Plan
 from codend.solvers.outcome import Outcome

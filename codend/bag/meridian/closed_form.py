@@ -6,8 +6,8 @@ from typing import Protocol
 
 import numpy as np
 
-from codend.meridian.quadrature import Ahead, Catch, Netting, SlackTail, netting_of
-from codend.meridian.shell import Floats, Shell
+from codend.bag.meridian.quadrature import Ahead, Catch, Netting, SlackTail, netting_of
+from codend.bag.meridian.shell import Floats, Shell
 
 _GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(12)
 _GRADING = np.array([0.0, 1.5, 4.0, 12.0])  # panel ends from the ends of a piece, near which the integrands vary

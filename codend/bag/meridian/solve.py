@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from catch_models.pressure import UNIFORM_COEFFICIENT, uniform_law
-from codend.meridian.closed_form import ClosedForm, solve_closed_form
-from codend.meridian.collocation import Grid, NewtonResult, make_grid, middle_state, solve_newton
-from codend.meridian.problem import MeridianProblem, MeridianShape
-from codend.meridian.shell import Floats, Shell, axial_drag, bars_at
+from codend.bag.meridian.closed_form import ClosedForm, solve_closed_form
+from codend.bag.meridian.collocation import Grid, NewtonResult, make_grid, middle_state, solve_newton
+from codend.bag.meridian.problem import MeridianProblem, MeridianShape
+from codend.bag.meridian.shell import Floats, Shell, axial_drag, bars_at
 from codend.solvers.outcome import Outcome
 
 _ROUND_OFF = 1e-9

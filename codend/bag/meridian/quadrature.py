@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.meridian.shell import Floats, Shell
+from codend.bag.meridian.shell import Floats, Shell
 
 _SMALLEST = 1e-280  # keeps the parameter of a meridian on the limit itself finite
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_models.pressure import PressureLaw
-from codend.meridian.shell import DRAG_LAWS, Shell
+from codend.bag.meridian.shell import DRAG_LAWS, Shell
 from codend.solvers.outcome import Outcome
 
 Floats = NDArray[np.float64]
