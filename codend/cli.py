@@ -118,7 +118,7 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     from codend.plan.plan import load_plan
 
     checked = load_plan(plan, changes)
-    from codend.fidelity import choose
+    from codend.equilibrium.fidelity import choose
     from codend.report.html import cautions
     from codend.report.page import files_of, write_report
     from codend.study import solve

@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from codend import equilibrium
-from codend.accuracy import SAFETY
 from codend.bag.build import build_net
 from codend.bag.loads import problem_of
 from codend.bag.measures import WANTED_OPENING_DEG, measure_meshes, mesh_openings, opening_force
+from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.accuracy import SAFETY
 from codend.errors import OPTIONS, InputError
 from codend.net.net import Floats, Ints, Net, mesh_corners, with_bars
 from codend.plan.plan import Case, Plan

@@ -6,13 +6,14 @@ from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from codend import accuracy, equilibrium, fidelity
-from codend.accuracy import Errors
 from codend.bag.build import build_net
 from codend.bag.loads import problem_of
 from codend.bag.measures import Measures, Meshes, Rows, measure_all
 from codend.bag.meridian import plan_case
-from codend.fidelity import Choice
+from codend.equilibrium import accuracy, fidelity
+from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.accuracy import Errors
+from codend.equilibrium.fidelity import Choice
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Net, real_tensions
 from codend.plan.plan import Case, Plan

@@ -13,8 +13,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 import codend.study
-from codend import console, doctor, fidelity
+from codend import console, doctor
 from codend.cli import main
+from codend.equilibrium import fidelity
 from codend.io import files
 from codend.io.columns import RESULT_COLUMNS
 from codend.plan.plan import load_plan

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from codend import equilibrium
 from codend.bag.measures import measure_all, mesh_openings
+from codend.equilibrium import solve as equilibrium
 from codend.net.net import mesh_corners
 from codend.solvers.outcome import Outcome
 from codend.study import solve

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from codend import accuracy, fidelity
 from codend.bag.build import build_net
 from codend.bag.loads import problem_of, wet_weight
 from codend.bag.measures import measure_all
+from codend.equilibrium import accuracy, fidelity
 from codend.net.net import all_round, rotate
 from codend.plan.plan import load_plan
 from codend.solvers import dynamic_relaxation, newton

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from codend import equilibrium
 from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
+from codend.equilibrium import solve as equilibrium
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Plan
 from codend.solvers import interior_point

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from codend import fidelity
 from codend.bag.build import build_net
 from codend.bag.measures import Measures, measure_all, opening_rows_ahead
-from codend.equilibrium import scene_of
-from codend.equilibrium import solve as solve_case
+from codend.equilibrium import fidelity
+from codend.equilibrium.solve import scene_of
+from codend.equilibrium.solve import solve as solve_case
 from codend.net.net import Net, all_round, facet_corners
 from codend.netting.parts import taken_up
 from codend.plan.plan import Plan

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from codend import equilibrium
 from codend.cli import main
+from codend.equilibrium import solve as equilibrium
 from codend.report.html import cautions, notes
 from codend.report.page_tables import solving_table
 from codend.solvers import newton

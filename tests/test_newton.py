@@ -8,7 +8,7 @@ from scipy.sparse import csc_array
 
 from codend.bag.build import build_net
 from codend.bag.loads import problem_of
-from codend.equilibrium import START
+from codend.equilibrium.solve import START
 from codend.mechanics.tangent import add_bar_tangent, pattern_of
 from codend.net.net import all_round, bar_vectors
 from codend.plan.plan import plan_from_dict

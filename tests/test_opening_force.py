@@ -7,13 +7,13 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 
-from codend import equilibrium
 from codend import opening_force as pulling
 from codend.bag.build import build_net
 from codend.bag.loads import problem_of
 from codend.bag.measures import mesh_openings
 from codend.cli import main
-from codend.equilibrium import START
+from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.solve import START
 from codend.errors import InputError
 from codend.net.net import mesh_corners
 from codend.opening_force import pull_mesh

@@ -7,8 +7,8 @@ import pytest
 
 from codend.bag.build import build_net
 from codend.bag.measures import Measures, measure_all
-from codend.equilibrium import scene_of
-from codend.equilibrium import solve as solve_case
+from codend.equilibrium.solve import scene_of
+from codend.equilibrium.solve import solve as solve_case
 from codend.errors import InputError
 from codend.io.columns import RESULT_COLUMNS
 from codend.mechanics.drag import add_drag

@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from codend import accuracy, equilibrium
-from codend.accuracy import Errors
 from codend.bag.loads import problem_of
 from codend.bag.measures import Measures, measure_all
+from codend.equilibrium import accuracy
+from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.accuracy import Errors
 from codend.plan.plan import Plan, plan_from_dict
 from codend.report.style import BLUE, INK, ORANGE, dress, new_figure
 from codend.solvers import interior_point

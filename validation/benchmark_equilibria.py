@@ -11,7 +11,7 @@ from time import perf_counter
 import click
 import numpy as np
 
-from codend import equilibrium
+from codend.equilibrium import solve as equilibrium
 from codend.plan.plan import Plan, load_plan, plan_from_dict
 from codend.study import solve
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from codend import fidelity
 from codend.bag.meridian.plan_case import why_not_exactly
+from codend.equilibrium import fidelity
+from codend.equilibrium.fidelity import FEWEST_MESHES_ROUND
 from codend.errors import OPTIONS, InputError
-from codend.fidelity import FEWEST_MESHES_ROUND
 from codend.plan.plan import Plan, load_plan
 
 NEWTON, KINETIC, VISCOUS, RIGID, MERIDIAN = (

@@ -7,11 +7,12 @@ from time import perf_counter
 import numpy as np
 import pandas as pd
 
-from codend import equilibrium, fidelity
 from codend.bag.meridian.plan_case import first_guess, problem_for, solve_case
 from codend.bag.meridian.problem import MeridianShape
 from codend.bag.meridian.solve import solve_meridian
-from codend.fidelity import Choice
+from codend.equilibrium import fidelity
+from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.fidelity import Choice
 from codend.plan.plan import Plan
 from codend.speed_accuracy.contenders import (
     FULL,

@@ -16,10 +16,10 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from catch_models.pressure import PressureLaw
-from codend import equilibrium
 from codend.bag.build import build_net
 from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
+from codend.equilibrium import solve as equilibrium
 from codend.mechanics.problem import Problem
 from codend.net.net import bar_vectors, facet_corners
 from codend.plan.plan import load_plan

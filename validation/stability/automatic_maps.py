@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from codend import equilibrium
 from codend.bag.loads import pressure_law_of
+from codend.equilibrium import solve as equilibrium
 from codend.net.net import Floats
 from codend.plan.plan import Plan
 from codend.solvers import dynamic_relaxation

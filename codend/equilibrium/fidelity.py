@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from codend.accuracy import HEAVIEST_SQUARE, WEIGHT_LEFT_OUT, sector_measures
 from codend.bag.build import build_net
 from codend.bag.loads import wet_weight
+from codend.equilibrium.accuracy import HEAVIEST_SQUARE, WEIGHT_LEFT_OUT, sector_measures
 from codend.net.net import Net
 from codend.plan.plan import Plan
 

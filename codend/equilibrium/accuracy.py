@@ -8,9 +8,9 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from codend import equilibrium
 from codend.bag.measures import Measures, current_loads, measure_all
-from codend.equilibrium import Scene
+from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.solve import Scene
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
 from codend.solvers import newton
