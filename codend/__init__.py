@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from codend.errors import InputError
-    from codend.opening_force import pull_mesh
     from codend.plan.plan import Plan, load_plan
-    from codend.study import Study, solve
+    from codend.studies.opening_force import pull_mesh
+    from codend.studies.study import Study, solve
 
 __all__ = ["InputError", "Plan", "Study", "load_plan", "pull_mesh", "solve"]
 
@@ -20,9 +20,9 @@ _HOME = {
     "InputError": "codend.errors",
     "Plan": "codend.plan.plan",
     "load_plan": "codend.plan.plan",
-    "Study": "codend.study",
-    "solve": "codend.study",
-    "pull_mesh": "codend.opening_force",
+    "Study": "codend.studies.study",
+    "solve": "codend.studies.study",
+    "pull_mesh": "codend.studies.opening_force",
 }
 
 

@@ -27,8 +27,8 @@ from codend.console import shown_progress, text_table
 from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
-    from codend.comparison import Comparison
-    from codend.study import Study
+    from codend.studies.comparison import Comparison
+    from codend.studies.study import Study
 
 TABLE_COLUMNS = {
     "case": "case",
@@ -121,7 +121,7 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     from codend.equilibrium.fidelity import choose
     from codend.report.html import cautions
     from codend.report.page import files_of, write_report
-    from codend.study import solve
+    from codend.studies.study import solve
 
     check_writable(folder, files_of(checked))
 
@@ -183,13 +183,13 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
     Differences are computed minus tabled. Writes comparison.csv (every value), comparison_summary.csv and
     comparison.png into DIR.
     """
-    from codend.comparison import Hoop, read_flume_table
-    from codend.comparison import compare as compare_with
     from codend.io.files import COMPARISON_FILES, whole_file, write_table
     from codend.io.run_tables import read_run_table
     from codend.plan.plan import load_plan
     from codend.report.comparison_plot import comparison_figure
     from codend.report.style import png
+    from codend.studies.comparison import Hoop, read_flume_table
+    from codend.studies.comparison import compare as compare_with
 
     results = folder / "results.csv"
     hoop = None

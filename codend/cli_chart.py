@@ -39,9 +39,9 @@ def chart(plan: str, folder: Path, number: int, quick: bool, changes: tuple[str,
     from codend.io.files import whole_file, write_table
     from codend.report.speed_plot import speed_figure
     from codend.report.style import png
-    from codend.speed_accuracy.choices import choices
-    from codend.speed_accuracy.contenders import scene_from
-    from codend.speed_accuracy.measuring import QUANTITIES, measure
+    from codend.studies.speed_accuracy.choices import choices
+    from codend.studies.speed_accuracy.contenders import scene_from
+    from codend.studies.speed_accuracy.measuring import QUANTITIES, measure
 
     scene = scene_from(plan, changes, number)
     pictures = {short: f"chart_{short}.png" for short in QUANTITIES.values()}

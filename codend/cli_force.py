@@ -51,9 +51,9 @@ def force(plan: str, folder: Path, places: tuple[float, ...], wanted_deg: float,
     stretches, a minute or two where it is inextensible.
     """
     from codend.io.files import write_table
-    from codend.opening_force import check_place, pull_mesh
     from codend.plan.plan import load_plan
-    from codend.tables import opening_force_table
+    from codend.studies.opening_force import check_place, pull_mesh
+    from codend.studies.tables import opening_force_table
 
     checked = load_plan(plan, changes)
     asked: tuple[float | None, ...] = places or (None,)

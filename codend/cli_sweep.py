@@ -41,7 +41,7 @@ def sweep(plan: str, folder: Path, vary: tuple[str, ...], changes: tuple[str, ..
     from codend.io.files import whole_file, write_table
     from codend.report.style import png
     from codend.report.sweep_plot import sweep_figure
-    from codend.sweep import files_of, runs_of, solve_runs
+    from codend.studies.sweep import files_of, runs_of, solve_runs
 
     runs = runs_of(plan, vary, changes)
     check_writable(folder, ("sweep.csv", "sweep.png", *files_of(runs)))

@@ -95,7 +95,7 @@ def _kernels() -> Sequence[Any]:
     """All compiled functions of the project."""
     from numba.core.dispatcher import Dispatcher
 
-    import codend.study  # noqa: F401 loads every room that has kernels
+    import codend.studies.study  # noqa: F401 loads every room that has kernels
 
     modules = [module for name, module in sys.modules.items() if name.split(".")[0] in ("codend", "catch_models")]
     found = {id(value): value for module in modules for value in vars(module).values() if isinstance(value, Dispatcher)}
@@ -105,7 +105,7 @@ def _kernels() -> Sequence[Any]:
 def warm_up() -> str:
     """Solve a tiny net, so that every kernel is compiled and cached; says what was compiled and how long it took."""
     from codend.plan.plan import plan_from_dict
-    from codend.study import solve
+    from codend.studies.study import solve
 
     started = perf_counter()
     solve(plan_from_dict(_WARM_UP_PLAN, "warm-up plan"))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from codend.study import solve
+from codend.studies.study import solve
 from tests.plans import UNIFORM, make_plan
 
 QUANTITIES = {

@@ -7,7 +7,7 @@ from codend.bag.build import build_net
 from codend.errors import InputError
 from codend.mechanics.arrays import structure_of
 from codend.mechanics.bending import add_bending
-from codend.study import solve
+from codend.studies.study import solve
 from tests.complex_loads import bending_energy, derivative
 from tests.plans import make_plan, uniform_plan
 

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from codend.errors import InputError
-from codend.speed_accuracy.contenders import FULL, MEMBRANE, MERGED, RIGID, contenders, scene_from
+from codend.studies.speed_accuracy.contenders import FULL, MEMBRANE, MERGED, RIGID, contenders, scene_from
 from tests.test_cli import TINY_PLAN, assert_refused, codend_cli
 
 

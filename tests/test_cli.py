@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner, Result
 
-import codend.study
+import codend.studies.study
 from codend import console, doctor
 from codend.cli import main
 from codend.equilibrium import fidelity
@@ -71,7 +71,7 @@ def no_solving(monkeypatch):
     def solve(*_: object) -> None:
         raise AssertionError("solved what should have been refused")
 
-    monkeypatch.setattr(codend.study, "solve", solve)
+    monkeypatch.setattr(codend.studies.study, "solve", solve)
 
 
 @pytest.fixture(scope="module")
@@ -130,7 +130,7 @@ def test_wrong_use_ends_in_one_line_and_status_2(words, named, tmp_path, monkeyp
 
 
 def test_a_bug_is_not_passed_off_as_bad_input(plan, monkeypatch):
-    monkeypatch.setattr(codend.study, "solve", lambda *_: 1 // 0)
+    monkeypatch.setattr(codend.studies.study, "solve", lambda *_: 1 // 0)
     assert isinstance(codend_cli("run", plan, "--out", plan.parent / "out").exception, ZeroDivisionError)
 
 
@@ -166,7 +166,7 @@ def test_a_bad_change_is_refused_like_a_bad_plan(tmp_path, no_solving):
 )
 def test_set_takes_several_changes_and_may_be_repeated(words, plan, monkeypatch):
     seen = []
-    monkeypatch.setattr(codend.study, "solve", lambda plan, *_: seen.append(plan) or 1 // 0)
+    monkeypatch.setattr(codend.studies.study, "solve", lambda plan, *_: seen.append(plan) or 1 // 0)
     names = {"PLAN": str(plan), "OUT": str(plan.parent / "out")}
     codend_cli("run", *(names.get(word, word) for word in words.split()))
     (changed,) = seen
@@ -196,7 +196,7 @@ def test_the_model_and_what_it_costs_are_told_before_anything_is_solved(plan, mo
         "netting=[{mesh='diamond', meshes_round=97, meshes_long=10, bar_mm=40, twine_mm=2},"
         "{mesh='diamond', meshes_round=89, meshes_long=10, bar_mm=40, twine_mm=2}]"
     )
-    monkeypatch.setattr(codend.study, "solve", lambda *_: signal.raise_signal(signal.SIGINT))
+    monkeypatch.setattr(codend.studies.study, "solve", lambda *_: signal.raise_signal(signal.SIGINT))
     result = codend_cli("run", plan, "--out", plan.parent / "out", "--set", laced)
     assert "the full net (its mesh counts 97 and 89 have no common divisor) is exact." in result.stdout
     assert "Its 3721 knots take seconds to minutes a case; meshes round with a larger common" in result.stdout
@@ -256,7 +256,7 @@ def as_file(path: Path) -> Path:
     ],
 )
 def test_a_file_that_cannot_be_written_is_named_before_anything_is_solved(command, make, name, plan, monkeypatch):
-    for solver in ("codend.sweep.solve", "codend.speed_accuracy.measuring.measure", "codend.study.solve"):
+    for solver in ("codend.studies.sweep.solve", "codend.studies.speed_accuracy.measuring.measure", "codend.studies.study.solve"):
         monkeypatch.setattr(solver, lambda *_: pytest.fail("solved what should have been refused"))
     there = make(plan.parent / "out" / name)
     more = ["--vary", "netting.0.bar_mm=[40,50]"] if command == "sweep" else []
@@ -280,7 +280,7 @@ def test_selectivity_and_fit_name_what_they_cannot_write(make, name, ran, tmp_pa
 
 
 def test_what_cannot_be_written_in_the_end_is_named_itself(ran, plan, monkeypatch):
-    monkeypatch.setattr(codend.study, "solve", lambda *_: None)
+    monkeypatch.setattr(codend.studies.study, "solve", lambda *_: None)
     monkeypatch.setattr(page, "write_report", lambda _, folder, __: (folder / "new" / "plots").mkdir())
     out = plan.parent / "out"
     told = f"{out / 'new' / 'plots'}: cannot be written: No such file"
@@ -298,14 +298,14 @@ def test_a_full_disk_ends_in_one_line(ran, plan, monkeypatch):
     def write_report(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(codend.study, "solve", lambda *_: None)
+    monkeypatch.setattr(codend.studies.study, "solve", lambda *_: None)
     monkeypatch.setattr(page, "write_report", write_report)
     result = codend_cli("run", plan, "--out", plan.parent / "out")
     assert_refused(result, "No space left on device", printed=reason(plan))
 
 
 def test_interrupted_while_solving_it_writes_nothing(plan, monkeypatch):
-    monkeypatch.setattr(codend.study, "solve", lambda *_: signal.raise_signal(signal.SIGINT))
+    monkeypatch.setattr(codend.studies.study, "solve", lambda *_: signal.raise_signal(signal.SIGINT))
     result = codend_cli("run", plan, "--out", plan.parent / "out")
     assert_refused(result, "codend: interrupted", status=130, printed=reason(plan))
     assert list(plan.parent.iterdir()) == [plan]

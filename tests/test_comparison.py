@@ -5,10 +5,10 @@ import pandas as pd
 import pytest
 
 import codend
-from codend.comparison import Hoop, compare, read_flume_table
 from codend.errors import InputError
 from codend.io.run_tables import read_run_table
 from codend.report.comparison_plot import comparison_figure
+from codend.studies.comparison import Hoop, compare, read_flume_table
 from validation.make_flume_table import TABLE, table_text
 
 # Everything linear in the catch, so that interpolated values are known exactly. Made up for the tests.

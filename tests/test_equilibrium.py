@@ -7,7 +7,7 @@ from codend.bag.measures import measure_all, mesh_openings
 from codend.equilibrium import solve as equilibrium
 from codend.net.net import mesh_corners
 from codend.solvers.outcome import Outcome
-from codend.study import solve
+from codend.studies.study import solve
 from tests.plans import UNIFORM, make_plan, uniform_plan
 from validation.reference import residual
 

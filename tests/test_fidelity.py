@@ -13,7 +13,7 @@ from codend.equilibrium import accuracy, fidelity
 from codend.net.net import all_round, rotate
 from codend.plan.plan import load_plan
 from codend.solvers import dynamic_relaxation, newton
-from codend.study import solve
+from codend.studies.study import solve
 from tests.plans import joined_plan, make_plan
 
 TIGHT = 1e-11

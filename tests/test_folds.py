@@ -9,7 +9,7 @@ from codend.bag.loads import problem_of
 from codend.bag.measures import folded_share, measure_meshes, measure_rows
 from codend.cli import main
 from codend.solvers import newton
-from codend.study import solve
+from codend.studies.study import solve
 from tests.plans import joined_plan, make_plan
 
 KINDS = [

@@ -12,7 +12,7 @@ from codend.bag.meridian import MeridianProblem, MeridianShape, solve, solve_mer
 from codend.bag.meridian.collocation import NewtonResult
 from codend.bag.meridian.shell import DRAG_LAWS, rates
 from codend.solvers.outcome import Outcome
-from codend.study import solve as solve_plan
+from codend.studies.study import solve as solve_plan
 from tests.plans import make_plan
 
 BARE = MeridianProblem(100, 120, 0.03, 0.28, 71.4, 500.0, uniform_law(1.4))

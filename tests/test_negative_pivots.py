@@ -11,7 +11,7 @@ from codend.equilibrium import solve as equilibrium
 from codend.report.html import cautions, notes
 from codend.report.page_tables import solving_table
 from codend.solvers import newton
-from codend.study import solve
+from codend.studies.study import solve
 from tests.plans import make_plan
 from validation.stability.linear import tangent_of
 

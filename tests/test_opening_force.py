@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 
-from codend import opening_force as pulling
 from codend.bag.build import build_net
 from codend.bag.loads import problem_of
 from codend.bag.measures import mesh_openings
@@ -16,9 +15,10 @@ from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.solve import START
 from codend.errors import InputError
 from codend.net.net import mesh_corners
-from codend.opening_force import pull_mesh
 from codend.solvers import dynamic_relaxation, interior_point, newton
 from codend.solvers.outcome import Outcome, Solution
+from codend.studies import opening_force as pulling
+from codend.studies.opening_force import pull_mesh
 from tests.plans import joined_plan, make_plan
 from tests.test_cli import TINY_PLAN
 from validation.plain_nets import plain_net, plain_problem

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy.special import ellipk, jn_zeros
 
-from codend import study
 from codend.bag.build import build_net
 from codend.bag.loads import GRAVITY_M_S2, problem_of
 from codend.bag.measures import measure_all
@@ -21,6 +20,7 @@ from codend.solvers.linear_systems import BandedSystem
 from codend.solvers.outcome import Outcome
 from codend.solvers.rigid_bars import RigidBarsSettings
 from codend.solvers.rigid_motion import RigidMotion, simulate
+from codend.studies import study
 from tests.chains import hanging, pendulum, small_swings
 from tests.plans import make_plan, uniform_plan
 from validation.chains import DENSITY_KG_M3, DIAMETER_M, MASS_PER_METRE, chain

@@ -6,12 +6,12 @@ import signal
 import pandas as pd
 import pytest
 
-import codend.sweep
+import codend.studies.sweep
 from codend.errors import InputError
 from codend.plan.copy import plan_toml
 from codend.plan.plan import load_plan
-from codend.study import solve
-from codend.sweep import runs_of, solve_runs
+from codend.studies.study import solve
+from codend.studies.sweep import runs_of, solve_runs
 from tests.test_cli import TINY_PLAN, assert_refused, codend_cli
 
 VARY = ["netting.0.bar_mm=[40.0, 50.0]", "catch.filled_meshes=[[4], [4, 8]]"]
@@ -51,10 +51,10 @@ def test_a_sweep_goes_on_where_it_stopped(plan, tmp_path, monkeypatch):
         solved.append(plan)
         return solve(plan)
 
-    monkeypatch.setattr(codend.sweep, "solve", watched)
+    monkeypatch.setattr(codend.studies.sweep, "solve", watched)
     with pytest.raises(KeyboardInterrupt):
         solve_runs(runs, tmp_path)
-    monkeypatch.setattr(codend.sweep, "solve", solve)
+    monkeypatch.setattr(codend.studies.sweep, "solve", solve)
     first = tmp_path / "runs" / "001" / "results.csv"
     before = first.stat().st_mtime_ns
     table = solve_runs(runs, tmp_path)
@@ -85,7 +85,7 @@ def test_a_shorter_sweep_removes_the_runs_of_a_longer_one_and_nothing_else(plan,
 
 def test_an_interrupted_shorter_sweep_removes_nothing_yet(plan, tmp_path, monkeypatch):
     solve_runs(runs_of(plan, VARY[:1]), tmp_path)
-    monkeypatch.setattr(codend.sweep, "solve", lambda _: signal.raise_signal(signal.SIGINT))
+    monkeypatch.setattr(codend.studies.sweep, "solve", lambda _: signal.raise_signal(signal.SIGINT))
     with pytest.raises(KeyboardInterrupt):
         solve_runs(runs_of(plan, ["netting.0.bar_mm=[45.0]"]), tmp_path)
     assert (tmp_path / "runs" / "002" / "results.csv").is_file()

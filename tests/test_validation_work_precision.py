@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from codend.speed_accuracy.contenders import FULL, KINETIC, MERGED, NEWTON, SECTOR
-from codend.speed_accuracy.front import fastest, pareto_front
+from codend.studies.speed_accuracy.contenders import FULL, KINETIC, MERGED, NEWTON, SECTOR
+from codend.studies.speed_accuracy.front import fastest, pareto_front
 from validation.work_precision import section
 from validation.work_precision.orders import growth, orders
 

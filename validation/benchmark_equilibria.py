@@ -13,7 +13,7 @@ import numpy as np
 
 from codend.equilibrium import solve as equilibrium
 from codend.plan.plan import Plan, load_plan, plan_from_dict
-from codend.study import solve
+from codend.studies.study import solve
 
 FLUME = Path(__file__).parent / "cases" / "flume_150x140.toml"
 MESHES_LONG = (25, 50, 100, 200, 400, 700, 1000)

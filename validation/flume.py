@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from codend import study
-from codend.comparison import Comparison, Hoop, compare, read_flume_table
 from codend.plan.plan import load_plan
 from codend.report.drag_plot import PARTS
 from codend.report.style import INK, dress, new_figure
+from codend.studies import study
+from codend.studies.comparison import Comparison, Hoop, compare, read_flume_table
 from validation.report import markdown_table
 from validation.section import Picture, Section, Verdict
 

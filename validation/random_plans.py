@@ -13,7 +13,7 @@ import click
 import numpy as np
 
 from codend.plan.plan import Plan, plan_from_dict
-from codend.study import CaseResult, solve
+from codend.studies.study import CaseResult, solve
 
 TOLERANCE = 1e-8
 FOLLOWED = np.linspace(0.3, 1.0, 36)

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 import pandas as pd
 
-from codend.comparison.compare import Comparison, curve
-from codend.comparison.flume_table import CATCH_COLUMNS, SPEED_COLUMN
 from codend.report.style import dress, new_figure, ordered_colours
+from codend.studies.comparison.compare import Comparison, curve
+from codend.studies.comparison.flume_table import CATCH_COLUMNS, SPEED_COLUMN
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Literal
 
 from codend.report.plots import WIDTH_IN, Curve, curves_by_speed
 from codend.report.style import BLUE, INK, ORANGE, dress, new_figure, new_panels, number_text, ordered_colours
-from codend.study import Study
+from codend.studies.study import Study
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,7 +11,7 @@ from typing import Any
 
 from codend.plan.plan import Plan
 from codend.report.page_tables import results_table, solving_table
-from codend.study import CaseResult, Study
+from codend.studies.study import CaseResult, Study
 
 FIDELITIES = {
     "sector": "One rotational sector of the real net",

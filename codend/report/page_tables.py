@@ -6,7 +6,7 @@ import numpy as np
 
 from codend.bag.measures import ROWS_AHEAD, WANTED_OPENING_DEG
 from codend.report.style import column_text
-from codend.study import CaseResult, Study
+from codend.studies.study import CaseResult, Study
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,19 @@ import numpy as np
 import pandas as pd
 
 from codend.report.style import BLUE, INK, ORANGE, PALE, dress, new_figure
-from codend.speed_accuracy.contenders import FULL, KINETIC, MEMBRANE, MERGED, MERIDIAN, NEWTON, RIGID, SECTOR, VISCOUS
-from codend.speed_accuracy.front import pareto_front
-from codend.speed_accuracy.measuring import CLOSED_FORM, Measured
+from codend.studies.speed_accuracy.contenders import (
+    FULL,
+    KINETIC,
+    MEMBRANE,
+    MERGED,
+    MERIDIAN,
+    NEWTON,
+    RIGID,
+    SECTOR,
+    VISCOUS,
+)
+from codend.studies.speed_accuracy.front import pareto_front
+from codend.studies.speed_accuracy.measuring import CLOSED_FORM, Measured
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -22,7 +22,7 @@ from codend.selectivity.penetration import Holes
 if TYPE_CHECKING:
     import pandas as pd
 
-    from codend.study import Study
+    from codend.studies.study import Study
 
 Floats = NDArray[np.float64]
 

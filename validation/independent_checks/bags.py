@@ -4,9 +4,9 @@ from functools import cache
 
 import numpy as np
 
-from codend import study
 from codend.plan.plan import Plan, plan_from_dict
-from codend.study import CaseResult
+from codend.studies import study
+from codend.studies.study import CaseResult
 
 SPREAD_M = 4.0
 """N b: circumference with the bars spread fully, m."""

@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from codend.speed_accuracy.contenders import FULL, KINETIC, MERGED, NEWTON
-from codend.speed_accuracy.measuring import QUANTITIES
+from codend.studies.speed_accuracy.contenders import FULL, KINETIC, MERGED, NEWTON
+from codend.studies.speed_accuracy.measuring import QUANTITIES
 
 
 def orders(points: pd.DataFrame) -> pd.DataFrame:

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 
 from codend.report.speed_plot import speed_figure
-from codend.speed_accuracy.choices import choices
-from codend.speed_accuracy.measuring import ACCURACIES, QUANTITIES, Measured, measure
+from codend.studies.speed_accuracy.choices import choices
+from codend.studies.speed_accuracy.measuring import ACCURACIES, QUANTITIES, Measured, measure
 from validation.section import Picture, Section, Verdict
 from validation.work_precision import words
 from validation.work_precision.orders import growth, orders

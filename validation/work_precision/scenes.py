@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from codend.speed_accuracy.contenders import Scene
-from codend.study import solve
+from codend.studies.speed_accuracy.contenders import Scene
+from codend.studies.study import solve
 
 CASES = Path(__file__).parents[1] / "cases"
 

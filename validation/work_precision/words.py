@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 import pandas as pd
 
 from codend.report.style import number_text
-from codend.speed_accuracy.contenders import KINETIC, NEWTON
-from codend.speed_accuracy.measuring import QUANTITIES, REFERENCE_TOLERANCE, Measured
+from codend.studies.speed_accuracy.contenders import KINETIC, NEWTON
+from codend.studies.speed_accuracy.measuring import QUANTITIES, REFERENCE_TOLERANCE, Measured
 from validation.report import markdown_table
 
 UNITS = {"drag_n": "N", "opening_ahead_deg": "°", "catch_volume_m3": "m³"}

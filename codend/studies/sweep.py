@@ -17,7 +17,7 @@ from codend.io.run_tables import read_run_table
 from codend.plan.copy import plan_toml, toml_value
 from codend.plan.overrides import parsed_override
 from codend.plan.plan import Plan, load_plan
-from codend.study import solve
+from codend.studies.study import solve
 
 SweepProgress = Callable[[int, int, str], None]
 """Told how many runs are done, of how many, and what was done last."""

@@ -90,21 +90,21 @@ class Study:
     @cached_property
     def table(self) -> "pd.DataFrame":
         """``results.csv``: a row a case."""
-        from codend import tables
+        from codend.studies import tables
 
         return tables.results_table(self)
 
     @cached_property
     def profile(self) -> "pd.DataFrame":
         """``profile.csv``: a row a knot row of a case."""
-        from codend import tables
+        from codend.studies import tables
 
         return tables.profile_table(self)
 
     @cached_property
     def meshes(self) -> "pd.DataFrame":
         """``meshes.csv``: a row a mesh of a case, for full nets; empty for sectors."""
-        from codend import tables
+        from codend.studies import tables
 
         return tables.mesh_table(self)
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pandas as pd
 
-from codend.speed_accuracy.contenders import FULL, MERGED
-from codend.speed_accuracy.front import fastest
-from codend.speed_accuracy.measuring import QUANTITIES, Measured
+from codend.studies.speed_accuracy.contenders import FULL, MERGED
+from codend.studies.speed_accuracy.front import fastest
+from codend.studies.speed_accuracy.measuring import QUANTITIES, Measured
 
 
 def choices(measured: Measured) -> pd.DataFrame:

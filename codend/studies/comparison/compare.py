@@ -6,10 +6,17 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from codend.comparison.flume_table import CATCH_COLUMNS, HOOP_COLUMN, MEASURED_COLUMNS, SPEED_COLUMN, Floats, FlumeTable
-from codend.comparison.hoop import Hoop
 from codend.errors import InputError
 from codend.io.run_tables import solved_cases
+from codend.studies.comparison.flume_table import (
+    CATCH_COLUMNS,
+    HOOP_COLUMN,
+    MEASURED_COLUMNS,
+    SPEED_COLUMN,
+    Floats,
+    FlumeTable,
+)
+from codend.studies.comparison.hoop import Hoop
 
 SAME = 1e-6
 """Relative difference up to which two speeds or catch sizes are one."""

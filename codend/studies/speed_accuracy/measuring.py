@@ -14,7 +14,7 @@ from codend.equilibrium import fidelity
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.fidelity import Choice
 from codend.plan.plan import Plan
-from codend.speed_accuracy.contenders import (
+from codend.studies.speed_accuracy.contenders import (
     FULL,
     KINETIC,
     MEMBRANE,
@@ -25,7 +25,7 @@ from codend.speed_accuracy.contenders import (
     Scene,
     contenders,
 )
-from codend.study import CaseResult, StudyProgress, solve
+from codend.studies.study import CaseResult, StudyProgress, solve
 
 ACCURACIES = (0.1, 0.01, 0.001, 1e-6)
 """Relative errors in drag that are asked for."""

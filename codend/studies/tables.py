@@ -13,8 +13,8 @@ from codend.io.columns import (
     RESULT_COLUMNS,
     STRAP_COLUMNS,
 )
-from codend.opening_force import Pull
-from codend.study import CaseResult, Study
+from codend.studies.opening_force import Pull
+from codend.studies.study import CaseResult, Study
 
 
 def opening_force_table(pulls: Sequence[Pull]) -> pd.DataFrame:
