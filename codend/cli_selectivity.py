@@ -11,8 +11,8 @@ from codend.console import shown_progress, text_table
 from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
-    from codend.selectivity.analysis import FieldFit
-    from codend.selectivity.together import Together
+    from codend.selectivity.fits.analysis import FieldFit
+    from codend.selectivity.predicted_and_observed.together import Together
 
 
 @click.command()
@@ -60,19 +60,19 @@ def selectivity(
     ):
         if not good:
             raise InputError(OPTIONS, key, value, allowed)
-    from codend.selectivity.catches import read_run
-    from codend.selectivity.predict import predict
-    from codend.selectivity.species import load_species
+    from codend.selectivity.escape.catches import read_run
+    from codend.selectivity.escape.predict import predict
+    from codend.selectivity.escape.species import load_species
 
     species, read = [load_species(file) for file in files], read_run(folder)
     from codend.report.selectivity_page import FILES, notes, write_selectivity
-    from codend.selectivity.tables import HAUL, selectivity_table
+    from codend.selectivity.escape.tables import HAUL, selectivity_table
 
     check_writable(folder, FILES)
     trial, names = None, calibrated.split(",") if calibrated is not None else []
     if field is not None:
-        from codend.selectivity.calibrate import calibrated_names
-        from codend.selectivity.trial import read_trial, set_beside
+        from codend.selectivity.predicted_and_observed.calibrate import calibrated_names
+        from codend.selectivity.predicted_and_observed.trial import read_trial, set_beside
 
         if calibrated is not None:
             calibrated_names(names)  # a name that will not do ends the command before the work
@@ -99,8 +99,8 @@ def _print_together(many: "Sequence[Together]") -> int:
     """Predicted beside fitted, and the calibration; the exit status."""
     if not many:
         return 0
-    from codend.selectivity.together import calibration_table
-    from codend.selectivity.together_l50 import together_l50_table
+    from codend.selectivity.predicted_and_observed.together import calibration_table
+    from codend.selectivity.predicted_and_observed.together_l50 import together_l50_table
 
     table = together_l50_table(many)
     means = table[table["what"].str.endswith("field mean")]
@@ -128,7 +128,7 @@ def _print_together(many: "Sequence[Together]") -> int:
 @click.command()
 def species() -> None:
     """Print an example of a species file, every number in it assumed; save it, and put in those of your species."""
-    from codend.selectivity.species import example_species_path
+    from codend.selectivity.escape.species import example_species_path
 
     click.echo(example_species_path().read_text(encoding="utf-8"), nl=False)
 
@@ -146,7 +146,7 @@ def fit(data: str, design: str, folder: Path, replicates: int, **choices: Any) -
     """Fit retention curves to a covered-codend or paired-gear trial; writes fit.csv and diagnostics.csv into DIR."""
     check_writable(folder, ("fit.csv", "diagnostics.csv"))
     from codend.io.files import write_table
-    from codend.selectivity.analysis import diagnostics_table, fit_field_data, fit_table
+    from codend.selectivity.fits.analysis import diagnostics_table, fit_field_data, fit_table
 
     fitted = fit_field_data(data, design, n_bootstrap=replicates, **choices)
     with written_into(folder):
@@ -158,7 +158,7 @@ def fit(data: str, design: str, folder: Path, replicates: int, **choices: Any) -
 
 def _print_fit(fitted: "FieldFit") -> None:
     """The answer for the gear first: mean of the hauls, then bootstrap, then the pooled fit."""
-    from codend.selectivity.analysis import fit_table
+    from codend.selectivity.fits.analysis import fit_table
 
     table = fit_table(fitted).set_index("group")
     groups = [group for group in ("between-hauls", "bootstrap", "pooled") if group in table.index]

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from codend.selectivity.curves import CURVES
-from codend.selectivity.simulate import parameters_of
+from codend.selectivity.fits.curves import CURVES
+from codend.selectivity.predicted_and_observed.simulate import parameters_of
 
 EXAMPLES = {
     "logit": (-12.0, 0.4),

@@ -14,8 +14,8 @@ from codend.io.files import write_table
 from codend.io.run_tables import read_run_table
 from codend.plan.copy import plan_toml
 from codend.plan.plan import Plan
-from codend.selectivity.catches import catches_of, read_run
-from codend.selectivity.species import example_species_path
+from codend.selectivity.escape.catches import catches_of, read_run
+from codend.selectivity.escape.species import example_species_path
 from tests.plans import joined_plan, make_plan
 from tests.test_cli import assert_refused, codend_cli
 

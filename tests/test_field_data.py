@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 
 from codend.errors import InputError
-from codend.selectivity.analysis import fit_field_data
-from codend.selectivity.fielddata import read_field_data
+from codend.selectivity.fits.analysis import fit_field_data
+from codend.selectivity.fits.fielddata import read_field_data
 
 GOOD = pd.DataFrame({"haul": ["A", "A", "B"], "length_cm": [20, 21, 20], "codend": [3, 4, 0], "cover": [5, 0, 2]})
 

@@ -3,7 +3,7 @@ import pytest
 
 from catch_models.fish import FishSection
 from codend.errors import InputError
-from codend.selectivity.species import example_species_path, load_species
+from codend.selectivity.escape.species import example_species_path, load_species
 
 EXAMPLE = example_species_path().read_text(encoding="utf-8")
 

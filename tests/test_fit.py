@@ -7,12 +7,12 @@ import pandas as pd
 import pytest
 from scipy.special import expit, ndtr
 
-from codend.selectivity.analysis import diagnostics_table, fit_field_data, fit_table
-from codend.selectivity.curves import CURVES
-from codend.selectivity.fielddata import read_field_data
-from codend.selectivity.fit import dispersion_factor
-from codend.selectivity.model import evaluate, selection_model
-from codend.selectivity.scoring import Outcome
+from codend.selectivity.fits.analysis import diagnostics_table, fit_field_data, fit_table
+from codend.selectivity.fits.curves import CURVES
+from codend.selectivity.fits.fielddata import read_field_data
+from codend.selectivity.fits.fit import dispersion_factor
+from codend.selectivity.fits.model import evaluate, selection_model
+from codend.selectivity.fits.scoring import Outcome
 
 HADDOCK = Path(__file__).parents[1] / "validation" / "tables" / "millar_haddock_paired.csv"
 curves = pytest.mark.parametrize("curve", list(CURVES))

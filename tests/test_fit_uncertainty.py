@@ -7,17 +7,17 @@ import pandas as pd
 import pytest
 from scipy.special import ndtri
 
-from codend.selectivity.analysis import fit_field_data
-from codend.selectivity.between_hauls import _negative_reml, fit_between_hauls, reml
-from codend.selectivity.bootstrap import Bootstrap, double_bootstrap, resample
-from codend.selectivity.compare_gears import difference_curve, fished_population, usability
-from codend.selectivity.curves import CURVES
-from codend.selectivity.fielddata import FieldData, read_field_data
-from codend.selectivity.fit import fit_hauls, fit_pooled
-from codend.selectivity.model import selection_model
-from codend.selectivity.parameters import parameter_names, public_parameters
-from codend.selectivity.scoring import maximise
-from codend.selectivity.simulate import SimulatedTrial, parameters_of
+from codend.selectivity.fits.analysis import fit_field_data
+from codend.selectivity.fits.between_hauls import _negative_reml, fit_between_hauls, reml
+from codend.selectivity.fits.bootstrap import Bootstrap, double_bootstrap, resample
+from codend.selectivity.fits.compare_gears import difference_curve, fished_population, usability
+from codend.selectivity.fits.curves import CURVES
+from codend.selectivity.fits.fielddata import FieldData, read_field_data
+from codend.selectivity.fits.fit import fit_hauls, fit_pooled
+from codend.selectivity.fits.model import selection_model
+from codend.selectivity.fits.parameters import parameter_names, public_parameters
+from codend.selectivity.fits.scoring import maximise
+from codend.selectivity.predicted_and_observed.simulate import SimulatedTrial, parameters_of
 
 LENGTH_CM = np.arange(15.0, 46.0)
 FISH = 100.0 * np.exp(-0.5 * ((LENGTH_CM - 30.0) / 6.0) ** 2)

@@ -8,7 +8,7 @@ from scipy.optimize import linprog
 
 from catch_models.fish import FishSection
 from codend.bag.measures import opening_force
-from codend.selectivity.penetration import Holes, hole_corners, hole_sides, longest_fish, longest_through_rhombus
+from codend.selectivity.escape.penetration import Holes, hole_corners, hole_sides, longest_fish, longest_through_rhombus
 
 OPENINGS = np.linspace(1.0, 179.0, 90)
 HOLES = {

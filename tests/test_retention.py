@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from catch_models.fish import PARAMETERS, FishSection, Species
-from codend.selectivity.catches import Catch
-from codend.selectivity.haul import hauls_of, many_hauls, terms_of_catches, terms_of_haul
-from codend.selectivity.penetration import Holes, longest_fish
-from codend.selectivity.retention import Crowd, crowd_of, escape_terms, nodes_of
-from codend.selectivity.sensitivity import sensitivity
-from codend.selectivity.species import example_species_path, load_species
+from codend.selectivity.escape.catches import Catch
+from codend.selectivity.escape.haul import hauls_of, many_hauls, terms_of_catches, terms_of_haul
+from codend.selectivity.escape.penetration import Holes, longest_fish
+from codend.selectivity.escape.retention import Crowd, crowd_of, escape_terms, nodes_of
+from codend.selectivity.escape.sensitivity import sensitivity
+from codend.selectivity.escape.species import example_species_path, load_species
 
 SPECIES = load_species(example_species_path())
 OPENINGS = np.array([41.0, 37.0, 33.0, 30.0, 28.0, 26.0])

@@ -15,10 +15,10 @@ from codend.plan.copy import plan_toml
 from codend.plan.plan import Plan, load_plan, plan_from_dict
 from codend.report.selectivity_page import END, START, with_section, write_selectivity
 from codend.report.selectivity_plots import sensitivity_plot
-from codend.selectivity.catches import Run, catches_of, inside_mesh_m, read_run, run_of
-from codend.selectivity.predict import Prediction, predict
-from codend.selectivity.species import example_species_path, load_species
-from codend.selectivity.tables import HAUL, retention_table, selectivity_table, sensitivity_table
+from codend.selectivity.escape.catches import Run, catches_of, inside_mesh_m, read_run, run_of
+from codend.selectivity.escape.predict import Prediction, predict
+from codend.selectivity.escape.species import example_species_path, load_species
+from codend.selectivity.escape.tables import HAUL, retention_table, selectivity_table, sensitivity_table
 from tests.plans import make_plan
 
 SPECIES = load_species(example_species_path())

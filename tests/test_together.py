@@ -14,19 +14,19 @@ from codend.cli import main
 from codend.errors import InputError
 from codend.report.selectivity_page import write_selectivity
 from codend.report.together_plot import together_plot
-from codend.selectivity.calibrate import Calibration, calibrate
-from codend.selectivity.catches import Catch
-from codend.selectivity.fielddata import read_field_data
-from codend.selectivity.fit import fit_pooled
-from codend.selectivity.haul import hauls_of, shares_until, time_shares
-from codend.selectivity.model import selection_model
-from codend.selectivity.penetration import Holes
-from codend.selectivity.predict import Prediction, predict_haul
-from codend.selectivity.simulate import computed_trial
-from codend.selectivity.species import example_species_path, load_species, species_toml
-from codend.selectivity.together import FieldTrial, together_table
-from codend.selectivity.together_l50 import as_counted, haul_l50_sr, together_l50_table
-from codend.selectivity.trial import read_trial, set_beside
+from codend.selectivity.escape.catches import Catch
+from codend.selectivity.escape.haul import hauls_of, shares_until, time_shares
+from codend.selectivity.escape.penetration import Holes
+from codend.selectivity.escape.predict import Prediction, predict_haul
+from codend.selectivity.escape.species import example_species_path, load_species, species_toml
+from codend.selectivity.fits.fielddata import read_field_data
+from codend.selectivity.fits.fit import fit_pooled
+from codend.selectivity.fits.model import selection_model
+from codend.selectivity.predicted_and_observed.calibrate import Calibration, calibrate
+from codend.selectivity.predicted_and_observed.simulate import computed_trial
+from codend.selectivity.predicted_and_observed.together import FieldTrial, together_table
+from codend.selectivity.predicted_and_observed.together_l50 import as_counted, haul_l50_sr, together_l50_table
+from codend.selectivity.predicted_and_observed.trial import read_trial, set_beside
 from validation.calibration_study import changed
 
 SPECIES = load_species(example_species_path())
@@ -183,8 +183,8 @@ def _retention_until(prediction: Prediction, volume_m3: float, length_cm: np.nda
 
 
 def test_the_fitted_curve_is_one_half_at_its_l50_with_the_interval_of_a_logit(file):
-    from codend.selectivity.analysis import fit_field_data
-    from codend.selectivity.together import fitted_retention
+    from codend.selectivity.fits.analysis import fit_field_data
+    from codend.selectivity.predicted_and_observed.together import fitted_retention
 
     one_haul = pd.read_csv(file, comment="#").query("haul == 1")
     for curve in ("logit", "richards"):

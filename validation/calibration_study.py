@@ -17,12 +17,12 @@ import numpy as np
 import codend
 from catch_models.fish import Species
 from codend.plan.plan import load_plan
-from codend.selectivity.calibrate import calibrate
-from codend.selectivity.catches import catches_of, run_of
-from codend.selectivity.fielddata import read_field_data
-from codend.selectivity.haul import Haul, hauls_of
-from codend.selectivity.simulate import computed_trial
-from codend.selectivity.species import example_species_path, load_species
+from codend.selectivity.escape.catches import catches_of, run_of
+from codend.selectivity.escape.haul import Haul, hauls_of
+from codend.selectivity.escape.species import example_species_path, load_species
+from codend.selectivity.fits.fielddata import read_field_data
+from codend.selectivity.predicted_and_observed.calibrate import calibrate
+from codend.selectivity.predicted_and_observed.simulate import computed_trial
 
 PLAN = Path(__file__).parent / "cases" / "commercial_100mm_double.toml"
 TRUTH = {"behaviour.contact": 0.8, "spread.size": 0.08}

@@ -17,14 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from codend.selectivity.between_hauls import fit_between_hauls
-from codend.selectivity.bootstrap import double_bootstrap
-from codend.selectivity.curves import CURVES
-from codend.selectivity.fit import fit_hauls, fit_pooled
-from codend.selectivity.model import selection_model
-from codend.selectivity.parameters import Estimates, parameter_names, public_parameters
-from codend.selectivity.scoring import maximise
-from codend.selectivity.simulate import SimulatedTrial, parameters_of
+from codend.selectivity.fits.between_hauls import fit_between_hauls
+from codend.selectivity.fits.bootstrap import double_bootstrap
+from codend.selectivity.fits.curves import CURVES
+from codend.selectivity.fits.fit import fit_hauls, fit_pooled
+from codend.selectivity.fits.model import selection_model
+from codend.selectivity.fits.parameters import Estimates, parameter_names, public_parameters
+from codend.selectivity.fits.scoring import maximise
+from codend.selectivity.predicted_and_observed.simulate import SimulatedTrial, parameters_of
 
 Array = NDArray[np.float64]
 

@@ -19,12 +19,12 @@ import numpy as np
 import codend
 from catch_models.fish import Species
 from codend.plan.plan import Plan, plan_from_dict
-from codend.selectivity.catches import catches_of, run_of
-from codend.selectivity.haul import hauls_of, terms_of_catches, terms_of_haul
-from codend.selectivity.predict import predict
-from codend.selectivity.sensitivity import SAMPLES, sensitivity
-from codend.selectivity.species import example_species_path, load_species
-from codend.selectivity.tables import retention_table, selectivity_table
+from codend.selectivity.escape.catches import catches_of, run_of
+from codend.selectivity.escape.haul import hauls_of, terms_of_catches, terms_of_haul
+from codend.selectivity.escape.predict import predict
+from codend.selectivity.escape.sensitivity import SAMPLES, sensitivity
+from codend.selectivity.escape.species import example_species_path, load_species
+from codend.selectivity.escape.tables import retention_table, selectivity_table
 
 T = TypeVar("T")
 

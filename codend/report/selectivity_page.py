@@ -12,11 +12,11 @@ from codend.report.html import PageFigure
 from codend.report.selectivity_plots import catch_plot, history_plot, mesh_plot, retention_plot, sensitivity_plot
 from codend.report.style import column_text, png
 from codend.report.together_plot import together_plot
-from codend.selectivity.predict import Prediction
-from codend.selectivity.species import species_toml
-from codend.selectivity.tables import HAUL, retention_table, selectivity_table, sensitivity_table
-from codend.selectivity.together import Together, calibration_table, together_table
-from codend.selectivity.together_l50 import together_l50_table
+from codend.selectivity.escape.predict import Prediction
+from codend.selectivity.escape.species import species_toml
+from codend.selectivity.escape.tables import HAUL, retention_table, selectivity_table, sensitivity_table
+from codend.selectivity.predicted_and_observed.together import Together, calibration_table, together_table
+from codend.selectivity.predicted_and_observed.together_l50 import together_l50_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,10 +13,10 @@ import numpy as np
 
 from catch_models.fish import FishSection
 from codend.report.style import BLUE, INK, ORANGE, PALE, dress, new_figure, number_text, ordered_colours, spread
-from codend.selectivity.catches import Catch
-from codend.selectivity.passage import SQUARE
-from codend.selectivity.penetration import hole_corners, longest_fish
-from codend.selectivity.predict import Prediction
+from codend.selectivity.escape.catches import Catch
+from codend.selectivity.escape.passage import SQUARE
+from codend.selectivity.escape.penetration import hole_corners, longest_fish
+from codend.selectivity.escape.predict import Prediction
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

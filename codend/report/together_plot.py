@@ -9,8 +9,8 @@ import numpy as np
 
 from codend.net.net import Floats
 from codend.report.style import BLUE, INK, ORANGE, PALE, dress, new_figure, number_text
-from codend.selectivity.together import Together, observed_retention
-from codend.selectivity.together_l50 import haul_l50_sr, together_l50_table
+from codend.selectivity.predicted_and_observed.together import Together, observed_retention
+from codend.selectivity.predicted_and_observed.together_l50 import haul_l50_sr, together_l50_table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

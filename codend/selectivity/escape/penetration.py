@@ -33,7 +33,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from catch_models.fish import FishSection
-from codend.selectivity.passage import (
+from codend.selectivity.escape.passage import (
     FINE,
     IDEALS,
     KINDS,

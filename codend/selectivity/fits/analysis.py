@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from codend.errors import OPTIONS, InputError
-from codend.selectivity.between_hauls import BetweenHauls, fit_between_hauls
-from codend.selectivity.bootstrap import Bootstrap, double_bootstrap
-from codend.selectivity.curves import CURVES
-from codend.selectivity.fielddata import FieldData, read_field_data
-from codend.selectivity.fit import OVERDISPERSION, Fit, fit_hauls, fit_pooled
-from codend.selectivity.model import selection_model
-from codend.selectivity.parameters import Estimates
+from codend.selectivity.fits.between_hauls import BetweenHauls, fit_between_hauls
+from codend.selectivity.fits.bootstrap import Bootstrap, double_bootstrap
+from codend.selectivity.fits.curves import CURVES
+from codend.selectivity.fits.fielddata import FieldData, read_field_data
+from codend.selectivity.fits.fit import OVERDISPERSION, Fit, fit_hauls, fit_pooled
+from codend.selectivity.fits.model import selection_model
+from codend.selectivity.fits.parameters import Estimates
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -70,7 +70,7 @@ def fit_field_data(
         split: paired gear: "equal" (p = 0.5) or "estimated".
         covariates: numeric columns, constant within a haul, entering a and b linearly.
         overdispersion: "pearson" or "deviance" multiply the covariance by that statistic per degree of freedom where it
-            shows lack of fit (see `codend.selectivity.fit.dispersion_factor`); "none" never does.
+            shows lack of fit (see `codend.selectivity.fits.fit.dispersion_factor`); "none" never does.
         n_bootstrap: replicates of the double bootstrap; 0 for none.
         seed: of the bootstrap.
 
@@ -109,7 +109,7 @@ def fit_table(fit: FieldFit) -> pd.DataFrame:
 
     Groups: "pooled" (all hauls, delta-method intervals), "bootstrap" (the same curve, double-bootstrap errors and
     intervals), "between-hauls" (mean curve with between-haul variation), then "haul NAME" each. Parameters are named in
-    `codend.selectivity.parameters.parameter_names`. What could not be estimated is NaN, and so are the error and
+    `codend.selectivity.fits.parameters.parameter_names`. What could not be estimated is NaN, and so are the error and
     interval of a split that is fixed.
     """
     import pandas as pd

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_expit
 
-from codend.selectivity.model import Evaluation, SelectionModel, evaluate, log_odds
+from codend.selectivity.fits.model import Evaluation, SelectionModel, evaluate, log_odds
 
 Array = NDArray[np.float64]
 

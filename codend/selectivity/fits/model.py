@@ -11,7 +11,7 @@ of the fish counted (Millar 1994, ICES J. Mar. Sci. 51: 293; Millar and Fryer 19
 
 Internal parameters theta (k,) are those of centred and scaled columns, which keeps the information matrix well
 conditioned: alpha and beta for [1, z] x [1, covariates], z the scaled length, then ln delta (Richards), then
-logit p (estimated split). `codend.selectivity.parameters` turns them into what users read.
+logit p (estimated split). `codend.selectivity.fits.parameters` turns them into what users read.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_expit
 
-from codend.selectivity.curves import CURVES, Curve, LogProbability
-from codend.selectivity.fielddata import FieldData
+from codend.selectivity.fits.curves import CURVES, Curve, LogProbability
+from codend.selectivity.fits.fielddata import FieldData
 
 Array = NDArray[np.float64]
 

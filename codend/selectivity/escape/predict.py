@@ -7,7 +7,7 @@ to it as to a trial with the same number of fish in every length class, which is
 Two things make them uncertain. A haul meets a finite number of fish: the intervals are those of the fitted logit curve
 for ``haul.fish`` fish, by the delta method for single catches, by a parametric bootstrap for the haul (arrivals a
 Poisson process, so that retained and escaped fish of a class are Poisson numbers with means n r and n (1 - r)). And the
-numbers of the species are known between bounds only: see ``codend.selectivity.sensitivity``.
+numbers of the species are known between bounds only: see ``codend.selectivity.escape.sensitivity``.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from catch_models.fish import PARAMETERS, Species
-from codend.selectivity.catches import Run, catches_of
-from codend.selectivity.fielddata import FieldData
-from codend.selectivity.haul import Haul, hauls_of, terms_of_catches, terms_of_haul
-from codend.selectivity.model import SelectionModel, selection_model
-from codend.selectivity.parameters import parameter_names, public_parameters
-from codend.selectivity.retention import EscapeTerms
-from codend.selectivity.scoring import Maximum, maximise
-from codend.selectivity.sensitivity import SAMPLES, Sensitivity, sensitivity
+from codend.selectivity.escape.catches import Run, catches_of
+from codend.selectivity.escape.haul import Haul, hauls_of, terms_of_catches, terms_of_haul
+from codend.selectivity.escape.retention import EscapeTerms
+from codend.selectivity.escape.sensitivity import SAMPLES, Sensitivity, sensitivity
+from codend.selectivity.fits.fielddata import FieldData
+from codend.selectivity.fits.model import SelectionModel, selection_model
+from codend.selectivity.fits.parameters import parameter_names, public_parameters
+from codend.selectivity.fits.scoring import Maximum, maximise
 
 Floats = NDArray[np.float64]
 
@@ -80,7 +80,7 @@ def predict(
     """Selectivity of a study for every species, a haul for every speed.
 
     Args:
-        run: the study's plan and tables (``codend.selectivity.catches.run_of`` or ``read_run``).
+        run: the study's plan and tables (``codend.selectivity.escape.catches.run_of`` or ``read_run``).
         species: whom to ask for.
         n_bootstrap: replicates of the haul; 0 for none.
         samples: of the Sobol design, a power of 2; 0 leaves the sensitivity out.

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from catch_models.fish import PARAMETERS, Species
 from codend.compiled import njit
-from codend.selectivity.catches import Catch
-from codend.selectivity.retention import (
+from codend.selectivity.escape.catches import Catch
+from codend.selectivity.escape.retention import (
     Crowd,
     EscapeTerms,
     Nodes,

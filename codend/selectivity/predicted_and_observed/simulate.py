@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.selectivity.curves import CURVES
-from codend.selectivity.fielddata import DESIGNS, FieldData
-from codend.selectivity.haul import Haul, shares_until, terms_of_catches, terms_of_haul
+from codend.selectivity.escape.haul import Haul, shares_until, terms_of_catches, terms_of_haul
+from codend.selectivity.fits.curves import CURVES
+from codend.selectivity.fits.fielddata import DESIGNS, FieldData
 
 if TYPE_CHECKING:
     import pandas as pd

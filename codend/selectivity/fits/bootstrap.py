@@ -14,11 +14,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from codend.selectivity.fielddata import FieldData
-from codend.selectivity.fit import Fit
-from codend.selectivity.model import SelectionModel
-from codend.selectivity.parameters import Estimates, parameter_names, public_parameters
-from codend.selectivity.scoring import maximise
+from codend.selectivity.fits.fielddata import FieldData
+from codend.selectivity.fits.fit import Fit
+from codend.selectivity.fits.model import SelectionModel
+from codend.selectivity.fits.parameters import Estimates, parameter_names, public_parameters
+from codend.selectivity.fits.scoring import maximise
 
 Array = NDArray[np.float64]
 

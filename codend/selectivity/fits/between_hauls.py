@@ -6,7 +6,7 @@ estimation error R_h and by a between-haul covariance D common to all hauls:
     v_h ~ N(X_h theta, R_h + D),  X_h = covariates of haul h for alpha and beta, 1 for ln delta and logit split.
 
 D is estimated by residual maximum likelihood (REML), theta by generalised least squares. Parameters are the internal
-ones of `codend.selectivity.model`; D >= 0 through its Cholesky factor.
+ones of `codend.selectivity.fits.model`; D >= 0 through its Cholesky factor.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import stdtrit
 
-from codend.selectivity.fielddata import FieldData
-from codend.selectivity.fit import Fit
-from codend.selectivity.model import SelectionModel, without_covariates
-from codend.selectivity.parameters import Estimates, delta_method, parameter_names, public_parameters
+from codend.selectivity.fits.fielddata import FieldData
+from codend.selectivity.fits.fit import Fit
+from codend.selectivity.fits.model import SelectionModel, without_covariates
+from codend.selectivity.fits.parameters import Estimates, delta_method, parameter_names, public_parameters
 
 Array = NDArray[np.float64]
 

@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.selectivity.fielddata import FieldData
-from codend.selectivity.fit import Fit, fit_hauls, fit_pooled
-from codend.selectivity.parameters import Estimates, public_parameters
-from codend.selectivity.predict import Prediction
-from codend.selectivity.together import FieldTrial, Together, beyond_computed, haul_until
+from codend.selectivity.escape.predict import Prediction
+from codend.selectivity.fits.fielddata import FieldData
+from codend.selectivity.fits.fit import Fit, fit_hauls, fit_pooled
+from codend.selectivity.fits.parameters import Estimates, public_parameters
+from codend.selectivity.predicted_and_observed.together import FieldTrial, Together, beyond_computed, haul_until
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,7 +42,7 @@ def haul_l50_sr(prediction: Prediction) -> Floats:
 def as_counted(prediction: Prediction, trial: FieldTrial) -> FieldData:
     """The trial's fish, as many at each length in each haul, shared between the gears as computed; no whole numbers.
 
-    Of n fish counted in both gears together the codend has n phi, phi as in ``codend.selectivity.model`` with the
+    Of n fish counted in both gears together the codend has n phi, phi as in ``codend.selectivity.fits.model`` with the
     computed retention of a haul that ends with the catch of this one, or with the largest computed where the trial's
     catches are not known. The split of paired gear is the trial's.
     """

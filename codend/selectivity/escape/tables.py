@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from codend.selectivity.predict import Prediction
+from codend.selectivity.escape.predict import Prediction
 
 HAUL = "haul"
 """Name in the column ``case`` of the row for the whole haul."""

@@ -1,4 +1,4 @@
-"""Likelihood of field data through the predicted retention; equations in ``codend.selectivity.calibrate``."""
+"""Likelihood of field data through the predicted retention; equations in ``codend.selectivity.predicted_and_observed.calibrate``."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.special import expit, log_expit, xlogy
 
 from catch_models.fish import PARAMETERS, Species
-from codend.selectivity.fielddata import FieldData
-from codend.selectivity.fit import LEAST_EXPECTED, dispersion_factor
-from codend.selectivity.haul import Haul, shares_until
-from codend.selectivity.retention import escape_terms, nodes_of
+from codend.selectivity.escape.haul import Haul, shares_until
+from codend.selectivity.escape.retention import escape_terms, nodes_of
+from codend.selectivity.fits.fielddata import FieldData
+from codend.selectivity.fits.fit import LEAST_EXPECTED, dispersion_factor
 
 Floats = NDArray[np.float64]
 
@@ -74,7 +74,7 @@ class RetentionLikelihood:
         estimate_split: bool,
         volume_m3: Floats | None,
     ) -> None:
-        """Arguments as those of ``codend.selectivity.calibrate.calibrate``, the names dotted."""
+        """Arguments as those of ``codend.selectivity.predicted_and_observed.calibrate.calibrate``, the names dotted."""
         self.haul, self.data, self.given, self.nodes = haul, data, species.values, nodes_of()
         self.columns = [PARAMETERS.index(name) for name in names]
         self.names = (*names, SPLIT) if estimate_split else names

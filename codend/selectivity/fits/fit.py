@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc, expit, gammaln, log_expit, xlogy
 
-from codend.selectivity.fielddata import FieldData
-from codend.selectivity.model import SelectionModel, log_odds, without_covariates
-from codend.selectivity.parameters import Estimates, delta_method
-from codend.selectivity.scoring import Maximum, Outcome, maximise
+from codend.selectivity.fits.fielddata import FieldData
+from codend.selectivity.fits.model import SelectionModel, log_odds, without_covariates
+from codend.selectivity.fits.parameters import Estimates, delta_method
+from codend.selectivity.fits.scoring import Maximum, Outcome, maximise
 
 Array = NDArray[np.float64]
 

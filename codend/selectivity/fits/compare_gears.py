@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from codend.selectivity.bootstrap import Bootstrap
-from codend.selectivity.fielddata import FieldData
+from codend.selectivity.fits.bootstrap import Bootstrap
+from codend.selectivity.fits.fielddata import FieldData
 
 Array = NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""Kernels of the longest fish that passes a mesh; equations and symbols stand in ``codend.selectivity.penetration``."""
+"""Kernels of the longest fish that passes a mesh; equations and symbols stand in ``codend.selectivity.escape.penetration``."""
 
 from __future__ import annotations
 

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_models.fish import PARAMETERS, Species
-from codend.selectivity.haul import Haul, many_hauls
-from codend.selectivity.retention import nodes_of
+from codend.selectivity.escape.haul import Haul, many_hauls
+from codend.selectivity.escape.retention import nodes_of
 
 Floats = NDArray[np.float64]
 

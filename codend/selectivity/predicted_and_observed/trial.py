@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from codend.errors import OPTIONS, InputError
-from codend.selectivity.analysis import fit_field_data
-from codend.selectivity.calibrate import calibrate, calibrated_names
-from codend.selectivity.fielddata import catch_volumes_m3, is_simulated
-from codend.selectivity.predict import Prediction, predict_haul
-from codend.selectivity.together import FieldTrial, Together, set_together
+from codend.selectivity.escape.predict import Prediction, predict_haul
+from codend.selectivity.fits.analysis import fit_field_data
+from codend.selectivity.fits.fielddata import catch_volumes_m3, is_simulated
+from codend.selectivity.predicted_and_observed.calibrate import calibrate, calibrated_names
+from codend.selectivity.predicted_and_observed.together import FieldTrial, Together, set_together
 
 
 def read_trial(

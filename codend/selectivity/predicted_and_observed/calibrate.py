@@ -1,6 +1,6 @@
 """Numbers of a species estimated from field data: maximum likelihood through the predicted retention.
 
-A trial's counts are binomial as in ``codend.selectivity.model``, but with the predicted retention r of the computed
+A trial's counts are binomial as in ``codend.selectivity.fits.model``, but with the predicted retention r of the computed
 codend in place of a fitted curve. Each haul has the retention of a haul that ends with its own catch, where the catch
 is known, and that of the whole study otherwise:
 
@@ -8,7 +8,7 @@ is known, and that of the whole study otherwise:
 
 The maximum is found by Fisher scoring with derivatives by central differences, kept within the bounds of every number.
 Intervals are those of the profile likelihood, 2 (l_max - l(x)) <= 3.84 times the dispersion factor (see
-``codend.selectivity.fit.dispersion_factor``). A number is identified when the likelihood limits it on at least one
+``codend.selectivity.fits.fit.dispersion_factor``). A number is identified when the likelihood limits it on at least one
 side; an end that the allowed range sets is told apart.
 
 All other numbers of the species are taken as exact, and so is the computed codend: what is wrong with them goes into
@@ -29,9 +29,9 @@ from scipy.special import chdtrc, chdtri
 
 from catch_models.fish import Sourced, Species
 from codend.errors import OPTIONS, InputError
-from codend.selectivity.fielddata import FieldData
-from codend.selectivity.haul import Haul
-from codend.selectivity.retention_likelihood import BOUNDS, SPLIT, RetentionLikelihood
+from codend.selectivity.escape.haul import Haul
+from codend.selectivity.fits.fielddata import FieldData
+from codend.selectivity.predicted_and_observed.retention_likelihood import BOUNDS, SPLIT, RetentionLikelihood
 
 Floats = NDArray[np.float64]
 

@@ -26,7 +26,7 @@ from scipy.special import ndtri
 
 from catch_models.fish import PARAMETERS
 from codend.compiled import njit
-from codend.selectivity.passage import (
+from codend.selectivity.escape.passage import (
     IDEALS,
     SQUARE,
     Effort,
@@ -37,7 +37,7 @@ from codend.selectivity.passage import (
     ideal_openings,
     longest_turned,
 )
-from codend.selectivity.penetration import Holes
+from codend.selectivity.escape.penetration import Holes
 
 Floats = NDArray[np.float64]
 

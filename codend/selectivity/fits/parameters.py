@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit, ndtri
 
-from codend.selectivity.model import SelectionModel
+from codend.selectivity.fits.model import SelectionModel
 
 Array = NDArray[np.float64]
 

@@ -2,7 +2,7 @@
 
 Three kinds of numbers stand side by side. Predicted: computed from the plan's openings and the species' numbers, of
 which some are assumed. Fitted: a curve through the counted fish, with its interval. Observed: shares of the fish
-counted, raised. L50 and SR of all of them are in ``codend.selectivity.together_l50``.
+counted, raised. L50 and SR of all of them are in ``codend.selectivity.predicted_and_observed.together_l50``.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit, ndtri, stdtrit
 
-from codend.selectivity.analysis import FieldFit
-from codend.selectivity.calibrate import MARGIN, Calibration
-from codend.selectivity.fielddata import FieldData
-from codend.selectivity.haul import shares_until, terms_of_haul
-from codend.selectivity.model import log_odds, without_covariates
-from codend.selectivity.predict import Prediction
-from codend.selectivity.retention import EscapeTerms
+from codend.selectivity.escape.haul import shares_until, terms_of_haul
+from codend.selectivity.escape.predict import Prediction
+from codend.selectivity.escape.retention import EscapeTerms
+from codend.selectivity.fits.analysis import FieldFit
+from codend.selectivity.fits.fielddata import FieldData
+from codend.selectivity.fits.model import log_odds, without_covariates
+from codend.selectivity.predicted_and_observed.calibrate import MARGIN, Calibration
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -16,8 +16,8 @@ from codend.io.input_table import InputTable
 from codend.io.run_tables import read_run_table, solved_cases
 from codend.net.net import Net
 from codend.plan.plan import Netting, Plan, load_plan
-from codend.selectivity.passage import KINDS, SQUARE
-from codend.selectivity.penetration import Holes
+from codend.selectivity.escape.passage import KINDS, SQUARE
+from codend.selectivity.escape.penetration import Holes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -86,7 +86,7 @@ def inside_mesh_m(section: Netting) -> float:
 
 
 def clear_bar_m(section: Netting) -> float:
-    """Length of a bar that no twine crosses, m; see ``codend.selectivity.penetration``."""
+    """Length of a bar that no twine crosses, m; see ``codend.selectivity.escape.penetration``."""
     return section.bar_m if section.knot_m > 0.0 else section.bar_m - section.drag_width_m
 
 
