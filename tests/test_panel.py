@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from codend.panel import fit_panel, panel_coefficients, solidity
+from codend.scenes.panel import fit_panel, panel_coefficients, solidity
 
 LAWS = [("le-bris-1999", 1.36, 0.07), ("bessonneau-1997", 1.2, 0.1)]
 
