@@ -13,8 +13,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 import codend.studies.study
-from codend import console, doctor
-from codend.cli import main
+from codend.cli import console, doctor
+from codend.cli.main import main
 from codend.equilibrium import fidelity
 from codend.io import files
 from codend.io.columns import RESULT_COLUMNS
@@ -93,10 +93,10 @@ def reason(plan: Path) -> str:
 def test_help_and_version_import_nothing_heavy():
     code = """
 import sys
-import codend, codend.cli
+import codend, codend.cli.main
 for words in ([], ["--help"], ["run", "--help"], ["--version"]):
     try:
-        codend.cli.main(words, prog_name="codend")
+        codend.cli.main.main(words, prog_name="codend")
     except SystemExit as end:
         assert end.code == 0
 heavy = {"numba", "pandas", "matplotlib", "scipy", "numpy", "pydantic", "jinja2", "meshio", "rich", "llvmlite"}

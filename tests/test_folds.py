@@ -7,7 +7,7 @@ from click.testing import CliRunner
 from codend.bag.build import build_net
 from codend.bag.loads import problem_of
 from codend.bag.measures import folded_share, measure_meshes, measure_rows
-from codend.cli import main
+from codend.cli.main import main
 from codend.solvers import newton
 from codend.studies.study import solve
 from tests.plans import joined_plan, make_plan

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from codend.cli import main
+from codend.cli.main import main
 from codend.equilibrium import solve as equilibrium
 from codend.report.html import cautions, notes
 from codend.report.page_tables import solving_table

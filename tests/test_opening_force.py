@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from codend.bag.build import build_net
 from codend.bag.loads import problem_of
 from codend.bag.measures import mesh_openings
-from codend.cli import main
+from codend.cli.main import main
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.solve import START
 from codend.errors import InputError

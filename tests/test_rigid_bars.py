@@ -260,7 +260,7 @@ def test_a_solve_makes_the_steps_it_reports_and_no_others(monkeypatch):
 def test_a_solve_compiles_no_kernel_once_its_time_is_taken():
     program = """
 from codend.bag.build import build_net
-from codend.doctor import _kernels
+from codend.cli.doctor import _kernels
 from codend.bag.loads import problem_of
 from codend.solvers import rigid_bars
 from tests.plans import make_plan

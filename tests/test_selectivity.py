@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from matplotlib.text import Text
 
 import codend
-from codend.cli import main
+from codend.cli.main import main
 from codend.errors import InputError
 from codend.plan.copy import plan_toml
 from codend.plan.plan import Plan, load_plan, plan_from_dict

@@ -10,7 +10,7 @@ from matplotlib.container import ErrorbarContainer
 from matplotlib.lines import Line2D
 
 from catch_models.fish import Species
-from codend.cli import main
+from codend.cli.main import main
 from codend.errors import InputError
 from codend.report.selectivity_page import write_selectivity
 from codend.report.together_plot import together_plot

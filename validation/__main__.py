@@ -11,7 +11,7 @@ from traceback import print_exc
 
 import click
 
-from codend.cli_common import BAD_INPUT, check_writable, written_into
+from codend.cli.common import BAD_INPUT, check_writable, written_into
 from codend.errors import InputError
 from validation.machine import machine
 from validation.report import Part, write_report

@@ -5,7 +5,7 @@ import platform
 import subprocess
 from pathlib import Path
 
-from codend.doctor import FAST, REQUIRED, version_of
+from codend.cli.doctor import FAST, REQUIRED, version_of
 
 
 def machine() -> list[tuple[str, str]]:

@@ -16,7 +16,7 @@ import pandas as pd
 from click.testing import CliRunner
 
 from codend import InputError, Plan, load_plan, solve
-from codend.cli import main as codend_command
+from codend.cli.main import main as codend_command
 from codend.plan.plan import plan_from_dict
 
 CASES = Path(__file__).parent / "cases"

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import click
 
-from codend.cli_common import NOT_CONVERGED, SeveralPairs, check_writable, out_option, set_option, written_into
-from codend.console import shown_progress, text_table
+from codend.cli.common import NOT_CONVERGED, SeveralPairs, check_writable, out_option, set_option, written_into
+from codend.cli.console import shown_progress, text_table
 
 COLUMNS = {
     "case": "case",

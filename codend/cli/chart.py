@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from codend.cli_common import NOT_CONVERGED, SeveralPairs, check_writable, out_option, set_option, written_into
-from codend.console import shown_progress, text_table
+from codend.cli.common import NOT_CONVERGED, SeveralPairs, check_writable, out_option, set_option, written_into
+from codend.cli.console import shown_progress, text_table
 
 if TYPE_CHECKING:
     import pandas as pd

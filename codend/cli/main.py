@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from codend.cli_chart import chart
-from codend.cli_common import (
+from codend.cli.chart import chart
+from codend.cli.common import (
     BAD_INPUT,
     INTERRUPTED,
     NOT_CONVERGED,
@@ -20,10 +20,10 @@ from codend.cli_common import (
     set_option,
     written_into,
 )
-from codend.cli_force import force
-from codend.cli_selectivity import fit, selectivity, species
-from codend.cli_sweep import sweep
-from codend.console import shown_progress, text_table
+from codend.cli.console import shown_progress, text_table
+from codend.cli.force import force
+from codend.cli.selectivity import fit, selectivity, species
+from codend.cli.sweep import sweep
 from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def _end(message: str, status: int) -> NoReturn:
 
 def _print_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
     if wanted:
-        from codend.doctor import version_of
+        from codend.cli.doctor import version_of
 
         click.echo(f"codend {version_of('codend') or 'not installed, run from its source'}")
         ctx.exit()
@@ -230,7 +230,7 @@ def _print_comparison(comparison: "Comparison") -> None:
 @click.option("--warm-up", is_flag=True, help="Compile all kernels now, by solving a tiny net.")
 def doctor(warm_up: bool) -> int:
     """Show versions, cores and the state of the compiled kernels; status 1 when a needed package is missing."""
-    from codend import doctor as examination
+    from codend.cli import doctor as examination
 
     if warm_up:
         click.echo(examination.warm_up())

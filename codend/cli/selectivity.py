@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from codend.cli_common import NOT_CONVERGED, check_writable, out_option, written_into
-from codend.console import shown_progress, text_table
+from codend.cli.common import NOT_CONVERGED, check_writable, out_option, written_into
+from codend.cli.console import shown_progress, text_table
 from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
