@@ -11,7 +11,8 @@ from codend.net.net import WholeNet, all_round, bar_vectors, mesh_corners
 from codend.plan.plan import plan_from_dict
 from codend.report.polygons import joined_on_axis, mesh_polygons
 from codend.report.vtk import net_mesh, write_vtu
-from codend.studies.study import CaseResult, solve
+from codend.studies.case_result import CaseResult
+from codend.studies.study import solve
 
 ROUND, LONG = 24, 20
 NETTINGS: dict[str, dict[str, Any]] = {

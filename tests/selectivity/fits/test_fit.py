@@ -1,6 +1,5 @@
 """Maximum-likelihood fits against published answers, an independent program, and invariants of the likelihood."""
 
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -13,8 +12,9 @@ from codend.selectivity.fits.fielddata import read_field_data
 from codend.selectivity.fits.fit import dispersion_factor
 from codend.selectivity.fits.model import evaluate, selection_model
 from codend.selectivity.fits.scoring import Outcome
+from tests import ROOT
 
-HADDOCK = Path(__file__).parents[1] / "validation" / "tables" / "millar_haddock_paired.csv"
+HADDOCK = ROOT / "validation" / "tables" / "millar_haddock_paired.csv"
 curves = pytest.mark.parametrize("curve", list(CURVES))
 
 

@@ -12,7 +12,7 @@ from codend.plan.copy import plan_toml
 from codend.plan.plan import load_plan
 from codend.studies.study import solve
 from codend.studies.sweep import runs_of, solve_runs
-from tests.test_cli import TINY_PLAN, assert_refused, codend_cli
+from tests.cli.test_cli import TINY_PLAN, assert_refused, codend_cli
 
 VARY = ["netting.0.bar_mm=[40.0, 50.0]", "catch.filled_meshes=[[4], [4, 8]]"]
 

@@ -16,8 +16,8 @@ from codend.plan.copy import plan_toml
 from codend.plan.plan import Plan
 from codend.selectivity.escape.catches import catches_of, read_run
 from codend.selectivity.escape.species import example_species_path
+from tests.cli.test_cli import assert_refused, codend_cli
 from tests.plans import joined_plan, make_plan
-from tests.test_cli import assert_refused, codend_cli
 
 Change = Callable[[list[str]], list[str]]
 WHOLE_NET = {"fidelity": "globalised", "globalisation": 2}

@@ -1,11 +1,10 @@
 """What README shows is what works."""
 
 import re
-from pathlib import Path
 
 import codend
+from tests import ROOT
 
-ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 

@@ -11,11 +11,11 @@ import pytest
 from click.testing import CliRunner, Result
 
 from codend.report.style import new_figure
+from tests import ROOT
 from validation.__main__ import COMMITTED, SECTIONS, main
 from validation.report import Part, markdown_table, report_text
 from validation.section import Picture, Section, Verdict
 
-ROOT = Path(__file__).parents[1]
 GOOD, BAD = Verdict("Water is wet", True, "it was"), Verdict("Pigs fly", False, "none did")
 
 

@@ -16,7 +16,8 @@ from codend.netting.parts import taken_up
 from codend.plan.plan import Plan
 from codend.solvers import interior_point, newton
 from codend.solvers.outcome import Outcome, Solution
-from codend.studies.study import CaseResult, solve
+from codend.studies.case_result import CaseResult
+from codend.studies.study import solve
 from tests.plans import NO_DRAG, UNIFORM, joined_plan
 from validation.reference import residual
 

@@ -6,7 +6,7 @@ import pytest
 
 from codend.errors import InputError
 from codend.studies.speed_accuracy.contenders import FULL, MEMBRANE, MERGED, RIGID, contenders, scene_from
-from tests.test_cli import TINY_PLAN, assert_refused, codend_cli
+from tests.cli.test_cli import TINY_PLAN, assert_refused, codend_cli
 
 
 @pytest.fixture

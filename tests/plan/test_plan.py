@@ -17,9 +17,10 @@ from pydantic import ValidationError
 from codend.errors import InputError
 from codend.plan.plan import Case, Plan, load_plan, plan_from_dict
 from codend.plan.tables import Drag, Netting
+from tests import ROOT
 from tests.bad_plans import BAD_PLANS, VALID_PLAN, BadPlan, assert_is_one_clear_line
 
-CASES = Path(__file__).parents[1] / "validation" / "cases"
+CASES = ROOT / "validation" / "cases"
 
 DOCUMENTED_PLAN = """
 title = "Flume model, 150 x 140 meshes"
@@ -389,7 +390,7 @@ def test_the_flume_plan_is_that_of_le_bris_1999():
 
 def test_reading_a_plan_needs_no_heavy_library():
     code = "import sys, codend.plan.plan; print({'numpy', 'scipy', 'numba', 'pandas', 'matplotlib'} & set(sys.modules))"
-    root = str(Path(__file__).parents[1])
+    root = str(ROOT)
     out = subprocess.run(
         [sys.executable, "-c", code], check=True, capture_output=True, text=True, env=os.environ | {"PYTHONPATH": root}
     )

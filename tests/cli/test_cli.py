@@ -20,9 +20,9 @@ from codend.io import files
 from codend.io.columns import RESULT_COLUMNS
 from codend.plan.plan import load_plan
 from codend.report import page
+from tests import ROOT
 from tests.bad_plans import BAD_PLANS, VALID_PLAN, BadPlan
 
-ROOT = Path(__file__).parents[1]
 HADDOCK = ROOT / "validation" / "tables" / "millar_haddock_paired.csv"
 
 TINY_PLAN = """
@@ -256,8 +256,8 @@ def as_file(path: Path) -> Path:
     ],
 )
 def test_a_file_that_cannot_be_written_is_named_before_anything_is_solved(command, make, name, plan, monkeypatch):
-    for solver in ("codend.studies.sweep.solve", "codend.studies.speed_accuracy.measuring.measure", "codend.studies.study.solve"):
-        monkeypatch.setattr(solver, lambda *_: pytest.fail("solved what should have been refused"))
+    for solver in ("sweep.solve", "speed_accuracy.measuring.measure", "study.solve"):
+        monkeypatch.setattr(f"codend.studies.{solver}", lambda *_: pytest.fail("solved what should have been refused"))
     there = make(plan.parent / "out" / name)
     more = ["--vary", "netting.0.bar_mm=[40,50]"] if command == "sweep" else []
     result = codend_cli(command, plan, "--out", plan.parent / "out", *more)

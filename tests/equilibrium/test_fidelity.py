@@ -1,7 +1,6 @@
 """Sector, globalised and full models of one plan."""
 
 from dataclasses import astuple, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +13,7 @@ from codend.net.net import all_round, rotate
 from codend.plan.plan import load_plan
 from codend.solvers import dynamic_relaxation, newton
 from codend.studies.study import solve
+from tests import ROOT
 from tests.plans import joined_plan, make_plan
 
 TIGHT = 1e-11
@@ -256,7 +256,7 @@ def test_a_heavy_bag_sags():
 
 @pytest.mark.parametrize("filled", [40.0, 60.0, 100.0])
 def test_flume_net_globalised_by_ten_has_its_drag_within_one_and_a_half_percent(filled):
-    flume = Path(__file__).parents[1] / "validation" / "cases" / "flume_150x140.toml"
+    flume = ROOT / "validation" / "cases" / "flume_150x140.toml"
     overrides = [f"catch.filled_meshes={filled}"]
     real = solve(load_plan(flume, overrides)).cases[0].measures
     merged = [*overrides, "model.fidelity=globalised", "model.globalisation=10"]

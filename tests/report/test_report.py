@@ -18,7 +18,8 @@ from codend.report.html import notes
 from codend.report.page import PLOTS, files_of, write_report
 from codend.report.style import column_text, number_text, spread
 from codend.solvers.outcome import Outcome
-from codend.studies.study import CaseResult, Study, solve
+from codend.studies.case_result import CaseResult
+from codend.studies.study import Study, solve
 
 PLAN: dict[str, Any] = {
     "title": "Small bag <script>alert('x')</script> & more",

@@ -16,7 +16,8 @@ from codend.net.net import bar_vectors
 from codend.plan.reach import least_radius_m
 from codend.report.page_tables import results_table
 from codend.report.picture import RISE_DEG, STRAP_WIDTH, net_picture
-from codend.studies.study import CaseResult, solve
+from codend.studies.case_result import CaseResult
+from codend.studies.study import solve
 from tests.plans import joined_plan
 from validation.reference import bar_pulls, nodal_loads, residual
 

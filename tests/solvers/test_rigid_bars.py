@@ -3,7 +3,6 @@
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +20,7 @@ from codend.solvers.outcome import Outcome
 from codend.solvers.rigid_bars import RigidBarsSettings
 from codend.solvers.rigid_motion import RigidMotion, simulate
 from codend.studies import study
+from tests import ROOT
 from tests.chains import hanging, pendulum, small_swings
 from tests.plans import make_plan, uniform_plan
 from validation.chains import DENSITY_KG_M3, DIAMETER_M, MASS_PER_METRE, chain
@@ -274,7 +274,7 @@ rigid_bars.compile_kernels(problem)
 compiled = signatures()
 print(rigid_bars.solve(problem, 1e-5).report.outcome.converged, signatures() - compiled)
 """
-    root = Path(__file__).parent.parent
+    root = ROOT
     said = subprocess.run([sys.executable, "-c", program], cwd=root, capture_output=True, text=True, check=True).stdout
     assert said.split() == ["True", "0"]
 

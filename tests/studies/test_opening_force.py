@@ -19,8 +19,8 @@ from codend.solvers import dynamic_relaxation, interior_point, newton
 from codend.solvers.outcome import Outcome, Solution
 from codend.studies import opening_force as pulling
 from codend.studies.opening_force import pull_mesh
+from tests.cli.test_cli import TINY_PLAN
 from tests.plans import joined_plan, make_plan
-from tests.test_cli import TINY_PLAN
 from validation.plain_nets import plain_net, plain_problem
 
 SOFT = {"axial_stiffness_n": 300.0}
