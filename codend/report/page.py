@@ -17,7 +17,8 @@ from codend.report.picture import net_picture
 from codend.report.plots import catch_text, opening_force_plot, opening_plot, profiles_plot, solved, tension_plot
 from codend.report.style import number_text, png
 from codend.report.vtk import write_vtu
-from codend.studies.study import CaseResult, Study, StudyProgress
+from codend.studies.case_result import CaseResult
+from codend.studies.study import Study, StudyProgress
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

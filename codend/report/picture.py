@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from codend.net.net import Floats, Net, WholeNet, all_round
 from codend.report.polygons import joined_on_axis, mesh_polygons
 from codend.report.style import INK, new_figure, number_text
-from codend.studies.study import CaseResult
+from codend.studies.case_result import CaseResult
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,7 +14,8 @@ import numpy as np
 from codend.bag.measures import WANTED_OPENING_DEG, Rows
 from codend.net.net import Floats
 from codend.report.style import INK, PALE, dress, new_panels, number_text, ordered_colours, spread
-from codend.studies.study import CaseResult, Study
+from codend.studies.case_result import CaseResult
+from codend.studies.study import Study
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

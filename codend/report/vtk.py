@@ -8,7 +8,7 @@ import numpy as np
 from codend.io.files import whole_file
 from codend.net.net import all_round
 from codend.report.polygons import joined_on_axis, mesh_polygons
-from codend.studies.study import CaseResult
+from codend.studies.case_result import CaseResult
 
 if TYPE_CHECKING:
     import meshio

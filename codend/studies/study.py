@@ -8,70 +8,23 @@ from typing import TYPE_CHECKING
 
 from codend.bag.build import build_net
 from codend.bag.loads import problem_of
-from codend.bag.measures import Measures, Meshes, Rows, measure_all
+from codend.bag.measures import Measures, measure_all
 from codend.bag.meridian import plan_case
 from codend.equilibrium import accuracy, fidelity
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.accuracy import Errors
 from codend.equilibrium.fidelity import Choice
 from codend.mechanics.problem import Problem
-from codend.net.net import Floats, Net, real_tensions
 from codend.plan.plan import Case, Plan
 from codend.solvers import newton
 from codend.solvers.outcome import Solution, SolverReport
+from codend.studies.case_result import CaseResult
 
 if TYPE_CHECKING:
     import pandas as pd
 
 StudyProgress = Callable[[int, int, str], None]
 """Told how many cases are done, of how many, and what is being done."""
-
-
-@dataclass(frozen=True)
-class CaseResult:
-    """One case of a study: what was asked, the equilibrium, and what was measured in it."""
-
-    case: Case
-    problem: Problem
-    solution: Solution
-    measures: Measures
-    errors: Errors
-    """How far the measures may be off."""
-    negative_pivots: int | None
-    """Of the tangent at the equilibrium, 0 where it is stable; None where there is no such tangent."""
-    rows: Rows | None
-    """None where the case was not solved."""
-    meshes: Meshes | None
-
-    @property
-    def net(self) -> Net:
-        """The net as it was modelled."""
-        return self.problem.net
-
-    @property
-    def positions(self) -> Floats:
-        """Nodes at equilibrium, (n, 3), m; nan where the case was not solved."""
-        return self.solution.positions
-
-    @property
-    def bar_tension_n(self) -> Floats:
-        """Tension of the real bars and ropes, (m,)."""
-        return real_tensions(self.net, self.solution.bar_tension)
-
-    @property
-    def report(self) -> SolverReport:
-        """What the solver did."""
-        return self.solution.report
-
-    @property
-    def converged(self) -> bool:
-        """Whether the numbers may be used."""
-        return self.report.outcome.converged
-
-    @property
-    def unstable(self) -> bool:
-        """Whether the pivots say that the net, though in balance, would not stay as it is."""
-        return (self.negative_pivots or 0) > 0
 
 
 @dataclass(frozen=True)
@@ -92,21 +45,21 @@ class Study:
         """``results.csv``: a row a case."""
         from codend.studies import tables
 
-        return tables.results_table(self)
+        return tables.results_table(self.plan, self.choice.fidelity, self.cases)
 
     @cached_property
     def profile(self) -> "pd.DataFrame":
         """``profile.csv``: a row a knot row of a case."""
         from codend.studies import tables
 
-        return tables.profile_table(self)
+        return tables.profile_table(self.cases)
 
     @cached_property
     def meshes(self) -> "pd.DataFrame":
         """``meshes.csv``: a row a mesh of a case, for full nets; empty for sectors."""
         from codend.studies import tables
 
-        return tables.mesh_table(self)
+        return tables.mesh_table(self.cases)
 
 
 def solve(plan: Plan, progress: StudyProgress | None = None, choice: Choice | None = None) -> Study:
