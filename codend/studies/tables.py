@@ -68,7 +68,7 @@ def mesh_table(cases: Sequence[CaseResult]) -> pd.DataFrame:
     for result in cases:
         if result.meshes is None or result.net.order > 1:
             continue
-        row = result.net.mesh_row
+        row = result.bag.mesh_row
         parts.append(
             pd.DataFrame(
                 {
