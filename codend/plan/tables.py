@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, Self
 from annotated_types import Ge, Gt, Le, Lt, MinLen
 from pydantic import AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Strict, model_validator
 
+from codend.mechanics.drag_laws import DRAG_COEFFICIENTS
 from codend.plan.messages import Contradiction
 from codend.plan.overrides import CATCH_QUANTITIES, MESH_SIZES, CatchKind
 
@@ -18,8 +19,6 @@ Whole = Annotated[int, Strict()]
 Text = Annotated[str, MinLen(1)]
 Several = (MinLen(1), BeforeValidator(lambda found: found if isinstance(found, list | tuple) else (found,)))
 
-DRAG_COEFFICIENTS = {"le-bris-1999": (1.36, 0.07), "bessonneau-1997": (1.2, 0.1)}
-"""Normal and tangential coefficients each drag law takes when the plan names none (LB99 4.2; BM97 2.1.2)."""
 
 
 class Table(BaseModel):
@@ -202,10 +201,11 @@ class Drag(Table):
     Coefficients a plan names stay when an override changes the law, and ``tangential`` then means another thing.
     """
 
-    law: Literal["le-bris-1999", "bessonneau-1997"] = "le-bris-1999"
+    law: Literal["le-bris-1999", "bessonneau-1997", "choo-casarella-1971"] = "le-bris-1999"
     normal: Annotated[Number, Ge(0), Le(10)]
     tangential: Annotated[Number, Ge(0), Le(10)]
-    """f, a fraction of ``normal``, in le-bris-1999; Cf, a coefficient of its own, in bessonneau-1997."""
+    """f, a fraction of ``normal``, in le-bris-1999; Cf, a coefficient of its own, in bessonneau-1997; in
+    choo-casarella-1971 both numbers are factors on the law's coefficients, which depend on the Reynolds number."""
 
     @model_validator(mode="before")
     @classmethod
