@@ -83,7 +83,7 @@ def mesh_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
                 {
                     "case": result.case.number,
                     "row": row,
-                    "mesh": np.arange(len(row)) - np.searchsorted(row, row),
+                    "mesh": pd.Series(row).groupby(row).cumcount(),
                     "section": sections_of_rows(plan, result.bag.globalisation)[row],
                     "meshes_from_entry": result.bag.mesh_place[row],
                     "x_m": result.meshes.centre_m[:, 0],

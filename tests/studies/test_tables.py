@@ -41,6 +41,12 @@ def test_square_meshes_lie_half_a_mesh_behind_the_row_that_counts_them():
     np.testing.assert_array_equal(meshes["section"], meshes["section_of_row"])
 
 
+def test_meshes_are_counted_from_0_in_their_row():
+    study = codend.solve(joined_plan(*SQUARES_BETWEEN, catch={"filled_meshes": 3.0}, model={"fidelity": "full"}))
+    for _, mesh in study.meshes.groupby("row")["mesh"]:
+        assert mesh.tolist() == list(range(12))
+
+
 def test_every_model_more_than_one_mesh_wide_has_its_meshes():
     """A sector of 24 meshes joined to 12 is two wide ahead of the joint, and their mean stands in the profile."""
     study = codend.solve(halved({}))
