@@ -85,9 +85,7 @@ def _check_bending(plan: Plan) -> None:
 
 def rows_of(plan: Plan, globalisation: int = 1) -> list[Netting]:
     """Section of each band between two rows, from the entry to the codline."""
-    return [
-        section for section in plan.netting for _ in range(section.rows_per_mesh * section.meshes_long // globalisation)
-    ]
+    return [plan.netting[number] for number in plan.sections_of_bands(globalisation)]
 
 
 def crude_rows(plan: Plan, globalisation: int = 1) -> tuple[Floats, Floats]:

@@ -49,6 +49,7 @@ class Plan(Table):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        self._check_names()
         first = self.netting[0]
         limit_m = first.stretched_radius_m
         if self.entry.radius_m > limit_m or (self.entry.radius_m == limit_m and first.mesh != "square"):
@@ -64,6 +65,14 @@ class Plan(Table):
             reason = f"divisors of all meshes_round and meshes_long{and_straps}"
             raise Contradiction("model.globalisation", f"{allowed} ({reason})")
         return self
+
+    def _check_names(self) -> None:
+        """Refuse sections that tables could not tell apart."""
+        names = self.section_names
+        for index, part in enumerate(self.netting):
+            if part.name is not None and names.count(part.name) > 1:
+                allowed = "a name that no other section has, nor its number where it has no name"
+                raise Contradiction(f"netting.{index}.name", allowed)
 
     def _check_catch_fits(self) -> None:
         """Refuse a catch beyond what the netting could hold whatever its shape: errors of unit, mostly."""
@@ -117,6 +126,16 @@ class Plan(Table):
         """Rows from every strap to the codline."""
         rows = (self.rows_to_codline(strap.meshes_from_codline) for strap in self.strap)
         return tuple(count for count in rows if count is not None)
+
+    @property
+    def section_names(self) -> tuple[str, ...]:
+        """What tables call the sections: their names, or their numbers, counted from 1 at the entry."""
+        return tuple(part.name or str(number) for number, part in enumerate(self.netting, start=1))
+
+    def sections_of_bands(self, globalisation: int = 1) -> tuple[int, ...]:
+        """Number of the section, from 0, of each band between two rows of knots, from the entry to the codline."""
+        rows = (part.rows_per_mesh * part.meshes_long // globalisation for part in self.netting)
+        return tuple(number for number, count in enumerate(rows) for _ in range(count))
 
     @property
     def source(self) -> Path:

@@ -51,6 +51,8 @@ class Netting(Table):
     mesh: Literal["diamond", "t90", "square"]
     meshes_round: Annotated[Whole, Ge(3), Le(10_000)]
     meshes_long: Annotated[Whole, Ge(1), Le(10_000)]
+    name: Text | None = None
+    """What tables call the section; None: its number."""
     bar_mm: Annotated[Number, Gt(0), Le(10_000)] | None = None
     mesh_mm: Annotated[Number, Gt(0), Le(20_000)] | None = None
     knot_mm: Annotated[Number, Ge(0), Le(1000)] = 0.0
@@ -68,6 +70,8 @@ class Netting(Table):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         _exactly_one(self, MESH_SIZES)
+        if self.name is not None and not (self.name.isprintable() and self.name == self.name.strip()):
+            raise Contradiction("name", "a text of one line that neither begins nor ends with a blank")
         if self.mesh == "square" and self.knot_mm > 0:
             raise Contradiction("knot_mm", "0 for square mesh")
         if self.bar_m <= 0:
