@@ -108,7 +108,7 @@ def test_meshes_of_a_full_net_are_written_too(tmp_path: Path):
     written = write_report(full, tmp_path)
     read = pd.read_csv(tmp_path / "meshes.csv")
     assert tmp_path / "meshes.csv" in written
-    assert len(read) == len(full.cases[0].net.mesh_row)
+    assert len(read) == len(full.cases[0].bag.mesh_row)
 
 
 def test_plots_are_pictures_with_something_drawn_in_them(written: Path):
