@@ -9,7 +9,8 @@ from scipy.sparse import csc_array
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.equilibrium.solve import START
-from codend.mechanics.tangent import add_bar_tangent, pattern_of
+from codend.mechanics.bars import add_bar_tangent
+from codend.mechanics.tangent import pattern_of
 from codend.net.net import all_round, bar_vectors
 from codend.plan.plan import plan_from_dict
 from codend.solvers import continuation, dynamic_relaxation, newton
