@@ -19,7 +19,7 @@ The third is that of Choo and Casarella (1971, Hydrodynamic resistance of towed 
 
 Its pieces do not meet (2 % apart at 1, 1 % at 30): over a fifth of Re about these they are led into each other, so that
 the drag has no jump. Beyond 1e5 the last one goes on, without the fall of the drag that real cylinders have there. Its
-two numbers in a plan are factors on the law, 1 by default.
+two coefficients are factors on the law.
 """
 
 import numpy as np
@@ -30,24 +30,17 @@ from codend.net.net import Floats
 DRAG_LAWS = ("le-bris-1999", "bessonneau-1997", "choo-casarella-1971")
 """Their names; a law's number is its place here."""
 LE_BRIS_1999, BESSONNEAU_1997, CHOO_CASARELLA_1971 = range(3)
-DRAG_COEFFICIENTS = {"le-bris-1999": (1.36, 0.07), "bessonneau-1997": (1.2, 0.1), "choo-casarella-1971": (1.0, 1.0)}
-"""Normal and tangential coefficients a law takes when none are named (LB99 4.2; BM97 2.1.2)."""
 
 
-def drag(law: str, normal: float | None = None, tangential: float | None = None) -> tuple[int, float, float]:
-    """Number and coefficients of a law, for ``Net.from_bars``; coefficients left out are the law's own.
+def drag(law: str, normal: float, tangential: float) -> tuple[int, float, float]:
+    """Number of a law and its coefficients, for ``Net.from_bars``.
 
     Raises:
         ValueError: there is no such law.
     """
     if law not in DRAG_LAWS:
         raise ValueError(f"unknown drag law {law!r}: there are {', '.join(DRAG_LAWS)}")
-    own = DRAG_COEFFICIENTS[law]
-    return (
-        DRAG_LAWS.index(law),
-        own[0] if normal is None else normal,
-        own[1] if tangential is None else tangential,
-    )
+    return DRAG_LAWS.index(law), normal, tangential
 
 
 SLOWEST = 1e-12

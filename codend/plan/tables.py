@@ -10,7 +10,6 @@ from typing import Annotated, Any, Literal, Self
 from annotated_types import Ge, Gt, Le, Lt, MinLen
 from pydantic import AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Strict, model_validator
 
-from codend.mechanics.drag_laws import DRAG_COEFFICIENTS
 from codend.plan.messages import Contradiction
 from codend.plan.overrides import CATCH_QUANTITIES, MESH_SIZES, CatchKind
 
@@ -19,6 +18,9 @@ Whole = Annotated[int, Strict()]
 Text = Annotated[str, MinLen(1)]
 Several = (MinLen(1), BeforeValidator(lambda found: found if isinstance(found, list | tuple) else (found,)))
 
+
+DRAG_COEFFICIENTS = {"le-bris-1999": (1.36, 0.07), "bessonneau-1997": (1.2, 0.1), "choo-casarella-1971": (1.0, 1.0)}
+"""Normal and tangential coefficients each drag law takes when the plan names none (LB99 4.2; BM97 2.1.2)."""
 
 
 class Table(BaseModel):

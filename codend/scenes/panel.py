@@ -60,7 +60,7 @@ def panel_coefficients(
     phi, half = np.radians(incidence_deg), 0.5 * np.radians(opening_deg)
     cosine = np.asarray(np.cos(half) * np.cos(phi))
     sine = np.asarray(np.sqrt(1.0 - cosine**2))
-    law, _, _ = drag(drag_law)
+    law, _, _ = drag(drag_law, normal, tangential)
     factors = drag_factors_of(law, normal, tangential, sine.ravel(), np.abs(cosine).ravel(), reynolds)
     across, along = (factor.reshape(sine.shape) for factor in factors[:2])
     if np.isnan(across).any() and not np.isnan(sine).any():

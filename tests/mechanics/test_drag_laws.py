@@ -1,9 +1,12 @@
 """The laws of drag: their derivatives, their joints, and the numbers of their papers."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 
-from codend.mechanics.drag_laws import CHOO_CASARELLA_1971, DRAG_COEFFICIENTS, DRAG_LAWS, drag, drag_factors
+from codend.mechanics.drag_laws import CHOO_CASARELLA_1971, DRAG_LAWS, drag, drag_factors
+from codend.plan.tables import DRAG_COEFFICIENTS, Drag
 
 
 @pytest.mark.parametrize("law", DRAG_LAWS)
@@ -39,4 +42,8 @@ def test_the_pieces_meet_without_a_jump(joint):
 
 def test_an_unknown_law_is_refused_with_those_there_are():
     with pytest.raises(ValueError, match="le-bris-1999"):
-        drag("morison")
+        drag("morison", 1.0, 1.0)
+
+
+def test_a_plan_may_choose_every_law():
+    assert get_args(Drag.model_fields["law"].annotation) == DRAG_LAWS == tuple(DRAG_COEFFICIENTS)
