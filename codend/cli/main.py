@@ -47,7 +47,7 @@ MOST_ROD_MM = 1000.0
 
 
 class _OneLineErrors(click.Group):
-    """A group whose commands return an exit status, and which reports what a user can mend on one line."""
+    """A group whose commands return an exit status, and which reports what a user can mend, a line each."""
 
     def invoke(self, ctx: click.Context) -> Any:
         try:
@@ -60,9 +60,9 @@ class _OneLineErrors(click.Group):
         try:
             status = super().main(*args, **{**kwargs, "standalone_mode": False})
         except click.ClickException as error:
-            _end(error.format_message(), BAD_INPUT)
+            _end(" ".join(error.format_message().split()), BAD_INPUT)
         except InputError as error:
-            _end(str(error), BAD_INPUT)
+            _end("\n".join(error.lines), BAD_INPUT)
         except click.Abort:
             _end("interrupted", INTERRUPTED)
         raise SystemExit(status or 0)
@@ -80,7 +80,8 @@ def _make_haste() -> None:
 
 
 def _end(message: str, status: int) -> NoReturn:
-    click.echo(f"codend: {' '.join(message.split())}", err=True)
+    for line in message.splitlines():
+        click.echo(f"codend: {' '.join(line.split())}", err=True)
     raise SystemExit(status)
 
 

@@ -13,6 +13,8 @@ from codend.io.input_table import InputTable, read_table
 if TYPE_CHECKING:
     import pandas as pd
 
+MOST_MB: Final = 2000
+"""Of a table of a run: a case of a net of 100 000 knots is 15 MB of ``meshes.csv``."""
 WORDS: Final[dict[str, dict[str, object]]] = {
     "converged": {"True": True, "False": False, "TRUE": True, "FALSE": False},
     "fidelity": {name: name for name in ("meridian", "sector", "globalised", "full")},
@@ -34,7 +36,7 @@ def read_run_table(path: str | Path, filled: Sequence[str] = ()) -> pd.DataFrame
     """
     import pandas as pd
 
-    table = read_table(path)
+    table = read_table(path, most_mb=MOST_MB)
     table.require(filled)
     columns = {}
     for name in table.frame.columns:
@@ -44,7 +46,7 @@ def read_run_table(path: str | Path, filled: Sequence[str] = ()) -> pd.DataFrame
             columns[name] = cells.map(WORDS[name])
         elif name in NUMBERS:
             table.numbers(name, may_be_empty=name not in filled)
-            columns[name] = pd.to_numeric(cells)
+            columns[name] = pd.to_numeric(table.with_points(name))
         else:
             columns[name] = cells
     return pd.DataFrame(columns, table.frame.index)
