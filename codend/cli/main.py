@@ -18,6 +18,7 @@ from codend.cli.common import (
     check_writable,
     out_option,
     set_option,
+    table_options,
     written_into,
 )
 from codend.cli.console import shown_progress, text_table
@@ -27,6 +28,7 @@ from codend.cli.sweep import sweep
 from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
+    from codend.io.table_form import TableForm
     from codend.studies.comparison import Comparison
     from codend.studies.study import Study
 
@@ -120,7 +122,7 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
 
     checked = load_plan(plan, changes)
     from codend.equilibrium.fidelity import choose
-    from codend.report.html import cautions
+    from codend.report.html import cautions, sea_water
     from codend.report.page import files_of, write_report
     from codend.studies.study import solve
 
@@ -130,6 +132,8 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
         progress(0, len(checked.cases()), "choosing the model")
         choice = choose(checked)
     click.echo(choice.why)
+    if checked.water_is_assumed:
+        click.echo(sea_water(checked))
     with shown_progress() as progress:
         study = solve(checked, progress, choice)
         with written_into(folder):
@@ -170,6 +174,7 @@ def _rod_mm(_: click.Context, option: click.Parameter, text: str | None) -> floa
 @main.command()
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.argument("table", metavar="TABLE.csv", type=click.Path(path_type=Path))
+@table_options
 @click.option(
     "--hoop-rod-mm",
     callback=_rod_mm,
@@ -177,7 +182,7 @@ def _rod_mm(_: click.Context, option: click.Parameter, text: str | None) -> floa
     help="Thickness you assume for the hoop's rod: its drag is computed and added, where TABLE.csv has an empty "
     "hoop_drag_n column.",
 )
-def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
+def compare(folder: Path, table: Path, hoop_rod_mm: float | None, form: "TableForm") -> None:
     """Set the results of a run in DIR beside a flume table.
 
     Rows are matched on the catch and speed columns the table has, interpolated in catch size and never extrapolated.
@@ -197,7 +202,7 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
     if hoop_rod_mm is not None:
         plan = load_plan(folder / "plan.toml")
         hoop = Hoop(plan.entry.radius_m, hoop_rod_mm / 1000.0, plan.tow.water_density_kg_m3)
-    comparison = compare_with(read_run_table(results), read_flume_table(table), results, hoop)
+    comparison = compare_with(read_run_table(results), read_flume_table(table, form), results, hoop)
     check_writable(folder, COMPARISON_FILES)
     with written_into(folder):
         points, summary, picture = (folder / name for name in COMPARISON_FILES)

@@ -22,6 +22,7 @@ from codend.io.text import ENCODING, ENCODING_OPTION, MOST_MB, read_text
 if TYPE_CHECKING:
     import pandas as pd
 
+POINTS: Final = Decimal(".")
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
@@ -43,8 +44,8 @@ class InputTable:
     comments: tuple[str, ...] = ()
     """Lines that began with ``#``, without it."""
     form: str = ""
-    """How the file is laid out, in words; "" for commas between columns and points in numbers."""
-    decimal: Decimal = Decimal(".")
+    """How the file is laid out, in words; empty for commas between columns and points in numbers."""
+    decimal: Decimal = POINTS
     may_ask: bool = False
     """Whether the user has options to say how the file is laid out."""
 

@@ -19,6 +19,7 @@ DECIMALS: Final = {".": "points", ",": "commas"}
 _SPELT: Final = {"tab": "\t", "\\t": "\t", "comma": ",", "semicolon": ";", "bar": "|", "point": ".", "dot": "."}
 
 _NUMBER: Final = re.compile(r"[+-]?[\d.,]*\d[\d.,]*(?:[eE][+-]?\d+)?")
+_INTERVAL: Final = re.compile(r"([\d.,]*\d)\s*(?:[-\u2013\u2014]|to)\s*([\d.,]*\d)")
 _GROUPED: Final = re.compile(r"[+-]?[1-9]\d{0,2}(?:[.,]\d{3})+")
 """What may be a whole number with a mark after its thousands."""
 
@@ -89,7 +90,8 @@ def separator_of(header: str, path: str | Path, *, may_ask: bool) -> str:
 
 def decimal_of(columns: Iterable[Sequence[str]], separator: str) -> Decimal:
     """What stands in the numbers of a table, from the filled cells of its columns."""
-    marked = [cell for cells in columns if all(map(_NUMBER.fullmatch, cells)) for cell in cells if _mark_in(cell)]
+    split = ([part for cell in cells for part in interval_of(cell) or (cell,)] for cells in columns)
+    marked = [cell for cells in split if all(map(_NUMBER.fullmatch, cells)) for cell in cells if _mark_in(cell)]
     commas, points = ([cell for cell in marked if mark in cell] for mark in (",", "."))
     if commas and points:
         return Decimal(None, f"has points and commas in numbers ({points[0]}, {commas[0]})")
@@ -100,6 +102,12 @@ def decimal_of(columns: Iterable[Sequence[str]], separator: str) -> Decimal:
         doubt = f"has numbers such as {marked[0]}, whose {'comma' if mark == ',' else 'point'}"
         return Decimal(None, f"{doubt} may stand before a fraction or after thousands")
     return Decimal("," if commas else ".")
+
+
+def interval_of(cell: str) -> tuple[str, str] | None:
+    """Both ends of an interval such as 20-22; None for any other text."""
+    found = _INTERVAL.fullmatch(cell.strip())
+    return (found[1], found[2]) if found else None
 
 
 def _mark_in(cell: str) -> str:

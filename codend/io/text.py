@@ -36,7 +36,7 @@ _NO_TEXTS: Final = (
 def read_text(
     path: str | Path, kind: str, *, encoding: str | None = None, allowed: str = ENCODING, most_mb: float = MOST_MB
 ) -> str:
-    """The text of a file, without a byte order mark and with line ends as ``\\n``.
+    """The text of a file, without a byte order mark, all line ends alike.
 
     Args:
         path: of the file.

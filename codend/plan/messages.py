@@ -13,7 +13,6 @@ from pydantic import BaseModel
 
 from codend.errors import InputError
 
-
 MEANT: Final = {"t0": "diamond", "rhombic": "diamond", "t45": "square"}
 """Words of the trade for what plans call otherwise: netting unturned, turned by 45 degrees."""
 
@@ -94,9 +93,9 @@ def _choices(annotation: Any) -> list[str]:
 def _key_hint(plan: type[BaseModel], location: Sequence[str | int]) -> str:
     if meant := meant_key(plan, location):
         return f" (did you mean {meant}?)"
-    tables = {name: _annotation_at(plan, (name,)) for name in plan.model_fields}
-    tables = {name: get_args(found)[0] if get_origin(found) is tuple else found for name, found in tables.items()}
-    homes = [name for name, found in tables.items() if _is_model(found) and location[-1] in found.model_fields]
+    fields = {name: field.annotation for name, field in plan.model_fields.items()}
+    tables = {name: get_args(found)[0] if get_origin(found) is tuple else found for name, found in fields.items()}
+    homes = [name for name, found in tables.items() if location[-1] in getattr(found, "model_fields", ())]
     return f" (it is one of {' and of '.join(homes)})" if homes else ""
 
 

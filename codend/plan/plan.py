@@ -23,8 +23,19 @@ from codend.plan.tables import Catch, Drag, Entry, Model, Netting, Strap, Table,
 
 MOST_CASES: Final = 10_000
 """Some minutes of solving; a list that makes more is a slip."""
-_STAND_INS: Final = {"title": "plan", "tow": {"speed_m_s": 1.0}, "drag": {}, "model": {}}
-"""Good tables for those that have no say in whether the netting closes and holds its catch and straps."""
+_STAND_INS: Final = {
+    "title": "plan",
+    "tow": {"speed_m_s": 1.0},
+    "drag": None,
+    "model": None,
+    "netting.twine_mm": 1e-6,
+    **{f"netting.{key}": None for key in ("twines", "twine_density_kg_m3", "axial_stiffness_n")},
+    **{f"netting.{key}": None for key in ("bending_stiffness_n_m2", "rest_opening_deg")},
+    "strap.length_m": 1.0,
+    **{f"strap.{key}": None for key in ("axial_stiffness_n", "diameter_mm")},
+    **{f"catch.{key}": None for key in ("coefficient", "sphere_cp_csv")},
+}
+"""Good values for those that have no say in whether the netting closes and holds its catch and straps."""
 
 
 @dataclass(frozen=True)
