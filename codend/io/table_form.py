@@ -91,7 +91,11 @@ def separator_of(header: str, path: str | Path, *, may_ask: bool) -> str:
 def decimal_of(columns: Iterable[Sequence[str]], separator: str) -> Decimal:
     """What stands in the numbers of a table, from the filled cells of its columns."""
     split = ([part for cell in cells for part in interval_of(cell) or (cell,)] for cells in columns)
-    marked = [cell for cells in split if all(map(_NUMBER.fullmatch, cells)) for cell in cells if _mark_in(cell)]
+    marked = []
+    for cells in split:
+        numbers = [cell for cell in cells if _NUMBER.fullmatch(cell)]
+        if 2 * len(numbers) > len(cells):  # a column of numbers, but for a slip or two
+            marked += [cell for cell in numbers if _mark_in(cell)]
     commas, points = ([cell for cell in marked if mark in cell] for mark in (",", "."))
     if commas and points:
         return Decimal(None, f"has points and commas in numbers ({points[0]}, {commas[0]})")
