@@ -60,8 +60,7 @@ def all_at_once(found: Sequence[InputError]) -> InputError:
     """The first of some mistakes, with the others beside it."""
     first, *others = found
     first.others = tuple(others)
-    for other in others:
-        first.add_note(str(other))  # tracebacks in Python show them too
+    first.__notes__ = list(map(str, others))  # tracebacks in Python show them too
     return first
 
 

@@ -121,11 +121,13 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     from codend.plan.plan import load_plan
 
     checked = load_plan(plan, changes)
+    from codend.bag.loads import pressure_law_of
     from codend.equilibrium.fidelity import choose
     from codend.report.html import cautions, sea_water
     from codend.report.page import files_of, write_report
     from codend.studies.study import solve
 
+    pressure_law_of(checked)  # a Cp curve that cannot be used is refused before anything is said
     check_writable(folder, files_of(checked))
 
     with shown_progress() as progress:

@@ -177,6 +177,11 @@ def _print_fit(fitted: "FieldFit") -> None:
         click.echo(f"{len(fitted.hauls)} hauls: {fitted.between_hauls.message}")
     if fitted.bootstrap is not None and fitted.bootstrap.n_failed:
         click.echo(f"{fitted.bootstrap.n_failed} of {fitted.bootstrap.n_replicates} bootstrap refits did not converge")
-    for one in (fitted.pooled, *fitted.hauls):
-        if not one.converged:
-            click.echo(f"{one.group} was not fitted: {one.outcome.value}", err=True)
+    failed = [haul for haul in fitted.hauls if not haul.converged]
+    if not fitted.converged:
+        nor = f" (nor were {len(failed)} of {len(fitted.hauls)} hauls)" if failed else ""
+        click.echo(f"pooled was not fitted: {fitted.pooled.outcome.value}{nor}", err=True)
+        return
+    for outcome in dict.fromkeys(haul.outcome for haul in failed):
+        groups = ", ".join(haul.group for haul in failed if haul.outcome is outcome)
+        click.echo(f"not fitted alone: {groups}: {outcome.value}", err=True)
