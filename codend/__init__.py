@@ -30,4 +30,6 @@ def __getattr__(name: str) -> Any:
     """Import public names where they are first used: the compiled and table libraries take their time."""
     if name in _HOME:
         return getattr(import_module(_HOME[name]), name)
+    if name == "panel":
+        return import_module("codend.scenes.panel")
     raise AttributeError(f"module 'codend' has no attribute '{name}'")

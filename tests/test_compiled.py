@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from codend.compiled import modules_behind
+from tests import ROOT
 
-ROOT = Path(__file__).parent.parent
 # a bar from the axis to a point one metre away along y, turned by a quarter circle: a kernel in bars.py that calls one
 # in images.py
 WHERE_A_BAR_ENDS = """

@@ -22,7 +22,8 @@ from codend.equilibrium.accuracy import Errors
 from codend.plan.plan import Plan, plan_from_dict
 from codend.report.style import BLUE, INK, ORANGE, dress, new_figure
 from codend.solvers import interior_point
-from codend.studies.study import CaseResult, solve
+from codend.studies.case_result import CaseResult
+from codend.studies.study import solve
 from validation.report import markdown_table
 from validation.section import Picture, Section, Verdict
 

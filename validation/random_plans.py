@@ -13,7 +13,8 @@ import click
 import numpy as np
 
 from codend.plan.plan import Plan, plan_from_dict
-from codend.studies.study import CaseResult, solve
+from codend.studies.case_result import CaseResult
+from codend.studies.study import solve
 
 TOLERANCE = 1e-8
 FOLLOWED = np.linspace(0.3, 1.0, 36)

@@ -1,25 +1,27 @@
-"""Plan to net: sectors, globalisation, and the shape in which a solver starts."""
+"""Plan to bag: sectors, globalisation, and the shape in which a solver starts."""
 
 import numpy as np
 
+from codend.bag.assemble import assembled
+from codend.bag.bag import Bag, with_hinges
+from codend.bag.straps import with_straps
 from codend.errors import InputError
-from codend.net.net import Floats, Net, split_bars, twine_bars
-from codend.netting.knots import knots_of
+from codend.net.net import Floats
+from codend.netting.knots import knots_of, placed_knots
 from codend.netting.parts import Lattice, RowShape
-from codend.netting.pattern import net_of
-from codend.netting.straps import with_straps
+from codend.netting.pattern import parts_of
 from codend.plan.plan import Netting, Plan
 
 
-def build_net(
+def build_bag(
     plan: Plan,
     *,
     globalisation: int = 1,
     sectors: int | None = None,
     rows: tuple[Floats, Floats] | None = None,
     azimuth_rad: float = 0.0,
-) -> Net:
-    """Net of a plan, in the shape in which a solver starts.
+) -> Bag:
+    """Bag of a plan, in the shape in which a solver starts.
 
     Args:
         plan: the net plan.
@@ -40,10 +42,10 @@ def build_net(
     x, radius = rows if rows is not None else crude_rows(plan, globalisation)
     shape = RowShape(x, np.concatenate([[plan.entry.radius_m], radius[1:-1], [0.0]]), azimuth_rad)
     knots = knots_of(lattice)
-    net = net_of(knots, shape)
+    bag = assembled(parts_of(knots), lattice, *placed_knots(knots, shape), entry=np.arange(knots.fore_start[1]))
     if plan.model.bars_per_side == 2:
-        net = split_bars(net, twine_bars(net))
-    return with_straps(net, plan, knots)
+        bag = with_hinges(bag)
+    return with_straps(bag, plan, knots)
 
 
 def _lattice_of(plan: Plan, globalisation: int, sectors: int | None) -> Lattice:

@@ -5,10 +5,11 @@ from pathlib import Path
 import numpy as np
 
 from catch_models.pressure import PressureLaw, sphere_law, sphere_law_through, uniform_law
+from codend.bag.bag import Bag
 from codend.errors import InputError
 from codend.io.input_table import read_table
 from codend.mechanics import arrays
-from codend.mechanics.arrays import Loading, structure_of
+from codend.mechanics.arrays import Catch, Loading, structure_of
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Net
 from codend.plan.plan import Case, Plan
@@ -16,20 +17,14 @@ from codend.plan.plan import Case, Plan
 GRAVITY_M_S2 = 9.80665
 
 
-def problem_of(net: Net, plan: Plan, case: Case) -> Problem:
-    """The net of a plan under the loads of one of its cases.
+def problem_of(bag: Bag, plan: Plan, case: Case) -> Problem:
+    """The net of a bag under the loads of one of the cases of its plan.
 
     Wet weight acts on full nets only, and only where the plan gives the twine's density: it has no place in a sector.
     """
-    pressure_law = pressure_law_of(plan)
+    net = bag.net
     density = plan.tow.water_density_kg_m3
     normal, tangential = plan.drag.coefficients
-    kind, value = {
-        "filled_meshes": (arrays.FILLED_MESHES, case.catch_value),
-        "front_from_codline_m": (arrays.FRONT_FROM_CODLINE, case.catch_value),
-        "volume_m3": (arrays.VOLUME, case.catch_value),
-        "mass_kg": (arrays.VOLUME, case.catch_value / plan.catch_density_kg_m3),
-    }[case.catch_kind]
     dead = wet_weight(net, density) if net.order == 1 else np.zeros_like(net.positions)
     loading = Loading(
         dead=dead,
@@ -38,13 +33,33 @@ def problem_of(net: Net, plan: Plan, case: Case) -> Problem:
         drag_law=arrays.LE_BRIS_1999 if plan.drag.law == "le-bris-1999" else arrays.BESSONNEAU_1997,
         normal=float(normal),
         tangential=float(tangential),
-        stagnation_pressure=0.5 * density * case.speed_m_s**2,
-        angles=np.ascontiguousarray(pressure_law.angles_rad),
-        coefficients=np.ascontiguousarray(pressure_law.coefficients),
-        catch_kind=kind,
-        catch_value=float(value),
+        catch=catch_of(bag, plan, case),
     )
     return Problem(net, structure_of(net), loading)
+
+
+def catch_of(bag: Bag, plan: Plan, case: Case) -> Catch:
+    """The catch of a case in the rows and bands of a bag."""
+    pressure_law = pressure_law_of(plan)
+    kind, size = {
+        "filled_meshes": (arrays.FILLED_MESHES, case.catch_value),
+        "front_from_codline_m": (arrays.FRONT_FROM_CODLINE, case.catch_value),
+        "volume_m3": (arrays.VOLUME, case.catch_value),
+        "mass_kg": (arrays.VOLUME, case.catch_value / plan.catch_density_kg_m3),
+    }[case.catch_kind]
+    rings = bag.node_row[bag.node_row >= 0]
+    return Catch(
+        bar_band=bag.bar_band,
+        facet_band=bag.facet_band,
+        band_meshes=bag.band_meshes,
+        node_row=bag.node_row,
+        row_size=np.bincount(rings, minlength=bag.bands + 1).astype(np.float64),
+        kind=kind,
+        size=float(size),
+        stagnation_pressure=0.5 * plan.tow.water_density_kg_m3 * case.speed_m_s**2,
+        angles=np.ascontiguousarray(pressure_law.angles_rad),
+        coefficients=np.ascontiguousarray(pressure_law.coefficients),
+    )
 
 
 def pressure_law_of(plan: Plan) -> PressureLaw:

@@ -183,5 +183,5 @@ def _print_fit(fitted: "FieldFit") -> None:
         click.echo(f"pooled was not fitted: {fitted.pooled.outcome.value}{nor}", err=True)
         return
     for outcome in dict.fromkeys(haul.outcome for haul in failed):
-        groups = ", ".join(haul.group for haul in failed if haul.outcome is outcome)
-        click.echo(f"not fitted alone: {groups}: {outcome.value}", err=True)
+        names = ", ".join(haul.group for haul in failed if haul.outcome is outcome)
+        click.echo(f"not fitted alone: {names}: {outcome.value}", err=True)

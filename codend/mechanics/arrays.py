@@ -24,24 +24,41 @@ class Structure(NamedTuple):
     length: Floats
     flexibility: Floats
     drag_diameter: Floats
-    bar_band: Ints
-    strap: Flags
-    """Whether a bar is a rope round the netting, (m,)."""
+    is_rope: Flags
     facets: Ints
     facet_image: Ints
     facet_weight: Floats
-    facet_band: Ints
     corners: Ints
     corner_image: Ints
     corner_stiffness: Floats
     corner_rest: Floats
     free: Floats
     """1 for coordinates that move, 0 for held ones, (n, 3)."""
-    node_row: Ints
-    row_size: Floats
-    """Nodes in the ring polygon of each row, (rows + 1,)."""
-    band_meshes: Floats
     order: float
+
+
+class Catch(NamedTuple):
+    """How the catch fills the net from its last band on, and how it presses."""
+
+    bar_band: Ints
+    """Band a bar lies in, (m,)."""
+    facet_band: Ints
+    """Band a facet lies in, (f,)."""
+    band_meshes: Floats
+    """Meshes that a band is long, (bands,)."""
+    node_row: Ints
+    """Row whose ring polygon the node belongs to, -1 for none, (n,)."""
+    row_size: Floats
+    """Nodes in the ring polygon of each row, (bands + 1,)."""
+    kind: int
+    """What its size is given by."""
+    size: float
+    """Filled meshes, distance of the front from the codline in m, or volume in m3."""
+    stagnation_pressure: float
+    angles: Floats
+    """Breaks of the pressure law in theta, rad, (k + 1,)."""
+    coefficients: Floats
+    """Piecewise cubic net pressure coefficient, (4, k)."""
 
 
 class Loading(NamedTuple):
@@ -54,14 +71,7 @@ class Loading(NamedTuple):
     drag_law: int
     normal: float
     tangential: float
-    stagnation_pressure: float
-    angles: Floats
-    """Breaks of the pressure law in theta, rad, (k + 1,)."""
-    coefficients: Floats
-    """Piecewise cubic net pressure coefficient, (4, k)."""
-    catch_kind: int
-    catch_value: float
-    """Filled meshes, distance of the front from the codline in m, or volume in m3."""
+    catch: Catch
 
 
 def structure_of(net: Net) -> Structure:
@@ -73,7 +83,6 @@ def structure_of(net: Net) -> Structure:
     images = (image, net.facet_image, net.corner_image)
     reach = max(int(np.abs(part).max(initial=0)) for part in images)
     angle = 2.0 * np.pi * np.arange(-reach, reach + 1) / net.order
-    rings = net.node_row[net.node_row >= 0]
     return Structure(
         first=first.astype(np.int32),
         second=second.astype(np.int32),
@@ -82,19 +91,14 @@ def structure_of(net: Net) -> Structure:
         length=net.bar_length,
         flexibility=net.bar_flexibility,
         drag_diameter=net.bar_drag_diameter,
-        bar_band=net.bar_band,
-        strap=np.isin(np.arange(len(net.bars)), net.straps),
+        is_rope=net.bar_is_rope,
         facets=net.facets,
         facet_image=net.facet_image,
         facet_weight=net.facet_weight,
-        facet_band=net.facet_band,
         corners=net.corners,
         corner_image=net.corner_image,
         corner_stiffness=net.corner_stiffness,
         corner_rest=net.corner_rest,
         free=(~net.fixed).astype(np.float64),
-        node_row=net.node_row,
-        row_size=np.bincount(rings, minlength=net.bands + 1).astype(np.float64),
-        band_meshes=net.band_meshes,
         order=float(net.order),
     )

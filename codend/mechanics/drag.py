@@ -45,7 +45,7 @@ def add_drag(position: Floats, structure: Structure, loading: Loading, share: Fl
     if normal == 0.0 and tangential == 0.0:
         return
     firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
-    bands, widths = structure.bar_band, structure.drag_diameter
+    bands, widths = loading.catch.bar_band, structure.drag_diameter
     for bar in range(len(firsts)):
         exposed = 1.0 - share[bands[bar]]
         if widths[bar] == 0.0 or exposed == 0.0:
@@ -55,7 +55,7 @@ def add_drag(position: Floats, structure: Structure, loading: Loading, share: Fl
         length = np.sqrt(dx * dx + dy * dy + dz * dz)
         if length == 0.0:
             continue
-        wetted = structure.length[bar] if structure.strap[bar] else length
+        wetted = structure.length[bar] if structure.is_rope[bar] else length
         half = 0.25 * exposed * density * widths[bar] * wetted
         x, y, z = drag_vector(law, normal, tangential, speed, 0.0, 0.0, dx / length, dy / length, dz / length)
         force[first, 0] += half * x
@@ -78,7 +78,7 @@ def add_moving_drag(
     if normal == 0.0 and tangential == 0.0:
         return
     firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
-    bands, widths = structure.bar_band, structure.drag_diameter
+    bands, widths = loading.catch.bar_band, structure.drag_diameter
     for bar in range(len(firsts)):
         first, second, image = firsts[bar], seconds[bar], images[bar]
         dx, dy, dz = bar_vector(position, first, second, image, rotations)
@@ -90,7 +90,7 @@ def add_moving_drag(
         vx = -0.5 * (velocity[first, 0] + velocity[second, 0])
         vy, vz = -0.5 * (velocity[first, 1] + y), -0.5 * (velocity[first, 2] + z)
         filled = share[bands[bar]]
-        wetted = structure.length[bar] if structure.strap[bar] else length
+        wetted = structure.length[bar] if structure.is_rope[bar] else length
         half = 0.25 * density * widths[bar] * wetted
         x, y, z = 0.0, 0.0, 0.0
         if filled < 1.0:

@@ -37,8 +37,8 @@ class State(NamedTuple):
     """Merit, residual, axial imbalance, length error, 1 if the catch fits."""
 
 
-def empty_state(structure: Structure) -> State:
-    """Arrays for a state of a net."""
+def empty_state(structure: Structure, bands: int) -> State:
+    """Arrays for a state of a net with a catch that fills so many bands."""
     nodes, bars = len(structure.free), len(structure.first)
     at_nodes, at_bars = (nodes, 3), (bars,)
     return State(
@@ -46,7 +46,7 @@ def empty_state(structure: Structure) -> State:
         np.zeros(at_bars),
         np.zeros(at_bars),
         np.zeros(at_bars),
-        np.zeros(len(structure.band_meshes)),
+        np.zeros(bands),
         np.zeros(at_nodes),
         np.zeros(at_nodes),
         np.zeros(5),

@@ -4,7 +4,7 @@ import numpy as np
 
 from catch_models.filling import fill_by_meshes, fill_to_plane, fill_to_volume
 from codend.compiled import njit
-from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, Loading, Structure
+from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, Catch, Loading, Structure
 from codend.mechanics.images import add_turned_back, turned
 from codend.net.net import Floats, Ints
 
@@ -60,11 +60,11 @@ def add_pressure(position: Floats, structure: Structure, loading: Loading, share
     Facet load = share of the facet within the catch x q (1 - Cp(theta)) x area vector, theta between the upstream
     direction and the outward normal (Le Bris et al. 1999, section 5). Nothing acts at the front, which is open.
     """
-    angles, coefficients = loading.angles, loading.coefficients
+    angles, coefficients = loading.catch.angles, loading.catch.coefficients
     uniform = is_uniform(angles, coefficients)
     facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
-    bands, weights = structure.facet_band, structure.facet_weight
-    third_of_stagnation = loading.stagnation_pressure / 3.0
+    bands, weights = loading.catch.facet_band, structure.facet_weight
+    third_of_stagnation = loading.catch.stagnation_pressure / 3.0
     for facet in range(len(bands)):
         filled = share[bands[facet]]
         if filled == 0.0:
@@ -81,10 +81,10 @@ def add_pressure(position: Floats, structure: Structure, loading: Loading, share
 
 
 @njit(cache=True)
-def row_positions(position: Floats, structure: Structure, row_x: Floats) -> None:
+def row_positions(position: Floats, catch: Catch, row_x: Floats) -> None:
     """Write the mean axial position of every row's ring of nodes, (rows + 1,)."""
     row_x[:] = 0.0
-    rows, sizes = structure.node_row, structure.row_size
+    rows, sizes = catch.node_row, catch.row_size
     for node in range(len(rows)):
         row = rows[node]
         if row >= 0:
@@ -92,12 +92,14 @@ def row_positions(position: Floats, structure: Structure, row_x: Floats) -> None
 
 
 @njit(cache=True)
-def band_geometry(position: Floats, structure: Structure, band_area: Floats, band_moment: Floats) -> None:
+def band_geometry(
+    position: Floats, structure: Structure, catch: Catch, band_area: Floats, band_moment: Floats
+) -> None:
     """Write area projected on the axis (m2) and its integral of x (m3) for every band, all round."""
     band_area[:] = 0.0
     band_moment[:] = 0.0
     facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
-    bands, weights = structure.facet_band, structure.facet_weight
+    bands, weights = catch.facet_band, structure.facet_weight
     for facet in range(len(bands)):
         corners = corners_of_facet(position, facets, images, rotations, facet)
         area = area_vector(corners)[0] * weights[facet] * structure.order
@@ -109,12 +111,13 @@ def band_geometry(position: Floats, structure: Structure, band_area: Floats, ban
 @njit(cache=True)
 def fill(position: Floats, structure: Structure, loading: Loading, share: Floats) -> bool:
     """Write the share of every band that lies in the catch; False if the catch does not fit into the net."""
-    if loading.catch_kind == FILLED_MESHES:
-        return fill_by_meshes(structure.band_meshes, loading.catch_value, share)
+    catch = loading.catch
+    if catch.kind == FILLED_MESHES:
+        return fill_by_meshes(catch.band_meshes, catch.size, share)
     row_x = np.empty(len(share) + 1)
-    row_positions(position, structure, row_x)
-    if loading.catch_kind == FRONT_FROM_CODLINE:
-        return fill_to_plane(row_x, loading.catch_value, share)
+    row_positions(position, catch, row_x)
+    if catch.kind == FRONT_FROM_CODLINE:
+        return fill_to_plane(row_x, catch.size, share)
     band_area, band_moment = np.empty(len(share)), np.empty(len(share))
-    band_geometry(position, structure, band_area, band_moment)
-    return fill_to_volume(row_x, band_area, band_moment, loading.catch_value, share)
+    band_geometry(position, structure, catch, band_area, band_moment)
+    return fill_to_volume(row_x, band_area, band_moment, catch.size, share)

@@ -13,3 +13,8 @@ class Problem:
     net: Net
     structure: Structure
     loading: Loading
+
+    @property
+    def bands(self) -> int:
+        """Bands of the net that a catch may fill."""
+        return len(self.loading.catch.band_meshes)

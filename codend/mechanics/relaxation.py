@@ -61,8 +61,8 @@ class Workspace(NamedTuple):
     """The part of pressure and stiff twine in that, set at every rest, (n,)."""
 
 
-def workspace(structure: Structure, position: Floats) -> Workspace:
-    """Arrays for a relaxation that starts from ``position``."""
+def workspace(structure: Structure, bands: int, position: Floats) -> Workspace:
+    """Arrays for a relaxation that starts from ``position``, with a catch that fills so many bands."""
     nodes, bars = len(structure.free), len(structure.first)
     order = np.argsort(structure.first, kind="stable")
     state = np.zeros((nodes, WIDTH))
@@ -79,7 +79,7 @@ def workspace(structure: Structure, position: Floats) -> Workspace:
         gain=np.zeros(bars),
         density=np.zeros(bars),
         length=np.zeros(bars),
-        share=np.zeros(len(structure.band_meshes)),
+        share=np.zeros(bands),
         force=np.zeros((nodes, 3)),
         position=np.zeros((nodes, 3)),
         stiffness=np.zeros(nodes),
@@ -139,8 +139,8 @@ def set_pressure_bound(
 ) -> None:
     """Write a bound on the pressure's part of each node's row of the stiffness: p times perimeter / 6 a facet."""
     stiffness[:] = 0.0
-    pressure = loading.stagnation_pressure * np.max(np.abs(loading.coefficients[3]))
-    facets, bands, weights, order = structure.facets, structure.facet_band, structure.facet_weight, structure.order
+    pressure = loading.catch.stagnation_pressure * np.max(np.abs(loading.catch.coefficients[3]))
+    facets, bands, weights, order = structure.facets, loading.catch.facet_band, structure.facet_weight, structure.order
     for facet in range(len(bands)):
         filled = share[bands[facet]]
         if filled == 0.0:
@@ -324,5 +324,5 @@ def relax(
             last_x[:] = state[:, X : X + 3]
             last_force[:] = work.force
         # a soft strap is longer by far in a net that holds its shape without it
-        if np.any((work.length > 3.0 * structure.length) & ~structure.strap):
+        if np.any((work.length > 3.0 * structure.length) & ~structure.is_rope):
             return OVERSTRETCHED, steps, stops, residual, imbalance

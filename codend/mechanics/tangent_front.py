@@ -18,7 +18,7 @@ from codend.net.net import Floats
 @njit(cache=True, error_model="numpy")
 def front_band(loading: Loading, share: Floats) -> int:
     """Band whose share moves with the net; -1 if none does."""
-    if loading.catch_kind == FILLED_MESHES:
+    if loading.catch.kind == FILLED_MESHES:
         return -1
     for band in range(len(share)):
         if 0.0 < share[band] < 1.0:
@@ -38,16 +38,16 @@ def share_gradient(
     """
     gradient[:] = 0.0
     row_x = np.empty(len(share) + 1)
-    row_positions(position, structure, row_x)
+    row_positions(position, loading.catch, row_x)
     s, depth = share[band], row_x[band + 1] - row_x[band]
     lid = row_x[band + 1] - s * depth
     # g(s, x) is given; dg/ds, and dg by the two rows of the front's band and by the codline
-    if loading.catch_kind == FRONT_FROM_CODLINE:
+    if loading.catch.kind == FRONT_FROM_CODLINE:
         by_share, by_fore, by_aft, by_codline = depth, -s, s - 1.0, 1.0
     else:
         area, area_of_band, volume_of_band = 0.0, 0.0, 0.0
         facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
-        bands, weights = structure.facet_band, structure.facet_weight
+        bands, weights = loading.catch.facet_band, structure.facet_weight
         for facet in range(len(bands)):
             place = bands[facet]
             if share[place] == 0.0:
@@ -83,7 +83,7 @@ def share_gradient(
                 )
         by_share = volume_of_band + depth * area
         by_fore, by_aft, by_codline = -s * (area + area_of_band), (s - 1.0) * area, 0.0
-    rows, sizes = structure.node_row, structure.row_size
+    rows, sizes = loading.catch.node_row, loading.catch.row_size
     for node in range(len(rows)):
         row = rows[node]
         if row < 0:
@@ -105,7 +105,7 @@ def load_by_share(position: Floats, structure: Structure, loading: Loading, band
     """Write the derivative of the nodal loads with respect to the share of a band, N, (n, 3)."""
     load[:] = 0.0
     # the pressure is linear in the share and the drag in 1 - share, both band by band
-    share = np.ones(len(structure.band_meshes))
+    share = np.ones(len(loading.catch.band_meshes))
     share[band] = 0.0
     add_drag(position, structure, loading, share, load)
     for node in range(len(load)):

@@ -32,7 +32,7 @@ def add_drag_tangent(
     pressure = 0.5 * loading.density * loading.speed * loading.speed
     le_bris = loading.drag_law == LE_BRIS_1999
     firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
-    diameters, bands, slots = structure.drag_diameter, structure.bar_band, pattern.bar_slot
+    diameters, bands, slots = structure.drag_diameter, loading.catch.bar_band, pattern.bar_slot
     h = np.empty((3, 3))
     for bar in range(len(firsts)):
         exposed = 1.0 - share[bands[bar]]
@@ -61,7 +61,7 @@ def add_drag_tangent(
             across = (tangential - normal) * a / length
             across_a = (tangential - normal) * r * r / (length * squared)
             across_r = -across * r / squared
-        if structure.strap[bar]:
+        if structure.is_rope[bar]:
             ratio = structure.length[bar] / length
             force_a, force_r = ratio * (force_a - a * force / squared), ratio * (force_r - r * force / squared)
             across_a, across_r = ratio * (across_a - a * across / squared), ratio * (across_r - r * across / squared)
@@ -103,10 +103,11 @@ def add_pressure_tangent(
     dA = da x (b - c) / 2 for a move of corner a. On the axis of the flow, where that unit vector has no direction, the
     law's slope counts as 0.
     """
-    angles, coefficients = loading.angles, loading.coefficients
+    angles, coefficients = loading.catch.angles, loading.catch.coefficients
     uniform = is_uniform(angles, coefficients)
     facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
-    bands, weights, slots = structure.facet_band, structure.facet_weight, pattern.facet_slot
+    bands, weights, slots = loading.catch.facet_band, structure.facet_weight, pattern.facet_slot
+    stagnation = loading.catch.stagnation_pressure
     h, b = np.empty((3, 3)), np.empty((3, 3))
     for facet in range(len(bands)):
         filled = share[bands[facet]]
@@ -115,7 +116,7 @@ def add_pressure_tangent(
         corners = corners_of_facet(position, facets, images, rotations, facet)
         ax, ay, az, bx, by, bz, cx, cy, cz = corners
         x, y, z = area_vector(corners)
-        third = filled * weights[facet] * loading.stagnation_pressure / 3.0
+        third = filled * weights[facet] * stagnation / 3.0
         b[:] = 0.0
         coefficient = coefficients[3, 0]
         if not uniform:

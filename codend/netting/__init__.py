@@ -1,1 +1,1 @@
-"""TODO."""
+"""Netting written as nets: the lattice of knots, what joins them, straps."""

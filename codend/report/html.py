@@ -11,7 +11,8 @@ from typing import Any
 
 from codend.plan.plan import Plan
 from codend.report.page_tables import results_table, solving_table
-from codend.studies.study import CaseResult, Study
+from codend.studies.case_result import CaseResult
+from codend.studies.study import Study
 
 FIDELITIES = {
     "sector": "One rotational sector of the real net",

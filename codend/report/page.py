@@ -17,7 +17,8 @@ from codend.report.picture import net_picture
 from codend.report.plots import catch_text, opening_force_plot, opening_plot, profiles_plot, solved, tension_plot
 from codend.report.style import number_text, png
 from codend.report.vtk import write_vtu
-from codend.studies.study import CaseResult, Study, StudyProgress
+from codend.studies.case_result import CaseResult
+from codend.studies.study import Study, StudyProgress
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -43,7 +44,7 @@ def shown_case(study: Study) -> CaseResult:
 def _net_caption(study: Study) -> str:
     shown = shown_case(study)
     catch = catch_text(shown.measures.catch_volume_m3, study.plan.catch_density_kg_m3)
-    globalisation = shown.net.globalisation
+    globalisation = shown.bag.globalisation
     merged = f" One mesh drawn stands for {globalisation} x {globalisation} real ones." if globalisation > 1 else ""
     return (
         f"The net with {catch} of catch at {number_text(shown.case.speed_m_s)} m/s (case {shown.case.number}), "

@@ -6,7 +6,8 @@ import numpy as np
 
 from codend.bag.measures import ROWS_AHEAD, WANTED_OPENING_DEG
 from codend.report.style import column_text
-from codend.studies.study import CaseResult, Study
+from codend.studies.case_result import CaseResult
+from codend.studies.study import Study
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Other structures of netting than a codend."""

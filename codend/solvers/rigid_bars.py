@@ -154,7 +154,7 @@ def compile_kernels(problem: Problem) -> None:
     compile_kernel(bar_lengths, vectors, structure, numbers)
     compile_kernel(length_error, structure, numbers, numbers)
     compile_kernel(out_of_balance, structure, vectors, vectors)
-    compile_kernel(passed_through_itself, vectors, structure)
+    compile_kernel(passed_through_itself, vectors, structure, loading.catch)
 
 
 class _Run:
@@ -228,7 +228,7 @@ class _Run:
             self.tension = carried * length
             if max(self.residual, self.imbalance) > tolerance:
                 outcome = Outcome.COMPRESSED
-            elif passed_through_itself(motion.position, structure):
+            elif passed_through_itself(motion.position, structure, self.problem.loading.catch):
                 outcome = Outcome.PASSED_THROUGH
             elif self.length_error <= LENGTH_TOLERANCE:
                 outcome = Outcome.CONVERGED if motion.fits else Outcome.OVERFULL

@@ -60,7 +60,7 @@ class RigidMotion:
         self.velocity = np.array(velocities, dtype=np.float64, order="C")
         self.density = np.zeros(bars)
         """Force density of the bars in the last step, N/m, (m,)."""
-        self.share = np.zeros(len(structure.band_meshes))
+        self.share = np.zeros(problem.bands)
         self.fits = True
         self.force = np.zeros((nodes, 3))
         self.taut = np.ones(bars, dtype=np.int32)

@@ -6,72 +6,26 @@ from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from codend.bag.build import build_net
+from codend.bag.bag import Bag
+from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
-from codend.bag.measures import Measures, Meshes, Rows, measure_all
+from codend.bag.measures import Measures, measure_all
 from codend.bag.meridian import plan_case
 from codend.equilibrium import accuracy, fidelity
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.accuracy import Errors
 from codend.equilibrium.fidelity import Choice
 from codend.mechanics.problem import Problem
-from codend.net.net import Floats, Net, real_tensions
 from codend.plan.plan import Case, Plan
 from codend.solvers import newton
 from codend.solvers.outcome import Solution, SolverReport
+from codend.studies.case_result import CaseResult
 
 if TYPE_CHECKING:
     import pandas as pd
 
 StudyProgress = Callable[[int, int, str], None]
 """Told how many cases are done, of how many, and what is being done."""
-
-
-@dataclass(frozen=True)
-class CaseResult:
-    """One case of a study: what was asked, the equilibrium, and what was measured in it."""
-
-    case: Case
-    problem: Problem
-    solution: Solution
-    measures: Measures
-    errors: Errors
-    """How far the measures may be off."""
-    negative_pivots: int | None
-    """Of the tangent at the equilibrium, 0 where it is stable; None where there is no such tangent."""
-    rows: Rows | None
-    """None where the case was not solved."""
-    meshes: Meshes | None
-
-    @property
-    def net(self) -> Net:
-        """The net as it was modelled."""
-        return self.problem.net
-
-    @property
-    def positions(self) -> Floats:
-        """Nodes at equilibrium, (n, 3), m; nan where the case was not solved."""
-        return self.solution.positions
-
-    @property
-    def bar_tension_n(self) -> Floats:
-        """Tension of the real bars and ropes, (m,)."""
-        return real_tensions(self.net, self.solution.bar_tension)
-
-    @property
-    def report(self) -> SolverReport:
-        """What the solver did."""
-        return self.solution.report
-
-    @property
-    def converged(self) -> bool:
-        """Whether the numbers may be used."""
-        return self.report.outcome.converged
-
-    @property
-    def unstable(self) -> bool:
-        """Whether the pivots say that the net, though in balance, would not stay as it is."""
-        return (self.negative_pivots or 0) > 0
 
 
 @dataclass(frozen=True)
@@ -92,21 +46,21 @@ class Study:
         """``results.csv``: a row a case."""
         from codend.studies import tables
 
-        return tables.results_table(self)
+        return tables.results_table(self.plan, self.choice.fidelity, self.cases)
 
     @cached_property
     def profile(self) -> "pd.DataFrame":
         """``profile.csv``: a row a knot row of a case."""
         from codend.studies import tables
 
-        return tables.profile_table(self)
+        return tables.profile_table(self.cases)
 
     @cached_property
     def meshes(self) -> "pd.DataFrame":
         """``meshes.csv``: a row a mesh of a case, for full nets; empty for sectors."""
         from codend.studies import tables
 
-        return tables.mesh_table(self)
+        return tables.mesh_table(self.cases)
 
 
 def solve(plan: Plan, progress: StudyProgress | None = None, choice: Choice | None = None) -> Study:
@@ -140,7 +94,7 @@ def solve(plan: Plan, progress: StudyProgress | None = None, choice: Choice | No
         if progress is not None:
             progress(done, len(cases), f"case {case.number}")
         problem, solution = equilibrium.solve(scene, case, known, report)
-        result = _measured(case, problem, solution)
+        result = _measured(scene.bag, case, problem, solution)
         if result.converged:
             known.append((case, solution))
             pivots = newton.negative_pivots(problem, solution, scene.prepared)
@@ -152,11 +106,11 @@ def solve(plan: Plan, progress: StudyProgress | None = None, choice: Choice | No
     return Study(plan, choice, tuple(results[case.number] for case in cases))
 
 
-def _measured(case: Case, problem: Problem, solution: Solution) -> CaseResult:
+def _measured(bag: Bag, case: Case, problem: Problem, solution: Solution) -> CaseResult:
     if not solution.report.outcome.converged:
-        return CaseResult(case, problem, solution, Measures.unknown(), Errors.unknown(), None, None, None)
-    meshes, rows, measures = measure_all(problem, solution)
-    return CaseResult(case, problem, solution, measures, Errors.unknown(), None, rows, meshes)
+        return CaseResult(case, bag, problem, solution, Measures.unknown(), Errors.unknown(), None, None, None)
+    meshes, rows, measures = measure_all(bag, problem, solution)
+    return CaseResult(case, bag, problem, solution, measures, Errors.unknown(), None, rows, meshes)
 
 
 def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) -> Iterator[CaseResult]:
@@ -182,11 +136,11 @@ def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) 
             solve_ms=1e3 * (perf_counter() - started),
             attempts=(f"meridian method, {shape.method}: {shape.outcome.value}",),
         )
-        net = build_net(plan, sectors=1, rows=(shape.x_m, shape.radius_m))
-        problem = problem_of(net, plan, case)
-        share = plan_case.share_of(shape, net.bands)
-        solution = Solution(net.positions, plan_case.tensions_on(net, shape), share, report)
-        result = _measured(case, problem, solution)
+        bag = build_bag(plan, sectors=1, rows=(shape.x_m, shape.radius_m))
+        problem = problem_of(bag, plan, case)
+        share = plan_case.share_of(shape, bag.bands)
+        solution = Solution(bag.net.positions, plan_case.tensions_on(bag, shape), share, report)
+        result = _measured(bag, case, problem, solution)
         if not result.converged:
             yield result
             continue

@@ -13,7 +13,7 @@ from typing import Any
 import pandas as pd
 
 from codend.errors import OPTIONS, InputError
-from codend.io.files import COMPARISON_FILES, whole_file, write_table
+from codend.io.files import COMPARISON_FILES, SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_table
 from codend.io.run_tables import read_run_table
 from codend.plan.copy import plan_toml, toml_value
 from codend.plan.overrides import parsed_override
@@ -186,12 +186,9 @@ def _remove_leftovers(count: int, folder: Path) -> None:
 
 def _remove_run(folder: Path) -> None:
     """Remove an earlier run from its folder, the plan's copy first, and what other commands made of it."""
-    from codend.report.selectivity_page import FILES
-
-    derived = (*COMPARISON_FILES, *FILES)
-    for name in (*TABLES, *(name for name in derived if name != "report.html")):
-        if (folder / name).is_file():
-            (folder / name).unlink()
     plots = folder / "plots"
+    named = [folder / name for name in (*TABLES, *COMPARISON_FILES, *SELECTIVITY_TABLES, *TRIAL_TABLES)]
+    for path in (*named, *plots.glob("selectivity_*.png")):
+        path.unlink(missing_ok=True)
     if plots.is_dir() and not any(plots.iterdir()):
         plots.rmdir()

@@ -13,8 +13,9 @@ from codend.io.columns import (
     RESULT_COLUMNS,
     STRAP_COLUMNS,
 )
+from codend.plan.plan import Plan
+from codend.studies.case_result import CaseResult
 from codend.studies.opening_force import Pull
-from codend.studies.study import CaseResult, Study
 
 
 def opening_force_table(pulls: Sequence[Pull]) -> pd.DataFrame:
@@ -23,15 +24,15 @@ def opening_force_table(pulls: Sequence[Pull]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=OPENING_FORCE_COLUMNS)
 
 
-def results_table(study: Study) -> pd.DataFrame:
+def results_table(plan: Plan, fidelity: str, cases: Sequence[CaseResult]) -> pd.DataFrame:
     """A row a case; nan where a case was not solved, but for what the case asked for."""
-    columns = RESULT_COLUMNS + (STRAP_COLUMNS if study.plan.strap else [])
-    return pd.DataFrame([_result_row(study, result) for result in study.cases], columns=columns)
+    columns = RESULT_COLUMNS + (STRAP_COLUMNS if plan.strap else [])
+    return pd.DataFrame([_result_row(plan, fidelity, result) for result in cases], columns=columns)
 
 
-def _result_row(study: Study, result: CaseResult) -> dict[str, object]:
+def _result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, object]:
     measures = asdict(result.measures)
-    density = study.plan.catch_density_kg_m3
+    density = plan.catch_density_kg_m3
     measures["catch_mass_kg"] = density * measures["catch_volume_m3"]
     if not result.converged:
         asked = {"volume_m3": "catch_volume_m3", "mass_kg": "catch_mass_kg"}
@@ -41,7 +42,7 @@ def _result_row(study: Study, result: CaseResult) -> dict[str, object]:
         "speed_m_s": result.case.speed_m_s,
         **measures,
         **asdict(result.errors),
-        "fidelity": study.choice.fidelity,
+        "fidelity": fidelity,
         "method": result.report.method,
         "iterations": result.report.iterations,
         "residual": result.report.residual,
@@ -51,23 +52,23 @@ def _result_row(study: Study, result: CaseResult) -> dict[str, object]:
     }
 
 
-def profile_table(study: Study) -> pd.DataFrame:
+def profile_table(cases: Sequence[CaseResult]) -> pd.DataFrame:
     """A row a knot row of a solved case, row 0 at the entry."""
     parts = [
         pd.DataFrame({"case": r.case.number, "row": np.arange(len(r.rows.x_m)), **asdict(r.rows)})
-        for r in study.cases
+        for r in cases
         if r.rows is not None
     ]
     return pd.concat(parts, ignore_index=True)[PROFILE_COLUMNS] if parts else pd.DataFrame(columns=PROFILE_COLUMNS)
 
 
-def mesh_table(study: Study) -> pd.DataFrame:
+def mesh_table(cases: Sequence[CaseResult]) -> pd.DataFrame:
     """A row a mesh of a solved case on a full net, with the position of the mesh's middle."""
     parts = []
-    for result in study.cases:
+    for result in cases:
         if result.meshes is None or result.net.order > 1:
             continue
-        row = result.net.mesh_row
+        row = result.bag.mesh_row
         parts.append(
             pd.DataFrame(
                 {

@@ -6,7 +6,7 @@ import numpy as np
 
 from codend.plan.plan import Plan, plan_from_dict
 from codend.studies import study
-from codend.studies.study import CaseResult
+from codend.studies.case_result import CaseResult
 
 SPREAD_M = 4.0
 """N b: circumference with the bars spread fully, m."""

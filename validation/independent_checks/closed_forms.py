@@ -1,7 +1,8 @@
 """Closed forms of a bare bag against the net, over the number of meshes round.
 
-Netting without drag or knots, p uniform, bars inextensible, N large (*derived*, as in ``codend.bag.meridian.shell``): with
-T the tension of a bar, phi half the opening, a the slope of the meridian and r_c the radius at the catch's front,
+Netting without drag or knots, p uniform, bars inextensible, N large (*derived*, as in
+``codend.bag.meridian.shell``): with T the tension of a bar, phi half the opening, a the slope of the meridian and r_c
+the radius at the catch's front,
 
     T cos^2 phi is the same from entry to codline
     cos a = K r^2 cos phi in the catch and K r_c^2 cos phi ahead of it, K = pi p / (2 N T cos^2 phi)

@@ -161,7 +161,7 @@ def data() -> dict[str, pd.DataFrame]:
 THEME = Theme(
     "Panel of netting on a frame",
     "Le Bris et al. (1999, section 4.2) turned panels of netting in a current and fitted Cd = 1.36 and f = 0.07 to "
-    "their lift and drag, which they show as points in a figure without printing numbers. `codend.scenes.panel` has their "
+    "their lift and drag, which they show as points in a figure without printing numbers. `codend.panel` has their "
     "formula (7) and the fit by least squares, for users with panels of their own. Here the formula is held against "
     "loads summed over a mesh laid out in space, and the fit against data that were MADE UP with known coefficients.",
     CHECKS,

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Fish through computed meshes: which pass, how often they try, what a haul retains."""

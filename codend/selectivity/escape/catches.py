@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.bag.build import build_net, rows_of
+from codend.bag.bag import Bag
+from codend.bag.build import build_bag, rows_of
 from codend.errors import InputError
 from codend.io.input_table import InputTable
 from codend.io.run_tables import read_run_table, solved_cases
-from codend.net.net import Net
 from codend.plan.plan import Netting, Plan, load_plan
 from codend.selectivity.escape.passage import KINDS, SQUARE
 from codend.selectivity.escape.penetration import Holes
@@ -104,19 +104,19 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
     solved = solved_cases(run.results, results.source, ("case", "speed_m_s", "filled_meshes", "catch_volume_m3"))
     InputTable(results.source, solved).check("case", ~solved["case"].duplicated().to_numpy(), "each case once")
     from_entry = np.concatenate([[0.0], np.cumsum([1.0 / section.rows_per_mesh for section in rows_of(run.plan)])])
-    models: dict[int, Net] = {}  # a sector of each globalisation
+    models: dict[int, Bag] = {}  # a sector of each globalisation
     found = []
     for result in solved.to_dict("records"):
         profile, merged = _profile_of(run, result)
         sections = rows_of(run.plan, merged)
         if merged not in models:
-            models[merged] = build_net(run.plan, globalisation=merged, sectors=1)
-        net = models[merged]
-        meshes = _meshes_of(run, result, profile, net)
+            models[merged] = build_bag(run.plan, globalisation=merged, sectors=1)
+        bag = models[merged]
+        meshes = _meshes_of(run, result, profile, bag)
         front_row = np.interp(from_entry[-1] - result["filled_meshes"], from_entry, np.arange(len(from_entry)))
         row = meshes["row"].to_numpy(dtype=int)
         # a merged row stands for real rows about it, of square mesh for those of the band behind it
-        within = np.arange(merged) - np.where(np.append(net.square_mesh, False)[row, None], 0.0, 0.5 * (merged - 1))
+        within = np.arange(merged) - np.where(np.append(bag.band_is_square, False)[row, None], 0.0, 0.5 * (merged - 1))
         ahead = (float(front_row) - merged * row[:, None] - within).ravel()
         near = (ahead > 0.0) & (ahead < most_rows + 1.0)
         which = np.repeat(np.arange(len(row)), merged)[near]
@@ -148,10 +148,10 @@ def _profile_of(run: Run, result: dict[Hashable, Any]) -> tuple[pd.DataFrame, in
     return profile, merged[last]
 
 
-def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, sector: Net) -> pd.DataFrame:
+def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, sector: Bag) -> pd.DataFrame:
     """Meshes of a solved case: one a row of a net that is the same all round, of another all."""
     # a row at which square mesh ends ahead of diamonds counts none
-    meshes_round = sector.order * np.bincount(sector.mesh_row, minlength=len(profile))
+    meshes_round = sector.net.order * np.bincount(sector.mesh_row, minlength=len(profile))
     counted = np.flatnonzero(meshes_round)
     if run.meshes.empty and result["fidelity"] in ("meridian", "sector"):
         rows = profile.iloc[counted]

@@ -1,4 +1,4 @@
-"""Kernels of the longest fish that passes a mesh; equations and symbols stand in ``codend.selectivity.escape.penetration``."""
+"""Kernels of the longest fish that passes a mesh; equations and symbols stand in ``penetration``."""
 
 from __future__ import annotations
 

@@ -20,8 +20,8 @@ b - w, m_i = 2 (b - w), with w the width of all the bar's twines side by side. E
 
 A mesh that yields. A mesh carries the load P along the netting and Q = P tan(phi) across it. A fish that pushes with
 the force F across or along changes tan(phi) = Q / P to (Q + F) / P or Q / (P + F) (derived from the equilibrium of a
-rhombus of four bars; the first is ``codend.bag.measures.opening_force``), and it takes the opening in between that suits
-it best. Square mesh is taken as rigid, and so is every mesh for F = 0.
+rhombus of four bars; the first is ``codend.bag.measures.opening_force``), and it takes the opening in between that
+suits it best. Square mesh is taken as rigid, and so is every mesh for F = 0.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Retention curves fitted to the fish counted in hauls."""

@@ -1,1 +1,1 @@
-"""TODO."""
+"""The prediction beside trials at sea, and calibrated on them."""

@@ -1,8 +1,8 @@
 """Numbers of a species estimated from field data: maximum likelihood through the predicted retention.
 
-A trial's counts are binomial as in ``codend.selectivity.fits.model``, but with the predicted retention r of the computed
-codend in place of a fitted curve. Each haul has the retention of a haul that ends with its own catch, where the catch
-is known, and that of the whole study otherwise:
+A trial's counts are binomial as in ``codend.selectivity.fits.model``, but with the predicted retention r of the
+computed codend in place of a fitted curve. Each haul has the retention of a haul that ends with its own catch, where
+the catch is known, and that of the whole study otherwise:
 
     covered   zeta = ln r - ln(1 - r) + ln(c1/c2)          paired   zeta = ln r + ln(p/(1 - p)) + ln(c1/c2)
 

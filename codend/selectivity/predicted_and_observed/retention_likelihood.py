@@ -1,4 +1,4 @@
-"""Likelihood of field data through the predicted retention; equations in ``codend.selectivity.predicted_and_observed.calibrate``."""
+"""Likelihood of field data through the predicted retention; equations in ``calibrate``."""
 
 from __future__ import annotations
 

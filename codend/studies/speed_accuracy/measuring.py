@@ -14,6 +14,7 @@ from codend.equilibrium import fidelity
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.fidelity import Choice
 from codend.plan.plan import Plan
+from codend.studies.case_result import CaseResult
 from codend.studies.speed_accuracy.contenders import (
     FULL,
     KINETIC,
@@ -25,7 +26,7 @@ from codend.studies.speed_accuracy.contenders import (
     Scene,
     contenders,
 )
-from codend.studies.study import CaseResult, StudyProgress, solve
+from codend.studies.study import StudyProgress, solve
 
 ACCURACIES = (0.1, 0.01, 0.001, 1e-6)
 """Relative errors in drag that are asked for."""

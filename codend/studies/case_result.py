@@ -1,0 +1,59 @@
+"""One case of a study: what was asked, the equilibrium, and what was measured in it."""
+
+from dataclasses import dataclass
+
+from codend.bag.bag import Bag, real_tensions
+from codend.bag.measures import Measures, Meshes, Rows
+from codend.equilibrium.accuracy import Errors
+from codend.mechanics.problem import Problem
+from codend.net.net import Floats, Net
+from codend.plan.plan import Case
+from codend.solvers.outcome import Solution, SolverReport
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """One case of a study: what was asked, the equilibrium, and what was measured in it."""
+
+    case: Case
+    bag: Bag
+    problem: Problem
+    solution: Solution
+    measures: Measures
+    errors: Errors
+    """How far the measures may be off."""
+    negative_pivots: int | None
+    """Of the tangent at the equilibrium, 0 where it is stable; None where there is no such tangent."""
+    rows: Rows | None
+    """None where the case was not solved."""
+    meshes: Meshes | None
+
+    @property
+    def net(self) -> Net:
+        """The net as it was modelled."""
+        return self.problem.net
+
+    @property
+    def positions(self) -> Floats:
+        """Nodes at equilibrium, (n, 3), m; nan where the case was not solved."""
+        return self.solution.positions
+
+    @property
+    def bar_tension_n(self) -> Floats:
+        """Tension of the real bars and ropes, (m,)."""
+        return real_tensions(self.bag, self.solution.bar_tension)
+
+    @property
+    def report(self) -> SolverReport:
+        """What the solver did."""
+        return self.solution.report
+
+    @property
+    def converged(self) -> bool:
+        """Whether the numbers may be used."""
+        return self.report.outcome.converged
+
+    @property
+    def unstable(self) -> bool:
+        """Whether the pivots say that the net, though in balance, would not stay as it is."""
+        return (self.negative_pivots or 0) > 0

@@ -1,0 +1,30 @@
+"""What README shows is what works."""
+
+import re
+
+import codend
+from tests import ROOT
+
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_the_plan_in_the_readme_loads(tmp_path):
+    plan = tmp_path / "plan.toml"
+    plan.write_text(re.search(r"```toml\n(.*?)```", README, re.S).group(1), encoding="utf-8")
+    assert len(codend.load_plan(plan).cases()) == 3
+
+
+def test_the_python_in_the_readme_runs(monkeypatch, capsys):
+    monkeypatch.chdir(ROOT)
+    exec(re.search(r"```python\n(.*?)```", README, re.S).group(1), {})
+    assert "drag_n" in capsys.readouterr().out
+
+
+def test_ci_does_what_the_readme_says():
+    command = next(line for line in README.splitlines() if "pytest" in line)
+    assert command in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+
+
+def test_every_file_the_readme_names_exists():
+    for name in re.findall(r"(?:validation|catch_models)/[\w./]+\.\w+", README):
+        assert (ROOT / name).is_file(), name
