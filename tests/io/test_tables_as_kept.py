@@ -141,6 +141,28 @@ def test_tables_of_a_run_are_read_as_a_spreadsheet_saves_them_anew(ran, tmp_path
     pd.testing.assert_frame_equal(*found)
 
 
+HAULS = "haul,length_cm,codend,cover\n" + "".join(
+    f"{haul},{length + 0.5},{kept},{20 - kept}\n"
+    for haul in (1, 2, 3)
+    for length, kept in ((4, haul), (5, 4 + haul), (6, 10), (7, 16 - haul), (8, 20 - haul))
+)
+
+
+def test_hauls_beside_a_prediction_are_read_as_codend_fit_reads_them(ran, tmp_path):
+    found = []
+    millimetres = HAULS.replace(".5,", "5,").replace("length_cm", "length_mm")
+    for number, text in enumerate((HAULS, european(HAULS), millimetres)):
+        folder = copytree(ran, tmp_path / f"out{number}")
+        (tmp_path / "hauls.csv").write_text(text, encoding="utf-8")
+        words = ["--species", example_species_path(), "--bootstrap", 0, "--samples", 0]
+        result = codend_cli("selectivity", folder, *words, "--field", tmp_path / "hauls.csv", "--design", "covered")
+        assert (result.exit_code, result.stderr) == (0, "")
+        found.append(pd.read_csv(folder / "together.csv"))
+    for other in found[1:]:
+        pd.testing.assert_frame_equal(found[0], other)
+    assert "length_mm is in mm" in result.stdout
+
+
 # --- formulas
 
 
