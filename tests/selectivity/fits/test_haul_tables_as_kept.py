@@ -295,6 +295,34 @@ def test_covariates_that_say_what_others_say_together_are_refused(tmp_path):
     assert_refused(fit(table, tmp_path, *names, "--covariate", "both"), "both says the same as depth and speed")
 
 
+# --- data that tell nothing
+
+ALL_KEPT = hauls().assign(codend=10, cover=0)
+ONE_LENGTH = hauls().query("length_cm == 30.0")
+FALLING = hauls().assign(codend=lambda f: f["cover"], cover=lambda f: 100 - f["codend"])
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        (ALL_KEPT, ["the counts do not determine the parameters", "nor were 4 of 4 hauls"]),
+        (ONE_LENGTH, ["too few lengths with fish", "nor were 4 of 4 hauls"]),
+        (FALLING, ["falls with length", "check which column"]),
+    ],
+)
+def test_hauls_that_tell_nothing_end_in_one_line_that_says_so(table, words, tmp_path):
+    result = fit(table, tmp_path, "--bootstrap", 5)
+    assert result.exit_code == 3
+    assert result.stderr.startswith("pooled was not fitted: ")
+    assert result.stderr.count("\n") == 1
+    assert all(word in result.stderr for word in words)
+    assert pd.read_csv(tmp_path / "out" / "fit.csv")["estimate"].isna().all()
+
+
+def test_fish_that_were_never_caught_fit_nothing(tmp_path):
+    assert_refused(fit(hauls().assign(codend=0, cover=0), tmp_path), "at least one fish")
+
+
 # --- what a spreadsheet would take for a formula
 
 
