@@ -63,7 +63,7 @@ def elastic_pull(net: Net, position: np.ndarray) -> np.ndarray:
 def twine_drag(problem: Problem, position: np.ndarray, share: np.ndarray) -> np.ndarray:
     """Le Bris et al. 1999, equations 4 and 5; Bessonneau and Marichal 1997, equations 2 and 3.
 
-    A bar is as long as its ends are apart, a strap as long as its rope.
+    A bar is as long as its ends are apart, a rope as long as itself.
     """
     net, loading = problem.net, problem.loading
     vector = vectors(net, position)
@@ -78,24 +78,24 @@ def twine_drag(problem: Problem, position: np.ndarray, share: np.ndarray) -> np.
         speed_across = speed_along = loading.speed * np.ones(len(vector))
         coefficient_along = loading.tangential
     law = loading.normal * speed_across[:, None] * across + coefficient_along * speed_along[:, None] * along
-    exposed = (1.0 - share[net.bar_band]) * net.bar_drag_diameter
+    exposed = (1.0 - share[loading.catch.bar_band]) * net.bar_drag_diameter
     wetted = length.copy()
-    wetted[net.straps, 0] = net.bar_length[net.straps]
+    wetted[net.bar_is_rope, 0] = net.bar_length[net.bar_is_rope]
     half = 0.25 * loading.density * exposed[:, None] * wetted * law
     return on_both_ends(net, half, half)
 
 
 def catch_pressure(problem: Problem, position: np.ndarray, share: np.ndarray) -> np.ndarray:
     """q (1 - Cp(theta)) on every facet's area vector, a third to each corner (Le Bris et al. 1999, section 5)."""
-    net, loading = problem.net, problem.loading
+    net, catch = problem.net, problem.loading.catch
     corners = facet_corners(net, position)
     area = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     theta = 0.5 * np.pi + np.arctan(area[:, 0] / norm(area[:, 1:]))
-    piece = np.clip(np.searchsorted(loading.angles, theta.real, side="right") - 1, 0, len(loading.angles) - 2)
-    c, t = loading.coefficients[:, piece], theta - loading.angles[piece]
+    piece = np.clip(np.searchsorted(catch.angles, theta.real, side="right") - 1, 0, len(catch.angles) - 2)
+    c, t = catch.coefficients[:, piece], theta - catch.angles[piece]
     coefficient = c[0] * t**3 + c[1] * t**2 + c[2] * t + c[3]
-    filled = share[net.facet_band] * net.facet_weight
-    third = (filled * loading.stagnation_pressure * coefficient / 3.0)[:, None] * area
+    filled = share[catch.facet_band] * net.facet_weight
+    third = (filled * catch.stagnation_pressure * coefficient / 3.0)[:, None] * area
     return gathered(net, *((net.facets[:, i], net.facet_image[:, i], third) for i in range(3)))
 
 
@@ -130,31 +130,32 @@ def shares(problem: Problem, position: np.ndarray) -> np.ndarray:
 
     A front given by a plane or by the volume is found by Newton's method on the place of the lid.
     """
-    net, loading = problem.net, problem.loading
-    if loading.catch_kind == FILLED_MESHES:
-        aft = np.cumsum(net.band_meshes[::-1])[::-1] - net.band_meshes
-        return np.clip((loading.catch_value - aft) / net.band_meshes, 0.0, 1.0)
-    bag = _bag(net, position)
-    real = [part.real for part in bag]
-    measured = _to_plane if loading.catch_kind == FRONT_FROM_CODLINE else _volume
-    whole = np.array([measured(*real, band, 1.0) for band in range(net.bands)])
-    band = int(np.flatnonzero(whole >= loading.catch_value)[-1])
+    catch = problem.loading.catch
+    if catch.kind == FILLED_MESHES:
+        aft = np.cumsum(catch.band_meshes[::-1])[::-1] - catch.band_meshes
+        return np.clip((catch.size - aft) / catch.band_meshes, 0.0, 1.0)
+    shape = _shape(problem, position)
+    real = [part.real for part in shape]
+    measured = _to_plane if catch.kind == FRONT_FROM_CODLINE else _volume
+    whole = np.array([measured(*real, band, 1.0) for band in range(problem.bands)])
+    band = int(np.flatnonzero(whole >= catch.size)[-1])
     filled = 0.5 + 0.0j
     for _ in range(12):
         slope = measured(*real, band, filled.real + 1j * STEP).imag / STEP
-        filled -= (measured(*bag, band, filled) - loading.catch_value) / slope
-    place = np.arange(net.bands)
+        filled -= (measured(*shape, band, filled) - catch.size) / slope
+    place = np.arange(problem.bands)
     return np.where(place > band, 1.0, np.where(place == band, filled, 0.0))
 
 
-def _bag(net: Net, position: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _shape(problem: Problem, position: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Mean axial position of every row; axial projection of every band's facets all round, and its moment in x."""
-    rows = np.array([position[net.node_row == row, 0].mean() for row in range(net.bands + 1)])
+    net, catch = problem.net, problem.loading.catch
+    rows = np.array([position[catch.node_row == row, 0].mean() for row in range(problem.bands + 1)])
     a, b, c = np.moveaxis(facet_corners(net, position), 1, 0)
     projected = 0.5 * np.cross(b - a, c - a)[:, 0] * net.facet_weight * net.order
-    area, moment = np.zeros(net.bands, dtype=complex), np.zeros(net.bands, dtype=complex)
-    np.add.at(area, net.facet_band, projected)
-    np.add.at(moment, net.facet_band, projected * (a + b + c)[:, 0] / 3.0)
+    area, moment = np.zeros(problem.bands, dtype=complex), np.zeros(problem.bands, dtype=complex)
+    np.add.at(area, catch.facet_band, projected)
+    np.add.at(moment, catch.facet_band, projected * (a + b + c)[:, 0] / 3.0)
     return rows, area, moment
 
 

@@ -4,14 +4,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.bag.bag import Bag
-from codend.net.net import Floats, Ints, Net
+from codend.net.net import NO_POINTS, Floats, Ints, Net
 from codend.netting.parts import Counts, Lattice, Parts
 
 HALF_MESH = 0.5
 
 
-def assembled(parts: Parts, lattice: Lattice, positions: Floats, node_row: Ints, entry: NDArray) -> Bag:
-    """Bag with the properties of its bars, held at the entry and kept on the axis at the codline."""
+def assembled(
+    parts: Parts,
+    lattice: Lattice,
+    positions: Floats,
+    node_row: Ints,
+    entry: NDArray,
+    drag: tuple[int, float, float],
+) -> Bag:
+    """Bag with the properties of its bars, held at the entry and kept on the axis at the codline.
+
+    ``drag`` is the law of the twine's drag and its coefficients, as ``drag_laws.drag`` gives them.
+    """
+    law, normal, tangential = drag
     g = lattice.globalisation
     bars = np.concatenate(parts.bars)
     is_knot = bars[:, 4].astype(bool)
@@ -50,6 +61,10 @@ def assembled(parts: Parts, lattice: Lattice, positions: Floats, node_row: Ints,
         bar_density=np.array(
             [np.nan if s.twine_density_kg_m3 is None else s.twine_density_kg_m3 for s in lattice.sections]
         )[band],
+        bar_diameter=of_section("twine_m"),
+        bar_drag_law=np.full(len(bars), law, dtype=np.int32),
+        bar_normal_drag=np.full(len(bars), normal),
+        bar_tangential_drag=np.full(len(bars), tangential),
         bar_is_rope=np.zeros(len(bars), dtype=bool),
         facets=facets[:, :3].astype(np.int32),
         facet_image=facets[:, 3:6].astype(np.int32),
@@ -58,6 +73,7 @@ def assembled(parts: Parts, lattice: Lattice, positions: Floats, node_row: Ints,
         corner_image=corners[:, 3:6].astype(np.int32),
         corner_stiffness=g**2 * clamped,
         corner_rest=np.where(corners[:, 7] == 1, np.pi - at_rest, at_rest),
+        **NO_POINTS,
     )
     return Bag(
         net=net,

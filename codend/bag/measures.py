@@ -11,6 +11,7 @@ from catch_models.filling import enclosed_volume
 from catch_models.pressure import PressureLaw
 from codend.bag.bag import Bag, mesh_corners, real_tensions
 from codend.mechanics import bars, bending, drag, pressure
+from codend.mechanics.catch_front import band_geometry
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, rotate
 from codend.solvers.outcome import Solution
@@ -183,8 +184,10 @@ def current_loads(problem: Problem, solution: Solution) -> tuple[Floats, Floats]
     """Forces of the current on the nodes, N: its drag on the twine, and the catch's pressure, each (n, 3)."""
     position = np.ascontiguousarray(solution.positions)
     on_twine, by_catch = np.zeros_like(position), np.zeros_like(position)
-    drag.add_drag(position, problem.structure, problem.loading, solution.share, on_twine)
-    pressure.add_pressure(position, problem.structure, problem.loading, solution.share, by_catch)
+    structure, loading = problem.structure, problem.loading
+    at_rest = np.zeros((0, 3))
+    drag.add_force(position, at_rest, structure, loading.water, loading.catch, solution.share, on_twine)
+    pressure.add_force(position, structure, loading.catch, solution.share, by_catch)
     return on_twine, by_catch
 
 
@@ -198,12 +201,12 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows) -> Measu
     bars.bar_lengths(position, structure, length)
     density = np.divide(solution.bar_tension, length, out=np.zeros_like(length), where=length > 0.0)
     bars.add_bar_forces(position, structure, density, pull)
-    bending.add_bending(position, structure, pull)
+    bending.add_force(position, structure, pull)
     held = net.fixed[:, 0]
     at_entry = (pull + twine_load + catch_load + loading.dead)[held, 0].sum() * net.order
 
     area, moment = np.empty(bag.bands), np.empty(bag.bands)
-    pressure.band_geometry(position, structure, loading.catch, area, moment)
+    band_geometry(position, structure, loading.catch, area, moment)
     front = solution.front_row
     front_x = float(np.interp(front, np.arange(bag.bands + 1), rows.x_m))
     ahead = opening_rows_ahead(bag, share)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from codend.bag.build import build_bag
-from codend.bag.loads import wet_weight
 from codend.equilibrium.accuracy import HEAVIEST_SQUARE, WEIGHT_LEFT_OUT, sector_measures
+from codend.mechanics.weight import wet_weight
 from codend.net.net import Net
 from codend.plan.plan import Plan
 

@@ -13,8 +13,8 @@ from codend.bag.loads import problem_of
 from codend.bag.meridian.plan_case import equilibrium_guess, first_guess, tensions_on
 from codend.bag.meridian.problem import MeridianShape
 from codend.errors import InputError
-from codend.mechanics.arrays import structure_of
 from codend.mechanics.problem import Problem
+from codend.mechanics.structure import structure_of
 from codend.net.net import rotate
 from codend.plan.plan import Case, Plan
 from codend.solvers import dynamic_relaxation, interior_point, newton, rigid_bars

@@ -51,5 +51,11 @@ def write_table(table: "pd.DataFrame", path: Path) -> None:
         )
 
 
+def as_named(cell: object) -> object:
+    """A text read back from a table, without the apostrophe it was given."""
+    bare = cell[1:] if isinstance(cell, str) and cell.startswith("'") else cell
+    return bare if _no_formula(bare) == cell else cell
+
+
 def _no_formula(cell: object) -> object:
     return f"'{cell}" if isinstance(cell, str) and cell.lstrip().startswith(_FORMULA) else cell

@@ -8,8 +8,9 @@ of the band: when the rings of knots at its ends are turned against each other b
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics.arrays import Catch, Structure
 from codend.mechanics.images import turned
+from codend.mechanics.pressure import Catch
+from codend.mechanics.structure import Structure
 from codend.net.net import Floats
 
 THROUGH = 1e-6

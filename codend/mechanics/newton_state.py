@@ -10,10 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics.arrays import Loading, Structure
-from codend.mechanics.balance import add_loads, out_of_balance
+from codend.mechanics.balance import out_of_balance
 from codend.mechanics.bars import add_bar_forces, bar_vector
-from codend.mechanics.pressure import fill
+from codend.mechanics.catch_front import fill
+from codend.mechanics.loads import Loading, add_force
+from codend.mechanics.structure import Structure
 from codend.net.net import Floats
 
 LENGTH_WEIGHT = 10.0
@@ -90,9 +91,9 @@ def measure(
         error = abs(gap) * length
         worst = max(worst, error)
         merit += (weight * error) ** 2
-    fits = fill(position, structure, loading, state.share)
+    fits = fill(position, structure, loading.catch, state.share)
     load[:] = 0.0
-    add_loads(position, structure, loading, state.share, load)
+    add_force(position, structure, loading, state.share, load)
     for node in range(len(force)):
         for i in range(3):
             force[node, i] = load[node, i]

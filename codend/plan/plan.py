@@ -29,7 +29,7 @@ _STAND_INS: Final = {
     "drag": None,
     "model": None,
     "netting.twine_mm": 1e-6,
-    **{f"netting.{key}": None for key in ("twines", "twine_density_kg_m3", "axial_stiffness_n")},
+    **{f"netting.{key}": None for key in ("name", "twines", "twine_density_kg_m3", "axial_stiffness_n")},
     **{f"netting.{key}": None for key in ("bending_stiffness_n_m2", "rest_opening_deg")},
     "strap.length_m": 1.0,
     **{f"strap.{key}": None for key in ("axial_stiffness_n", "diameter_mm")},
@@ -69,6 +69,7 @@ class Plan(Table):
         return self
 
     def _contradictions(self) -> Iterator[Contradiction]:
+        yield from self._names_given_twice()
         first = self.netting[0]
         limit_m = first.stretched_radius_m
         if self.entry.radius_m > limit_m or (self.entry.radius_m == limit_m and first.mesh != "square"):
@@ -91,6 +92,14 @@ class Plan(Table):
             and_straps = ", and of the rows from every strap to the codline" if self.strap else ""
             reason = f"divisors of all meshes_round and meshes_long{and_straps}"
             yield Contradiction("model.globalisation", f"{allowed} ({reason})")
+
+    def _names_given_twice(self) -> Iterator[Contradiction]:
+        """Names of sections that tables could not tell apart."""
+        names = self.section_names
+        for index, part in enumerate(self.netting):
+            if part.name is not None and names.count(part.name) > 1:
+                allowed = "a name that no other section has, nor its number where it has no name"
+                yield Contradiction(f"netting.{index}.name", allowed)
 
     def _catches_that_do_not_fit(self) -> Iterator[Contradiction]:
         """Catches beyond what the netting could hold whatever its shape: errors of unit, mostly."""
@@ -137,6 +146,16 @@ class Plan(Table):
         """Rows from every strap to the codline."""
         rows = (self.rows_to_codline(strap.meshes_from_codline) for strap in self.strap)
         return tuple(count for count in rows if count is not None)
+
+    @property
+    def section_names(self) -> tuple[str, ...]:
+        """What tables call the sections: their names, or their numbers, counted from 1 at the entry."""
+        return tuple(part.name or str(number) for number, part in enumerate(self.netting, start=1))
+
+    def sections_of_bands(self, globalisation: int = 1) -> tuple[int, ...]:
+        """Number of the section, from 0, of each band between two rows of knots, from the entry to the codline."""
+        rows = (part.rows_per_mesh * part.meshes_long // globalisation for part in self.netting)
+        return tuple(number for number, count in enumerate(rows) for _ in range(count))
 
     @property
     def source(self) -> Path:

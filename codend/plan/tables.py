@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, Self
 from annotated_types import Ge, Gt, Le, Lt, MinLen
 from pydantic import AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Strict, model_validator
 
+from codend.mechanics.drag_laws import DRAG_COEFFICIENTS
 from codend.plan.messages import Contradiction
 from codend.plan.overrides import CATCH_QUANTITIES, MESH_SIZES, CatchKind
 
@@ -20,8 +21,6 @@ Several = (MinLen(1), BeforeValidator(lambda found: found if isinstance(found, l
 
 SEA_WATER_KG_M3 = 1025.0
 """Assumed where a plan says nothing of its water: sea water, as it is commonly reckoned."""
-DRAG_COEFFICIENTS = {"le-bris-1999": (1.36, 0.07), "bessonneau-1997": (1.2, 0.1)}
-"""Normal and tangential coefficients each drag law takes when the plan names none (LB99 4.2; BM97 2.1.2)."""
 
 
 class Table(BaseModel):
@@ -54,6 +53,8 @@ class Netting(Table):
     mesh: Literal["diamond", "t90", "square"]
     meshes_round: Annotated[Whole, Ge(3), Le(10_000)]
     meshes_long: Annotated[Whole, Ge(1), Le(10_000)]
+    name: Text | None = None
+    """What tables call the section; None: its number."""
     bar_mm: Annotated[Number, Gt(0), Le(10_000)] | None = None
     mesh_mm: Annotated[Number, Gt(0), Le(20_000)] | None = None
     knot_mm: Annotated[Number, Ge(0), Le(1000)] = 0.0
@@ -71,6 +72,8 @@ class Netting(Table):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         _exactly_one(self, MESH_SIZES)
+        if self.name is not None and not (self.name.isprintable() and self.name == self.name.strip()):
+            raise Contradiction("name", "a text of one line that neither begins nor ends with a blank")
         if self.mesh == "square" and self.knot_mm > 0:
             raise Contradiction("knot_mm", "0 for square mesh")
         if self.bar_m <= 0:
@@ -204,10 +207,11 @@ class Drag(Table):
     Coefficients a plan names stay when an override changes the law, and ``tangential`` then means another thing.
     """
 
-    law: Literal["le-bris-1999", "bessonneau-1997"] = "le-bris-1999"
+    law: Literal["le-bris-1999", "bessonneau-1997", "choo-casarella-1971"] = "le-bris-1999"
     normal: Annotated[Number, Ge(0), Le(10)]
     tangential: Annotated[Number, Ge(0), Le(10)]
-    """f, a fraction of ``normal``, in le-bris-1999; Cf, a coefficient of its own, in bessonneau-1997."""
+    """f, a fraction of ``normal``, in le-bris-1999; Cf, a coefficient of its own, in bessonneau-1997; in
+    choo-casarella-1971 both numbers are factors on the law's coefficients, which depend on the Reynolds number."""
 
     @model_validator(mode="before")
     @classmethod

@@ -88,11 +88,11 @@ def files_of(plan: Plan) -> list[str]:
 def write_report(study: Study, folder: Path, progress: StudyProgress | None = None) -> list[Path]:
     """Write tables, VTK files, plots and the page of a study into a folder, which is made when it is not there.
 
-    ``plan.toml``, the plan as it was solved; ``results.csv`` and ``profile.csv``; ``meshes.csv`` for nets without
-    symmetry; ``net_<case>.vtu`` for every solved case; ``plots/*.png`` when a case was solved; ``report.html``. Each
-    file appears whole or not at all. Files of these names from an earlier study that this one has nothing to put into
-    are removed, and so is what ``codend selectivity`` and ``codend compare`` made of that study, so that all that is
-    there belongs together.
+    ``plan.toml``, the plan as it was solved; ``results.csv`` and ``profile.csv``; ``meshes.csv`` for models more than
+    one mesh wide; ``net_<case>.vtu`` for every solved case; ``plots/*.png`` when a case was solved; ``report.html``.
+    Each file appears whole or not at all. Files of these names from an earlier study that this one has nothing to put
+    into are removed, and so is what ``codend selectivity`` and ``codend compare`` made of that study, so that all that
+    is there belongs together.
 
     Args:
         study: what to write; its cases that were not solved are listed as such, without numbers.

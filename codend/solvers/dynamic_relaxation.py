@@ -10,9 +10,9 @@ from time import perf_counter
 import numpy as np
 
 from codend.mechanics import relaxation
-from codend.mechanics.balance import add_loads
 from codend.mechanics.bars import augmented_law, bar_lengths, length_error
 from codend.mechanics.crossing import passed_through_itself
+from codend.mechanics.loads import add_force
 from codend.mechanics.problem import Problem
 from codend.mechanics.relaxation import Workspace
 from codend.net.net import Floats
@@ -228,8 +228,8 @@ def reference_tension(problem: Problem) -> float:
     structure, loading = problem.structure, problem.loading
     force: Floats = np.zeros_like(problem.net.positions)
     share = np.zeros(problem.bands)
-    relaxation.fill(problem.net.positions, structure, loading, share)
-    add_loads(problem.net.positions, structure, loading, share, force)
+    relaxation.fill(problem.net.positions, structure, loading.catch, share)
+    add_force(problem.net.positions, structure, loading, share, force)
     resultant = force.sum(axis=0) * [1.0, structure.order == 1.0, structure.order == 1.0]
     bars_abreast = max(len(structure.first) / problem.bands, 1.0)
     return float(np.linalg.norm(resultant)) / bars_abreast

@@ -13,7 +13,6 @@ from time import perf_counter
 import numpy as np
 
 from codend.mechanics import newton_step as kernels
-from codend.mechanics.arrays import Structure
 from codend.mechanics.bars import bar_lengths
 from codend.mechanics.broyden import correct, keep
 from codend.mechanics.compiling import compile_kernel
@@ -21,6 +20,7 @@ from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.newton_state import State, empty_state, measure
 from codend.mechanics.newton_step import Step
 from codend.mechanics.problem import Problem
+from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import Pattern, pattern_of
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension, rough_shape
 from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system

@@ -53,14 +53,14 @@ class Study:
         """``profile.csv``: a row a knot row of a case."""
         from codend.studies import tables
 
-        return tables.profile_table(self.cases)
+        return tables.profile_table(self.plan, self.cases)
 
     @cached_property
     def meshes(self) -> "pd.DataFrame":
-        """``meshes.csv``: a row a mesh of a case, for full nets; empty for sectors."""
+        """``meshes.csv``: a row a mesh of a case; empty where the model is one mesh wide."""
         from codend.studies import tables
 
-        return tables.mesh_table(self.cases)
+        return tables.mesh_table(self.plan, self.cases)
 
 
 def solve(plan: Plan, progress: StudyProgress | None = None, choice: Choice | None = None) -> Study:

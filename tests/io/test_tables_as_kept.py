@@ -186,3 +186,12 @@ def test_a_species_named_by_a_formula_reaches_no_spreadsheet_as_one(ran, tmp_pat
     for name in ("selectivity.csv", "retention.csv"):
         assert pd.read_csv(folder / name)["species"].str.startswith("'=cmd|").all()
     assert load_plan(folder / "plan.toml").title == "A small bag"
+
+
+def test_a_section_named_by_a_formula_is_found_again_in_the_tables(tmp_path):
+    (tmp_path / "plan.toml").write_text(TINY_PLAN, encoding="utf-8")
+    folder, change = tmp_path / "out", 'netting.0.name="=1+1"'
+    assert codend_cli("run", tmp_path / "plan.toml", "--set", change, "--out", folder).exit_code == 0
+    assert set(pd.read_csv(folder / "profile.csv")["section"].dropna()) == {"'=1+1"}
+    words = ("--species", example_species_path(), "--bootstrap", 0, "--samples", 0)
+    assert codend_cli("selectivity", folder, *words).exit_code == 0

@@ -77,14 +77,14 @@ def lengths_of(problem: Problem, positions: Floats) -> Floats:
 
 def drag_and_volume(problem: Problem, positions: Floats, share: Floats) -> tuple[float, float]:
     """Axial load on the whole net, N, and volume behind the catch's front, m3."""
-    structure, net = problem.structure, problem.net
+    structure = problem.structure
     load = np.zeros_like(positions)
     drag.add_drag(positions, structure, problem.loading, share, load)
     pressure.add_pressure(positions, structure, problem.loading, share, load)
-    area, moment, rows = np.empty(net.bands), np.empty(net.bands), np.empty(net.bands + 1)
-    pressure.band_geometry(positions, structure, area, moment)
-    pressure.row_positions(positions, structure, rows)
-    return float(load[:, 0].sum() * net.order), float(enclosed_volume(rows, area, moment, share))
+    area, moment, rows = np.empty(problem.bands), np.empty(problem.bands), np.empty(problem.bands + 1)
+    pressure.band_geometry(positions, structure, problem.loading.catch, area, moment)
+    pressure.row_positions(positions, problem.loading.catch, rows)
+    return float(load[:, 0].sum() * problem.net.order), float(enclosed_volume(rows, area, moment, share))
 
 
 def worst_responses(problem: Problem, solution: Solution) -> tuple[Floats, Floats]:

@@ -21,7 +21,7 @@ from validation.section import Verdict
 from validation.stability.judge import Finding, Judgement, confirmed_reference, judge
 from validation.stability.linear import dense_tangent, free_coordinates, lengths_of
 from validation.stability.maps import Axis, Line, Panel, StabilityMap, panel, spaced
-from validation.stability.scenes import plan_of, problem_from
+from validation.stability.scenes import bag_and_problem, plan_of
 
 TOLERANCE = 1e-6
 AGREEMENT = 1.25
@@ -32,7 +32,7 @@ STEPS = 20_000
 def largest_stable_step(problem: Problem, solution: Solution, penalty: float) -> float:
     """Time step, in units of the bound's, at which the relaxation of an equilibrium turns unstable by linear theory."""
     structure = problem.structure
-    work = relaxation.workspace(structure, solution.positions)
+    work = relaxation.workspace(structure, problem.bands, solution.positions)
     tension = float(solution.bar_tension.mean())
     augmented_law(structure, penalty * tension, work.relief, work.gain)
     length = lengths_of(problem, solution.positions)
@@ -60,8 +60,8 @@ def border(grid: Panel) -> list[tuple[float, float]]:
 
 def relaxation_map(quick: bool) -> StabilityMap:
     """Both dampings without restarts, and kinetic damping as shipped, with restarts."""
-    problem = problem_from(plan_of())
-    reference = confirmed_reference(problem)
+    bag, problem = bag_and_problem(plan_of())
+    reference = confirmed_reference(bag, problem)
     step = Axis("time step / step of the bound", spaced(0.5, 2.0, 21)[:: 3 if quick else 1])
     penalty = Axis("penalty EA / mean bar tension", spaced(1.0, 1e4, 13)[:: 4 if quick else 1])
     stable = np.array([largest_stable_step(problem, reference.solution, p) for p in penalty.values])

@@ -30,7 +30,7 @@ from validation.stability.judge import Judgement, Reference, confirmed_reference
 from validation.stability.linear import dense_tangent, free_coordinates, lengths_of
 from validation.stability.maps import Axis, Line, Panel, StabilityMap, panel, spaced
 from validation.stability.relaxation_map import border
-from validation.stability.scenes import disturbed, plan_of, problem_from
+from validation.stability.scenes import bag_and_problem, disturbed, plan_of
 
 TOLERANCE = 1e-5
 NEARBY = 0.01
@@ -112,8 +112,8 @@ def rigid_bars_map(quick: bool) -> StabilityMap:
     references: dict[float, Reference] = {}
     stable, bound = [], []
     for g in counts:
-        problem = problem_from(plan, globalisation=g)
-        references[g] = confirmed_reference(problem)
+        bag, problem = bag_and_problem(plan, globalisation=g)
+        references[g] = confirmed_reference(bag, problem)
         linear = LinearMotion(problem, references[g].solution)
         stable.append(1e3 * linear.largest_stable_step())
         bound.append(1e3 * linear.motion.stable_time_step())

@@ -9,6 +9,7 @@ from codend.bag.loads import pressure_law_of
 from codend.bag.meridian.problem import Floats, MeridianProblem, MeridianShape
 from codend.bag.meridian.solve import solve_meridian, uniform_pressure_shape
 from codend.errors import InputError
+from codend.mechanics.water import VISCOSITY_M2_S
 from codend.plan.plan import Case, Plan
 from codend.solvers.outcome import Outcome
 
@@ -162,5 +163,7 @@ def problem_for(plan: Plan, case: Case, front_row: float) -> MeridianProblem:
         drag_law=plan.drag.law,
         normal_drag=normal,
         tangential_drag=tangential,
+        speed_m_s=case.speed_m_s,
+        reynolds_per_speed=section.twine_m / VISCOSITY_M2_S,
         axial_stiffness_n=section.axial_stiffness_n,
     )

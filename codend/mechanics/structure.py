@@ -1,4 +1,4 @@
-"""What the kernels read: the net and its loading as named tuples of plain arrays."""
+"""A net as the kernels see it: a named tuple of plain arrays."""
 
 from typing import NamedTuple
 
@@ -9,12 +9,9 @@ from codend.net.net import Floats, Ints, Net
 
 Flags = NDArray[np.bool_]
 
-FILLED_MESHES, FRONT_FROM_CODLINE, VOLUME = range(3)
-LE_BRIS_1999, BESSONNEAU_1997 = range(2)
-
 
 class Structure(NamedTuple):
-    """A net as the kernels see it; shapes as in ``codend.net.net.Net``."""
+    """Shapes as in ``codend.net.net.Net``."""
 
     first: Ints
     second: Ints
@@ -24,6 +21,10 @@ class Structure(NamedTuple):
     length: Floats
     flexibility: Floats
     drag_diameter: Floats
+    diameter: Floats
+    drag_law: Ints
+    normal_drag: Floats
+    tangential_drag: Floats
     is_rope: Flags
     facets: Ints
     facet_image: Ints
@@ -35,43 +36,6 @@ class Structure(NamedTuple):
     free: Floats
     """1 for coordinates that move, 0 for held ones, (n, 3)."""
     order: float
-
-
-class Catch(NamedTuple):
-    """How the catch fills the net from its last band on, and how it presses."""
-
-    bar_band: Ints
-    """Band a bar lies in, (m,)."""
-    facet_band: Ints
-    """Band a facet lies in, (f,)."""
-    band_meshes: Floats
-    """Meshes that a band is long, (bands,)."""
-    node_row: Ints
-    """Row whose ring polygon the node belongs to, -1 for none, (n,)."""
-    row_size: Floats
-    """Nodes in the ring polygon of each row, (bands + 1,)."""
-    kind: int
-    """What its size is given by."""
-    size: float
-    """Filled meshes, distance of the front from the codline in m, or volume in m3."""
-    stagnation_pressure: float
-    angles: Floats
-    """Breaks of the pressure law in theta, rad, (k + 1,)."""
-    coefficients: Floats
-    """Piecewise cubic net pressure coefficient, (4, k)."""
-
-
-class Loading(NamedTuple):
-    """What acts on a net: dead loads, the current, and the catch."""
-
-    dead: Floats
-    """Constant nodal forces in N, (n, 3)."""
-    speed: float
-    density: float
-    drag_law: int
-    normal: float
-    tangential: float
-    catch: Catch
 
 
 def structure_of(net: Net) -> Structure:
@@ -91,6 +55,10 @@ def structure_of(net: Net) -> Structure:
         length=net.bar_length,
         flexibility=net.bar_flexibility,
         drag_diameter=net.bar_drag_diameter,
+        diameter=net.bar_diameter,
+        drag_law=net.bar_drag_law,
+        normal_drag=net.bar_normal_drag,
+        tangential_drag=net.bar_tangential_drag,
         is_rope=net.bar_is_rope,
         facets=net.facets,
         facet_image=net.facet_image,
