@@ -9,7 +9,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, LE_BRIS_1999
+from codend.mechanics.drag_laws import BESSONNEAU_1997, LE_BRIS_1999
+from codend.mechanics.pressure import FILLED_MESHES, FRONT_FROM_CODLINE
 from codend.mechanics.problem import Problem
 from codend.net.net import Net, facet_corners, rotate
 
@@ -60,28 +61,54 @@ def elastic_pull(net: Net, position: np.ndarray) -> np.ndarray:
     return on_both_ends(net, pull, -pull)
 
 
-def twine_drag(problem: Problem, position: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Le Bris et al. 1999, equations 4 and 5; Bessonneau and Marichal 1997, equations 2 and 3.
+def flow_at(problem: Problem, height: np.ndarray) -> np.ndarray:
+    """Velocity of the water at heights (m,), (m, 3): linear between those for which it is given."""
+    water = problem.loading.water
+    if len(water.height) == 1:
+        return np.broadcast_to(water.flow, (len(height), 3))
+    piece = np.clip(np.searchsorted(water.height, height.real, side="right") - 1, 0, len(water.height) - 2)
+    z = np.where(height.real < water.height[0], water.height[0], height)
+    z = np.where(height.real > water.height[-1], water.height[-1], z)
+    share = ((z - water.height[piece]) / (water.height[piece + 1] - water.height[piece]))[:, None]
+    return (1.0 - share) * water.flow[piece] + share * water.flow[piece + 1]
 
-    A bar is as long as its ends are apart, a rope as long as itself.
+
+def choo_casarella(number: np.ndarray) -> np.ndarray:
+    """Drag coefficient at Reynolds numbers away from 1 and 30, where its pieces are led into each other."""
+    s = -0.077215665 + np.log(8.0 / number)
+    slow = 8.0 * np.pi / (number * s) * (1.0 - 0.87 * s**-2)
+    middle, fast = 1.45 + 8.55 * number**-0.9, 1.1 + 4.0 * number**-0.5
+    return np.where(number.real < 0.9, slow, np.where(number.real < 27.0, middle, fast))
+
+
+def twine_drag(problem: Problem, position: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Le Bris et al. 1999, equations 4 and 5; Bessonneau and Marichal 1997, equations 2 and 3; Choo and Casarella 1971.
+
+    A bar is as long as its ends are apart, a rope as long as itself. Of a net whose bars all have one law.
     """
     net, loading = problem.net, problem.loading
     vector = vectors(net, position)
     length = norm(vector)[:, None]
-    flow = np.array([loading.speed, 0.0, 0.0])
+    flow = flow_at(problem, position[net.bars[:, 0], 2] + 0.5 * vector[:, 2])
     along = dot(flow, vector / length)[:, None] * vector / length
     across = flow - along
-    if loading.drag_law == LE_BRIS_1999:
-        speed_across, speed_along = norm(across), norm(along)
-        coefficient_along = loading.tangential * loading.normal
+    normal, tangential = net.bar_normal_drag, net.bar_tangential_drag
+    law = net.bar_drag_law[0]
+    assert np.all(net.bar_drag_law == law)
+    if law == LE_BRIS_1999:
+        by_across, by_along = normal * norm(across), tangential * normal * norm(along)
+    elif law == BESSONNEAU_1997:
+        by_across, by_along = normal * norm(flow), tangential * norm(flow)
     else:
-        speed_across = speed_along = loading.speed * np.ones(len(vector))
-        coefficient_along = loading.tangential
-    law = loading.normal * speed_across[:, None] * across + coefficient_along * speed_along[:, None] * along
+        per_speed = net.bar_diameter / loading.water.viscosity
+        number = per_speed * norm(across)
+        by_across = normal * choo_casarella(number) * norm(across)
+        by_along = tangential * 2.0 * np.pi / per_speed * (0.55 * number**0.5 + 0.084 * number ** (2.0 / 3.0))
+    load = by_across[:, None] * across + by_along[:, None] * along
     exposed = (1.0 - share[loading.catch.bar_band]) * net.bar_drag_diameter
     wetted = length.copy()
     wetted[net.bar_is_rope, 0] = net.bar_length[net.bar_is_rope]
-    half = 0.25 * loading.density * exposed[:, None] * wetted * law
+    half = 0.25 * loading.water.density * exposed[:, None] * wetted * load
     return on_both_ends(net, half, half)
 
 

@@ -1,11 +1,14 @@
 """Nets written by hand, without a plan: bars and facets between given nodes, in a current and under pressure."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from catch_models.pressure import PressureLaw, uniform_law
-from codend.bag.loads import wet_weight
-from codend.mechanics.arrays import FILLED_MESHES, LE_BRIS_1999, Catch, Loading, structure_of
+from codend.mechanics.drag_laws import LE_BRIS_1999
+from codend.mechanics.pressure import FILLED_MESHES, Catch
 from codend.mechanics.problem import Problem
+from codend.mechanics.water import uniform_flow
 from codend.net.net import Floats, Net
 
 
@@ -34,29 +37,11 @@ def plain_net(
         facets: corners, seen anticlockwise from outside, (f, 3); none by default.
         facet_weight: see ``Net.facet_weight``.
     """
-    count = len(bars)
-    facets = np.zeros((0, 3), dtype=np.int32) if facets is None else facets.astype(np.int32)
-    none = np.zeros((0, 3), dtype=np.int32)
-    return Net(
-        positions=np.array(positions, dtype=float),
-        order=1,
-        fixed=np.array(fixed, dtype=bool),
-        bars=bars.astype(np.int32),
-        bar_image=np.zeros(count, dtype=np.int32),
-        bar_length=np.array(bar_length, dtype=float),
-        bar_flexibility=np.full(count, 1.0 / stiffness),
-        bar_drag_diameter=np.full(count, diameter),
-        bar_solid_diameter=np.full(count, diameter),
-        bar_density=np.full(count, density),
-        bar_is_rope=np.zeros(count, dtype=bool),
-        facets=facets,
-        facet_image=np.zeros_like(facets),
-        facet_weight=np.full(len(facets), facet_weight),
-        corners=none,
-        corner_image=none,
-        corner_stiffness=np.zeros(0),
-        corner_rest=np.zeros(0),
-    )
+    net = Net.from_bars(
+        positions, bars, fixed, length_m=bar_length, stiffness_n=stiffness, diameter_m=diameter,
+        density_kg_m3=density, facets=facets,
+    )  # fmt: skip
+    return replace(net, facet_weight=np.full(len(net.facets), facet_weight))
 
 
 def plain_problem(
@@ -82,7 +67,7 @@ def plain_problem(
         water: density of the water, kg/m3; 0 for none.
         speed: of the current, m/s.
         normal: drag coefficient Cd of the twine.
-        tangential: f or Cf, as ``drag_law`` has it (see ``codend.mechanics.drag``).
+        tangential: f or Cf, as ``drag_law`` has it (see ``codend.mechanics.drag_laws``).
         drag_law: ``LE_BRIS_1999`` or ``BESSONNEAU_1997``.
         pressure_law: of the catch.
         stagnation_pressure: that the law is multiplied with, Pa.
@@ -107,13 +92,11 @@ def plain_problem(
         angles=law.angles_rad,
         coefficients=law.coefficients,
     )
-    loading = Loading(
-        dead=wet_weight(net, water),
-        speed=speed,
-        density=water,
-        drag_law=drag_law,
-        normal=normal,
-        tangential=tangential,
-        catch=catch,
+    count = len(net.bars)
+    dragged = replace(
+        net,
+        bar_drag_law=np.full(count, drag_law, dtype=np.int32),
+        bar_normal_drag=np.full(count, normal),
+        bar_tangential_drag=np.full(count, tangential),
     )
-    return Problem(net, structure_of(net), loading)
+    return Problem.of(dragged, water=uniform_flow(water, np.array([speed, 0.0, 0.0])), catch=catch)

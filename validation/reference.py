@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from codend.mechanics.drag_laws import BESSONNEAU_1997, LE_BRIS_1999
 from codend.mechanics.problem import Problem
 from codend.net.net import Net
 
@@ -26,19 +27,20 @@ def net_pressure_coefficient(problem: Problem, theta: float) -> float:
     return float(np.polyval(catch.coefficients[:, piece], theta - catch.angles[piece]))
 
 
-def twine_drag(problem: Problem, vector: np.ndarray, width: float) -> np.ndarray:
+def twine_drag(problem: Problem, bar: int, vector: np.ndarray) -> np.ndarray:
     """Drag of a bar in N, (3,): equations 4 and 5 of LB99, 2 and 3 of BM97, in vectors."""
-    loading = problem.loading
+    net, water = problem.net, problem.loading.water
+    normal, tangential = net.bar_normal_drag[bar], net.bar_tangential_drag[bar]
     length = np.linalg.norm(vector)
-    flow = np.array([loading.speed, 0.0, 0.0])
+    (flow,) = water.flow
     tangent = vector / length
     along = (flow @ tangent) * tangent
     across = flow - along
-    scale = 0.5 * loading.density * width * length
-    if loading.drag_law == 0:
-        normal = scale * loading.normal * np.linalg.norm(across) * across
-        return normal + loading.tangential * scale * loading.normal * np.linalg.norm(along) * along
-    return scale * np.linalg.norm(flow) * (loading.normal * across + loading.tangential * along)
+    scale = 0.5 * water.density * net.bar_drag_diameter[bar] * length
+    if net.bar_drag_law[bar] == LE_BRIS_1999:
+        return scale * normal * (np.linalg.norm(across) * across + tangential * np.linalg.norm(along) * along)
+    assert net.bar_drag_law[bar] == BESSONNEAU_1997
+    return scale * np.linalg.norm(flow) * (normal * across + tangential * along)
 
 
 def bar_vector(net: Net, positions: np.ndarray, bar: int) -> np.ndarray:
@@ -52,10 +54,9 @@ def nodal_loads(problem: Problem, positions: np.ndarray, share: np.ndarray) -> n
     net, catch = problem.net, problem.loading.catch
     force = problem.loading.dead.copy()
     for bar, (i, j) in enumerate(net.bars):
-        width = net.bar_drag_diameter[bar]
-        if width > 0:
+        if net.bar_drag_diameter[bar] > 0:
             vector = bar_vector(net, positions, bar)
-            drag = twine_drag(problem, vector, width)
+            drag = twine_drag(problem, bar, vector)
             if net.bar_is_rope[bar]:  # however slack, it meets the water with its own length
                 drag *= net.bar_length[bar] / np.linalg.norm(vector)
             load = (1 - share[catch.bar_band[bar]]) * drag

@@ -41,7 +41,7 @@ def drag(law: str, normal: float | None = None, tangential: float | None = None)
         ValueError: there is no such law.
     """
     if law not in DRAG_LAWS:
-        raise ValueError(f"there is no drag law {law!r}: there are {', '.join(DRAG_LAWS)}")
+        raise ValueError(f"unknown drag law {law!r}: there are {', '.join(DRAG_LAWS)}")
     own = DRAG_COEFFICIENTS[law]
     return (
         DRAG_LAWS.index(law),

@@ -3,7 +3,7 @@ import pytest
 
 from codend.bag.bag import all_round
 from codend.bag.build import build_bag, rows_of
-from codend.bag.loads import wet_weight
+from codend.mechanics.weight import wet_weight
 from codend.net.net import bar_vectors, facet_corners, split_bars
 from tests.plans import make_plan
 

@@ -11,7 +11,7 @@ from codend.equilibrium.solve import scene_of
 from codend.equilibrium.solve import solve as solve_case
 from codend.errors import InputError
 from codend.io.columns import RESULT_COLUMNS
-from codend.mechanics.drag import add_drag
+from codend.mechanics import drag
 from codend.net.net import bar_vectors
 from codend.plan.reach import least_radius_m
 from codend.report.page_tables import results_table
@@ -169,7 +169,8 @@ def test_a_strap_ahead_of_the_catch_meets_the_flow_at_right_angles_with_all_its_
         drag_diameter=np.where(np.isin(np.arange(len(net.bars)), result.bag.straps), 0.0, net.bar_drag_diameter)
     )
     force = np.zeros_like(net.positions)
-    add_drag(result.positions, bare, problem.loading, result.solution.share, force)
+    water, catch = problem.loading.water, problem.loading.catch
+    drag.add_force(result.positions, np.zeros((0, 3)), bare, water, catch, result.solution.share, force)
     own = result.measures.twine_drag_n - net.order * force[:, 0].sum()
     assert own == pytest.approx(0.5 * 1000.0 * 1.36 * 0.020 * length_m, rel=1e-6)
 

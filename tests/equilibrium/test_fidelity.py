@@ -7,9 +7,10 @@ import pytest
 
 from codend.bag.bag import all_round
 from codend.bag.build import build_bag
-from codend.bag.loads import problem_of, wet_weight
+from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
 from codend.equilibrium import accuracy, fidelity
+from codend.mechanics.weight import wet_weight
 from codend.net.net import rotate
 from codend.plan.plan import load_plan
 from codend.solvers import dynamic_relaxation, newton

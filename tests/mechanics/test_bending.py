@@ -5,8 +5,8 @@ import pytest
 
 from codend.bag.build import build_bag
 from codend.errors import InputError
-from codend.mechanics.arrays import structure_of
-from codend.mechanics.bending import add_bending
+from codend.mechanics import bending
+from codend.mechanics.structure import structure_of
 from codend.studies.study import solve
 from tests.complex_loads import bending_energy, derivative
 from tests.plans import make_plan, uniform_plan
@@ -24,7 +24,7 @@ def test_bending_forces_are_minus_the_gradient_of_the_energy(mesh, knot, sectors
     positions = net.positions + 0.003 * rng.normal(size=net.positions.shape)
     positions[-1, 1:] = 0.0
     force = np.zeros_like(positions)
-    add_bending(positions, structure_of(net), force)
+    bending.add_force(positions, structure_of(net), force)
     slope = derivative(lambda at: bending_energy(net, at), positions)[0]
     assert -force.ravel() == pytest.approx(slope, rel=1e-9, abs=1e-11 * np.abs(slope).max())
 

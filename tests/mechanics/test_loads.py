@@ -15,9 +15,9 @@ from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import measure_meshes, measure_rows
 from codend.io.input_table import read_table
-from codend.mechanics import bars, pressure
-from codend.mechanics.arrays import structure_of
-from codend.mechanics.balance import add_loads
+from codend.mechanics import bars, catch_front, pressure
+from codend.mechanics.loads import add_force
+from codend.mechanics.structure import structure_of
 from codend.net.net import rotate
 from codend.solvers.outcome import Outcome, Solution, SolverReport
 from tests.plans import NO_DRAG, UNIFORM, make_plan
@@ -50,13 +50,13 @@ def random_bags(draw, sectors=None):
 
 def loads_on(problem, positions, share):
     force = np.zeros_like(positions)
-    add_loads(np.ascontiguousarray(positions), problem.structure, problem.loading, share, force)
+    add_force(np.ascontiguousarray(positions), problem.structure, problem.loading, share, force)
     return force
 
 
 def filled_share(problem, positions):
     share = np.zeros(problem.bands)
-    pressure.fill(np.ascontiguousarray(positions), problem.structure, problem.loading, share)
+    catch_front.fill(np.ascontiguousarray(positions), problem.structure, problem.loading.catch, share)
     return share
 
 
@@ -109,7 +109,9 @@ def test_a_sector_carries_the_loads_of_its_part_of_the_full_net(case):
 @given(random_bags(), st.integers(0, 2**32 - 1))
 def test_bar_forces_are_minus_the_gradient_of_their_energy(case, seed):
     built = case[1].net
-    net = replace(built, bar_flexibility=np.maximum(built.bar_flexibility, 1e-4))
+    # no bar just as long as without load, where its energy has no one derivative
+    length = built.bar_length * np.where(np.arange(len(built.bars)) % 2, 0.97, 1.03)
+    net = replace(built, bar_length=length, bar_flexibility=np.maximum(built.bar_flexibility, 1e-4))
     structure = structure_of(net)
     stiffness = 1.0 / net.bar_flexibility
 
@@ -145,7 +147,7 @@ def test_uniform_pressure_does_the_work_of_the_volume_it_sweeps(case, seed):
 
     def volume(positions):
         area, moment = np.empty(bag.bands), np.empty(bag.bands)
-        pressure.band_geometry(np.ascontiguousarray(positions), problem.structure, catch, area, moment)
+        catch_front.band_geometry(np.ascontiguousarray(positions), problem.structure, catch, area, moment)
         return moment.sum()
 
     direction = np.random.default_rng(seed).normal(size=net.positions.shape) * ~net.fixed.all(axis=1, keepdims=True)

@@ -9,10 +9,12 @@ import pytest
 from scipy.special import ellipk, jn_zeros
 
 from codend.bag.build import build_bag
-from codend.bag.loads import GRAVITY_M_S2, problem_of
+from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
 from codend.errors import InputError
-from codend.mechanics.drag import add_drag, add_moving_drag
+from codend.mechanics import drag
+from codend.mechanics.water import uniform_flow
+from codend.mechanics.weight import GRAVITY_M_S2
 from codend.net.net import rotate
 from codend.solvers import dynamic_relaxation, rigid_bars, rigid_motion
 from codend.solvers.linear_systems import BandedSystem
@@ -150,11 +152,12 @@ def test_drag_knows_only_the_velocity_relative_to_the_water(law):
     def moving(velocity, speed, share=dry):
         force = np.zeros_like(net.positions)
         wind = np.broadcast_to(np.asarray(velocity, dtype=float), force.shape).copy()
-        add_moving_drag(net.positions, wind, structure, loading._replace(speed=speed), share, force)
+        water = uniform_flow(loading.water.density, np.array([speed, 0.0, 0.0]))
+        drag.add_force(net.positions, wind, structure, water, loading.catch, share, force)
         return force
 
     resting = np.zeros_like(net.positions)
-    add_drag(net.positions, structure, loading, dry, resting)
+    drag.add_force(net.positions, np.zeros((0, 3)), structure, loading.water, loading.catch, dry, resting)
     assert moving([0, 0, 0], 1.5) == pytest.approx(resting, rel=1e-12, abs=1e-15)
     assert moving([1.5, 0, 0], 1.5) == pytest.approx(np.zeros_like(resting), abs=1e-15)
     assert moving([-1.5, 0, 0], 0.0) == pytest.approx(resting, rel=1e-12, abs=1e-15)

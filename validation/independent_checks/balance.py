@@ -107,12 +107,13 @@ def state(quick: bool) -> State:
     vectors = bar_vectors(net, positions)
     tangent = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
     # Le Bris et al. 1999, equations 4 and 5; none within the catch
-    along = loading.speed * tangent[:, :1] * tangent
-    across = np.array([loading.speed, 0.0, 0.0]) - along
-    size = 0.5 * loading.density * net.bar_drag_diameter * np.linalg.norm(vectors, axis=1)
-    size *= loading.normal * (1.0 - solution.share[catch.bar_band])
+    (flow,) = loading.water.flow
+    along = (tangent @ flow)[:, None] * tangent
+    across = flow - along
+    size = 0.5 * loading.water.density * net.bar_drag_diameter * np.linalg.norm(vectors, axis=1)
+    size *= net.bar_normal_drag * (1.0 - solution.share[catch.bar_band])
     drag = np.linalg.norm(across, axis=1, keepdims=True) * across
-    drag += loading.tangential * np.linalg.norm(along, axis=1, keepdims=True) * along
+    drag += net.bar_tangential_drag[:, None] * np.linalg.norm(along, axis=1, keepdims=True) * along
     a, b, c = np.moveaxis(facet_corners(net, positions), 1, 0)
     area = 0.5 * np.cross(b - a, c - a)
     theta = np.arctan2(np.hypot(area[:, 1], area[:, 2]), -area[:, 0])

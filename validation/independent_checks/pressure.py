@@ -58,7 +58,7 @@ def _kernel_error(bands: int) -> float:
     net = plain_net(positions, np.ones_like(positions), no_bars, np.zeros(0), facets=facets)
     problem = plain_problem(net, rows, pressure_law=sphere_law(), stagnation_pressure=STAGNATION_PA, filled=bands)
     force = np.zeros_like(positions)
-    pressure.add_pressure(positions, problem.structure, problem.loading, np.ones(bands), force)
+    pressure.add_force(positions, problem.structure, problem.loading.catch, np.ones(bands), force)
     coefficient = float(force[:, 0].sum()) / (STAGNATION_PA * np.pi * RADIUS**2)
     return abs(coefficient / sphere_drag_coefficient() - 1.0)
 

@@ -35,7 +35,8 @@ def newton_map(quick: bool) -> StabilityMap:
     def over_loads(x: float, y: float) -> tuple[Solution, Judgement]:
         loading = stretching.loading
         catch = loading.catch._replace(stagnation_pressure=loading.catch.stagnation_pressure * y)
-        weaker = loading._replace(speed=loading.speed * np.sqrt(y), catch=catch)
+        water = loading.water._replace(flow=loading.water.flow * np.sqrt(y))
+        weaker = loading._replace(water=water, catch=catch)
         return solved(stretching, replace(stretching, loading=weaker), DIRECT, x, y)
 
     pairs = ((limp_bag, limp), (stretching_bag, stretching))

@@ -11,8 +11,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import eigh
 
-from codend.mechanics import relaxation
+from codend.mechanics import pressure, relaxation
 from codend.mechanics.bars import augmented_law
+from codend.mechanics.catch_front import fill
 from codend.mechanics.problem import Problem
 from codend.solvers import dynamic_relaxation
 from codend.solvers.dynamic_relaxation import RelaxationSettings
@@ -37,8 +38,8 @@ def largest_stable_step(problem: Problem, solution: Solution, penalty: float) ->
     augmented_law(structure, penalty * tension, work.relief, work.gain)
     length = lengths_of(problem, solution.positions)
     work.multiplier[:] = solution.bar_tension / length
-    relaxation.fill(solution.positions, structure, problem.loading, work.share)
-    relaxation.set_pressure_bound(solution.positions, structure, problem.loading, work.share, work.load_bound)
+    fill(solution.positions, structure, problem.loading.catch, work.share)
+    pressure.add_bound(solution.positions, structure, problem.loading.catch, work.share, work.load_bound)
     relaxation.refresh(work, structure, problem.loading, 1.0)
     free = free_coordinates(problem)
     mass = 1.0 / work.state[:, relaxation.MOBILITY : relaxation.MOBILITY + 3].ravel()[free]
