@@ -1,10 +1,13 @@
 """What acts on a net in a case of a plan: the current, the catch (by its law in ``catch_models``) and wet weight."""
 
+from pathlib import Path
+
 import numpy as np
 
-from catch_models.pressure import PressureLaw, sphere_law, uniform_law
+from catch_models.pressure import PressureLaw, sphere_law, sphere_law_through, uniform_law
 from codend.bag.bag import Bag
 from codend.errors import InputError
+from codend.io.input_table import read_table
 from codend.mechanics.pressure import FILLED_MESHES, FRONT_FROM_CODLINE, VOLUME, Catch
 from codend.mechanics.problem import Problem
 from codend.mechanics.water import uniform_flow
@@ -52,12 +55,16 @@ def pressure_law_of(plan: Plan) -> PressureLaw:
     """
     if plan.catch.pressure == "uniform":
         return uniform_law(plan.catch.coefficient)
+    if plan.sphere_cp_path is None:
+        return sphere_law()
+    return _law_of_curve(plan.sphere_cp_path)
+
+
+def _law_of_curve(path: Path) -> PressureLaw:
+    table = read_table(path, names=("theta_deg", "cp"))
+    theta_deg, cp = table.numbers("theta_deg"), table.numbers("cp")
     try:
-        return sphere_law(plan.sphere_cp_path)
-    except ValueError as error:
-        raise InputError(
-            file=plan.source,
-            key="catch.sphere_cp_csv",
-            value=plan.catch.sphere_cp_csv,
-            allowed=f"a CSV with the columns theta_deg, cp from 0 to 180 degrees ({error})",
-        ) from error
+        return sphere_law_through(theta_deg, cp)
+    except ValueError:
+        allowed = "angles that rise from 0 to 180 degrees"
+        raise InputError(table.where, "theta_deg", None, allowed, "does not run over the whole sphere") from None

@@ -18,6 +18,8 @@ Whole = Annotated[int, Strict()]
 Text = Annotated[str, MinLen(1)]
 Several = (MinLen(1), BeforeValidator(lambda found: found if isinstance(found, list | tuple) else (found,)))
 
+SEA_WATER_KG_M3 = 1025.0
+"""Assumed where a plan says nothing of its water: sea water, as it is commonly reckoned."""
 
 DRAG_COEFFICIENTS = {"le-bris-1999": (1.36, 0.07), "bessonneau-1997": (1.2, 0.1), "choo-casarella-1971": (1.0, 1.0)}
 """Normal and tangential coefficients each drag law takes when the plan names none (LB99 4.2; BM97 2.1.2)."""
@@ -34,7 +36,7 @@ class Tow(Table):
 
     speed_m_s: Annotated[tuple[Annotated[Number, Ge(1e-4), Le(10)], ...], *Several]
     """As slow as the methods are mapped in ``validation.stability``; slower is a slip, not a tow."""
-    water_density_kg_m3: Annotated[Number, Ge(900), Le(1300)]
+    water_density_kg_m3: Annotated[Number, Ge(900), Le(1300)] = SEA_WATER_KG_M3
 
 
 class Entry(Table):
