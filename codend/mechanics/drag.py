@@ -63,7 +63,8 @@ def add_force(
     firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
     bands, widths, diameters = catch.bar_band, structure.drag_diameter, structure.diameter
     laws, normals, tangentials = structure.drag_law, structure.normal_drag, structure.tangential_drag
-    density, viscosity, ropes, rests = water.density, water.viscosity, structure.is_rope, structure.length
+    density, ropes, rests = water.density, structure.is_rope, structure.length
+    per_viscosity = 1.0 / water.viscosity
     moves = len(velocity) > 0
     uniform = len(water.height) == 1
     vx, vy, vz, _, _, _ = flow_at(water, 0.0)
@@ -77,7 +78,7 @@ def add_force(
         if length == 0.0:
             continue
         tx, ty, tz = dx / length, dy / length, dz / length
-        law, normal, tangential, reynolds = laws[bar], normals[bar], tangentials[bar], diameters[bar] / viscosity
+        law, normal, tangential, reynolds = laws[bar], normals[bar], tangentials[bar], diameters[bar] * per_viscosity
         if not uniform:
             vx, vy, vz, _, _, _ = flow_at(water, position[first, 2] + 0.5 * dz)
         half = 0.25 * density * widths[bar] * (rests[bar] if ropes[bar] else length)
@@ -113,7 +114,8 @@ def add_tangent(
     firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
     bands, widths, diameters = catch.bar_band, structure.drag_diameter, structure.diameter
     laws, normals, tangentials = structure.drag_law, structure.normal_drag, structure.tangential_drag
-    density, viscosity, ropes, rests = water.density, water.viscosity, structure.is_rope, structure.length
+    density, ropes, rests = water.density, structure.is_rope, structure.length
+    per_viscosity = 1.0 / water.viscosity
     uniform, slots = len(water.height) == 1, pattern.bar_slot
     vx, vy, vz, _, _, _ = flow_at(water, 0.0)
     h, u, t = np.empty((3, 3)), np.empty(3), np.empty(3)
@@ -133,7 +135,7 @@ def add_tangent(
         u[0], u[1], u[2] = vx - along * t[0], vy - along * t[1], vz - along * t[2]
         across = np.sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2])
         a, c, a_across, a_along, c_across, c_along = drag_factors(
-            laws[bar], normals[bar], tangentials[bar], across, abs(along), diameters[bar] / viscosity
+            laws[bar], normals[bar], tangentials[bar], across, abs(along), diameters[bar] * per_viscosity
         )
         scale = 0.25 * density * widths[bar] * exposed
         own = rests[bar] / length if ropes[bar] else 1.0
