@@ -116,12 +116,11 @@ def _attempts(
     first_settings = replace(BRIEF if brief else DIRECT, least_iterations=int(problem.loading.dead.any()))
 
     def from_crude() -> Solution:
-        dynamic_relaxation.compile_kernels(problem)  # for the rough starts, ahead of Newton's clock
         joined = len({section.meshes_round for section in scene.plan.netting}) > 1
         return newton.solve(problem, tolerance, None, LONGER if joined else NewtonSettings(), progress, scene.prepared)
 
     def through_the_interior() -> Solution:
-        return interior_point.solve(problem, tolerance, None, progress, prepared=scene.prepared)
+        return interior_point.solve(problem, tolerance, None, progress=progress, prepared=scene.prepared)
 
     def from_the_last() -> Solution:
         began = perf_counter()
@@ -140,7 +139,9 @@ def _attempts(
     half = 0.5 * float(scene.bag.band_meshes.sum())
 
     def from_half() -> Solution:
-        larger = interior_point.solve(with_catch(problem, half), tolerance, None, progress, prepared=scene.prepared)
+        larger = interior_point.solve(
+            with_catch(problem, half), tolerance, None, progress=progress, prepared=scene.prepared
+        )
         if not larger.report.outcome.converged:
             return larger
         return _later(in_steps(problem, (half, larger), from_start), larger.report.solve_ms)
@@ -186,7 +187,7 @@ def _attempts(
     if method == "rigid-bars":
         yield "a crude bag", lambda: rigid_bars.solve(problem, tolerance, progress=progress)
         slack = RigidBarsSettings(slack=True)
-        yield "a crude bag, its bars going slack", lambda: rigid_bars.solve(problem, tolerance, slack, progress)
+        yield "a crude bag, its bars going slack", lambda: rigid_bars.solve(problem, tolerance, None, slack, progress)
 
 
 def _later(solution: Solution, ms: float) -> Solution:

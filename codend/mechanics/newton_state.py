@@ -8,6 +8,7 @@ With a barrier b > 0 (in N/m2) all bars stay taut and the law is (q / EA - gap) 
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.compiled import njit
 from codend.mechanics.balance import out_of_balance
@@ -17,6 +18,8 @@ from codend.mechanics.loads import Loading, add_force
 from codend.mechanics.structure import Structure
 from codend.net.net import Floats
 
+MARKS = np.dtype([(name, np.float64) for name in ("merit", "residual", "imbalance", "length_error", "fits")])
+"""Named numbers of a state that kernels write; ``fits`` is 1 if the catch fits into the net."""
 LENGTH_WEIGHT = 10.0
 """Force, in units of the reference tension, that a bar's strain of 1 counts as in the merit."""
 
@@ -34,8 +37,23 @@ class State(NamedTuple):
     force: Floats
     """Out-of-balance force of the nodes, N, (n, 3)."""
     load: Floats
-    marks: Floats
-    """Merit, residual, axial imbalance, length error, 1 if the catch fits."""
+    marks: NDArray[np.void]
+    """What was found of it, see ``MARKS``, (1,)."""
+
+    @property
+    def residual(self) -> float:
+        """Largest out-of-balance force of a free node, relative (``balance.out_of_balance``)."""
+        return float(self.marks["residual"][0])
+
+    @property
+    def imbalance(self) -> float:
+        """Axial sum of the out-of-balance forces, likewise."""
+        return float(self.marks["imbalance"][0])
+
+    @property
+    def length_error(self) -> float:
+        """Largest departure of a bar from the law of its twine, relative to its length."""
+        return float(self.marks["length_error"][0])
 
 
 def empty_state(structure: Structure, bands: int) -> State:
@@ -50,7 +68,7 @@ def empty_state(structure: Structure, bands: int) -> State:
         np.zeros(bands),
         np.zeros(at_nodes),
         np.zeros(at_nodes),
-        np.zeros(5),
+        np.zeros(1, dtype=MARKS),
     )
 
 
@@ -76,7 +94,7 @@ def measure(
     rests, flexibilities = structure.length, structure.flexibility
     position, density, gaps, lengths = state.position, state.density, state.gap, state.length
     force, load, free = state.force, state.load, structure.free
-    merit, worst = 0.0, 0.0
+    merit, worst, total = 0.0, 0.0, 0.0
     for bar in range(len(density)):
         dx, dy, dz = bar_vector(position, firsts[bar], seconds[bar], images[bar], rotations)
         length = np.sqrt(dx * dx + dy * dy + dz * dz)
@@ -88,6 +106,7 @@ def measure(
         elif density[bar] + min(weight, switch * tension) * gap <= 0.0:
             density[bar] = gap = 0.0
         lengths[bar], gaps[bar] = length, gap
+        total += abs(density[bar]) * length
         error = abs(gap) * length
         worst = max(worst, error)
         merit += (weight * error) ** 2
@@ -101,6 +120,7 @@ def measure(
     for node in range(len(force)):
         for i in range(3):
             merit += free[node, i] * force[node, i] ** 2
-    residual, imbalance = out_of_balance(structure, force, load)
-    marks = state.marks
-    marks[0], marks[1], marks[2], marks[3], marks[4] = np.sqrt(merit), residual, imbalance, worst, 1.0 if fits else 0.0
+    residual, imbalance = out_of_balance(structure, force, load, total / max(len(density), 1))
+    marks = state.marks[0]
+    marks.merit, marks.residual, marks.imbalance = np.sqrt(merit), residual, imbalance
+    marks.length_error, marks.fits = worst, 1.0 if fits else 0.0

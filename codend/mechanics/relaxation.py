@@ -103,6 +103,7 @@ def refresh(work: Workspace, structure: Structure, loading: Loading, mass_factor
     firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
     rests, reliefs, gains, multipliers = structure.length, work.relief, work.gain, work.multiplier
     bar_order, law, lengths, densities = work.bar_order, work.law, work.length, work.density
+    tension = 0.0
     for place in range(len(bar_order)):
         bar = bar_order[place]
         first, second, image = firsts[bar], seconds[bar], images[bar]
@@ -117,6 +118,7 @@ def refresh(work: Workspace, structure: Structure, loading: Loading, mass_factor
         law[place, 1] = 0.5 * rigidity / (seen * seen)
         law[place, 0] = held + gain / rest - 1.5 * rigidity
         lengths[bar], densities[bar] = length, density
+        tension += density * length
         stiffness[first] += density + rigidity
         stiffness[second] += density + rigidity
         if density > 0.0:
@@ -129,7 +131,7 @@ def refresh(work: Workspace, structure: Structure, loading: Loading, mass_factor
         mobility = 2.0 / (mass_factor * stiffness[node]) if stiffness[node] > 0.0 else 0.0
         for i in range(3):
             state[node, MOBILITY + i] = mobility * free[node, i]
-    residual, imbalance = out_of_balance(structure, force, state[:, LOAD : LOAD + 3])
+    residual, imbalance = out_of_balance(structure, force, state[:, LOAD : LOAD + 3], tension / max(len(bar_order), 1))
     return residual, imbalance, fits
 
 
@@ -243,7 +245,7 @@ def relax(
     damping is critical for the lowest frequency seen (Rayleigh quotient of the last moves).
 
     Returns:
-        outcome, steps, stops, residual and axial imbalance (both over the resultant of the loads).
+        outcome, steps, stops, residual and axial imbalance (``balance.out_of_balance``).
     """
     state = work.state
     work.position[:] = state[:, X : X + 3]

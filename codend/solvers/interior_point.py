@@ -7,18 +7,16 @@ to nothing (a primal-dual interior-point method: Nocedal and Wright, Numerical O
 leaves the last digits to it; but it needs no start nearby.
 """
 
-from dataclasses import replace
-from time import perf_counter
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from codend.mechanics import newton_step as kernels
-from codend.mechanics.compiling import compile_kernel
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
 from codend.solvers import newton
+from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import reference_tension
-from codend.solvers.linear_systems import BandedSystem
 from codend.solvers.newton import DIRECT, Prepared
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
@@ -36,7 +34,6 @@ LEAST_TENSION = 0.01
 FARTHEST_TURN = 5.0
 """Change of a bar's vector, over its length, that a step may ask for: near a singular tangent steps ask for far more,
 in a direction that leads nowhere, and the tangent is shifted."""
-STEPS_ALLOWED = 300
 FINEST = 1e-10
 """Residual to which the last barrier is followed: from there Newton's method goes on though bars be nearly slack."""
 STALLED = 80
@@ -45,29 +42,72 @@ FINISH = replace(DIRECT, switches=(1.0, 0.1, 0.01))
 """Newton's method at the end: the first of these weights parts taut and slack bars as the barrier did."""
 
 
+@dataclass(frozen=True)
+class InteriorPointSettings:
+    """What may be tuned; the default holds for all plans the project knows."""
+
+    steps_allowed: int = 300
+
+
 def solve(
     problem: Problem,
     tolerance: float,
     start: Solution | None = None,
+    settings: InteriorPointSettings = InteriorPointSettings(),
     progress: Progress | None = None,
-    *,
-    prepared: Prepared,
+    prepared: Prepared | None = None,
 ) -> Solution:
-    """Equilibrium of a net from a start that need not be near: bars may go slack on the way, and slack ones taut.
+    """Equilibrium of a net from a start that need not be near; see ``Solver``.
 
-    A solve that fails returns nan positions and tensions, and why.
+    Bars may go slack on the way, and slack ones taut.
 
     Args:
         problem: the net under its loads.
-        tolerance: largest residual and axial imbalance over the resultant of the loads.
+        tolerance: largest residual and axial imbalance.
         start: positions and tensions to start from; without one the net's own shape with even tension.
+        settings: see ``InteriorPointSettings``.
         progress: told the residual of every step.
         prepared: what ``newton.prepare`` returned for this structure.
     """
-    started = perf_counter()
+    prepared = newton.prepare(problem.structure, problem.bands) if prepared is None else prepared
+    with Clock() as clock:
+        state, outcome, steps = _lower_the_barrier(problem, tolerance, start, settings, progress, prepared)
+        spent_ms = clock.ms
+    attempt = f"{METHOD} with {prepared.system.name}: {steps} steps, residual {state.residual:.1e}. {outcome.value}"
+    report = SolverReport(
+        method=METHOD,
+        outcome=outcome,
+        iterations=steps,
+        residual=state.residual,
+        imbalance=state.imbalance,
+        length_error=state.length_error,
+        solve_ms=spent_ms,
+        attempts=(attempt,),
+    )
+    reached = Solution.ended(report, state.position, state.density * state.length, state.share)
+    if not outcome.converged:
+        return reached
+    solution = newton.solve(problem, tolerance, reached, FINISH, progress, prepared)
+    finished = replace(
+        solution.report,
+        iterations=steps + solution.report.iterations,
+        solve_ms=spent_ms + solution.report.solve_ms,
+        attempts=(attempt, *solution.report.attempts),
+    )
+    return replace(solution, report=finished)
+
+
+def _lower_the_barrier(
+    problem: Problem,
+    tolerance: float,
+    start: Solution | None,
+    settings: InteriorPointSettings,
+    progress: Progress | None,
+    prepared: Prepared,
+) -> tuple[State, Outcome, int]:
+    """Follow the barrier down; where that ended, how, and after how many steps."""
     structure, loading, step = problem.structure, problem.loading, prepared.step
     state, new, _ = prepared.states
-    started += _seconds_to_compile(problem, prepared)
     tension = reference_tension(problem) if start is None else float(start.bar_tension.mean())
     unit = tension / float(structure.length.mean()) ** 2
     barrier, last_barrier = FIRST_BARRIER * unit, LAST_BARRIER * unit
@@ -75,25 +115,20 @@ def solve(
     tensions = tension if start is None else np.maximum(start.bar_tension, LEAST_TENSION * tension)
     state.density[:] = tensions / structure.length
     measure(structure, loading, tension, 1.0, barrier, state)
-    outcome, steps, lowered, shift = Outcome.STEPS_SPENT, 0, 0, 0.0
-    while steps < STEPS_ALLOWED:
-        residual = float(state.marks[1])
+    steps, lowered, shift = 0, 0, 0.0
+    while steps < settings.steps_allowed:
         if progress is not None:
-            progress(METHOD, residual)
-        if not np.isfinite(residual):
-            outcome = Outcome.NOT_FINITE
-            break
-        if barrier <= last_barrier and residual <= min(tolerance, FINEST):
-            outcome = Outcome.CONVERGED
-            break
+            progress(METHOD, state.residual)
+        if not np.isfinite(state.residual):
+            return state, Outcome.NOT_FINITE, steps
+        if barrier <= last_barrier and state.residual <= min(tolerance, FINEST):
+            return state, Outcome.CONVERGED, steps
         if steps - lowered >= STALLED and barrier > last_barrier:
-            outcome = Outcome.NOT_IMPROVING
-            break
+            return state, Outcome.NOT_IMPROVING, steps
         steps += 1
         turn, shift = _step(problem, tension, barrier, shift, state, prepared)
         if not np.isfinite(turn):
-            outcome = Outcome.SINGULAR
-            break
+            return state, Outcome.SINGULAR, steps
         falling = step.change < 0.0
         to_slack = float(np.min(-state.density[falling] / step.change[falling], initial=np.inf))
         size = min(1.0, NEAREST_TO_SLACK * to_slack, LARGEST_TURN / turn if turn > 0.0 else 1.0)
@@ -103,48 +138,8 @@ def solve(
         shift = 0.1 * shift if shift > DIRECT.first_shift else 0.0
         kernels.take(structure, loading, tension, 1.0, barrier, size, state, state, step, new)
         state, new = new, state
-    if outcome is Outcome.STEPS_SPENT and barrier <= last_barrier and state.marks[1] <= tolerance:
-        outcome = Outcome.CONVERGED
-    attempt = f"{METHOD} with {prepared.system.name}: {steps} steps, residual {state.marks[1]:.1e}. {outcome.value}"
-    report = SolverReport(
-        method=METHOD,
-        outcome=outcome,
-        iterations=steps,
-        residual=float(state.marks[1]),
-        imbalance=float(state.marks[2]),
-        length_error=float(state.marks[3]),
-        solve_ms=1e3 * (perf_counter() - started),
-        attempts=(attempt,),
-    )
-    if not outcome.converged:
-        nothing = np.full_like(state.position, np.nan), np.full_like(state.density, np.nan)
-        return Solution(*nothing, state.share.copy(), report)
-    reached = Solution(state.position.copy(), state.density * state.length, state.share.copy(), report)
-    solution = newton.solve(problem, tolerance, reached, FINISH, progress, prepared)
-    finished = replace(
-        solution.report,
-        iterations=steps + solution.report.iterations,
-        solve_ms=report.solve_ms + solution.report.solve_ms,
-        attempts=(attempt, *solution.report.attempts),
-    )
-    return replace(solution, report=finished)
-
-
-def _seconds_to_compile(problem: Problem, prepared: Prepared) -> float:
-    """Have the kernels compiled or read from the cache, and tell the time, which is no part of a solve's."""
-    if kernels.take.overloads:
-        return 0.0
-    started = perf_counter()
-    reference_tension(problem)
-    structure, loading, state, step = problem.structure, problem.loading, prepared.states[0], prepared.step
-    if isinstance(prepared.system, BandedSystem):
-        prepared.system.factorise(step.blocks)
-        prepared.system.solve(step.right[:1])
-    compile_kernel(measure, structure, loading, 1.0, 1.0, 1.0, state)
-    compile_kernel(kernels.linearise, structure, loading, prepared.pattern, 1.0, 0.0, 1.0, state, step)
-    compile_kernel(kernels.finish_step, structure, state, state, step.solved[:1], step)
-    compile_kernel(kernels.take, structure, loading, 1.0, 1.0, 1.0, 1.0, state, state, step, state)
-    return perf_counter() - started
+    close = barrier <= last_barrier and state.residual <= tolerance
+    return state, Outcome.CONVERGED if close else Outcome.STEPS_SPENT, steps
 
 
 def _step(

@@ -8,23 +8,21 @@ afterwards. Twine that would be compressed goes slack on the way; an answer with
 """
 
 from dataclasses import dataclass
-from time import perf_counter
 
 import numpy as np
 
 from codend.mechanics import newton_step as kernels
 from codend.mechanics.bars import bar_lengths
-from codend.mechanics.broyden import correct, keep
-from codend.mechanics.compiling import compile_kernel
 from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.newton_state import State, empty_state, measure
 from codend.mechanics.newton_step import Step
 from codend.mechanics.problem import Problem
 from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import Pattern, pattern_of
+from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension, rough_shape
 from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
-from codend.solvers.newton_advance import FAILED, IN_FIRST, IN_SECOND, Limits, advance, advance_banded, within
+from codend.solvers.newton_advance import FAILED, IN_FIRST, IN_SECOND, Iteration, Limits, advance, advance_banded
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
 METHOD = "newton"
@@ -58,7 +56,7 @@ class NewtonSettings:
     first_shift: float = 1e-4
     """In units of the stiffness that the reference tension gives the nodes; each next one is ten times as large."""
     largest_shift: float = 1e3
-    rough_starts: tuple[tuple[float, float], ...] = ((1e-2, 30.0), (1e-3, 100.0), (1e-4, 1000.0))
+    rough_starts: tuple[tuple[float, float], ...] = ((2.5e-3, 30.0), (2.5e-4, 100.0), (2.5e-5, 1000.0))
     """Relaxations to start from, in order, where no start is given or it leads nowhere: the residual, and the axial
     stiffness that stands in for inextensible bars, in units of the reference tension."""
     rough_steps: int = 20_000
@@ -105,48 +103,44 @@ def solve(
     progress: Progress | None = None,
     prepared: Prepared | None = None,
 ) -> Solution:
-    """Equilibrium of a net by Newton's method; a solve that fails returns nan positions and tensions, and why.
+    """Equilibrium of a net by Newton's method; see ``Solver``.
 
     Args:
         problem: the net under its loads.
-        tolerance: largest residual and axial imbalance over the resultant of the loads.
+        tolerance: largest residual and axial imbalance.
         start: positions and tensions to start from; without one the net's own shape is relaxed a little first.
         settings: see ``NewtonSettings``.
         progress: told the residual of every iteration.
         prepared: what ``prepare`` returned for this structure, to save that work.
     """
-    started = perf_counter()
     prepared = prepare(problem.structure, problem.bands) if prepared is None else prepared
-    started += _seconds_to_compile(problem, prepared, settings)
     run = _Run(problem, prepared, settings, progress)
     attempts: list[str] = []
     switches = settings.switches[:1] if start is not None and settings.rough_starts else settings.switches
     waiting = list(settings.rough_starts)
-    while True:
-        if start is None:
-            start, note = rough_shape(problem, *waiting.pop(0), settings.rough_steps)
-            attempts.append(note)
-        outcome = run.from_start(start, tolerance, switches, attempts)
-        if outcome.balanced or not waiting:
-            break
-        start, switches = None, settings.switches
-    _, residual, imbalance, length_error, _ = (float(mark) for mark in run.state.marks)
+    with Clock() as clock:
+        while True:
+            if start is None:
+                start, note = rough_shape(problem, *waiting.pop(0), settings.rough_steps)
+                attempts.append(note)
+            outcome = run.from_start(start, tolerance, switches, attempts)
+            if outcome.balanced or not waiting:
+                break
+            start, switches = None, settings.switches
+        spent_ms = clock.ms
+    state = run.state
     report = NewtonReport(
         method=METHOD,
         outcome=outcome,
         iterations=run.iterations,
-        residual=residual,
-        imbalance=imbalance,
-        length_error=length_error,
-        solve_ms=1e3 * (perf_counter() - started),
+        residual=state.residual,
+        imbalance=state.imbalance,
+        length_error=state.length_error,
+        solve_ms=spent_ms,
         attempts=tuple(attempts),
         history=tuple(run.history),
     )
-    state = run.state
-    if not outcome.converged:
-        nothing = np.full_like(state.position, np.nan), np.full_like(state.density, np.nan)
-        return Solution(*nothing, state.share.copy(), report)
-    return Solution(state.position.copy(), state.density * state.length, state.share.copy(), report)
+    return Solution.ended(report, state.position, state.density * state.length, state.share)
 
 
 def negative_pivots(problem: Problem, solution: Solution, prepared: Prepared) -> int:
@@ -171,33 +165,6 @@ def negative_pivots(problem: Problem, solution: Solution, prepared: Prepared) ->
     return negative + int(turned) if negative >= 0 else -1
 
 
-def _seconds_to_compile(problem: Problem, prepared: Prepared, settings: NewtonSettings) -> float:
-    """Have the kernels compiled or read from the cache, and tell the time, which is no part of a solve's."""
-    system = prepared.system
-    if (advance_banded if isinstance(system, BandedSystem) else kernels.simplified_move).overloads:
-        return 0.0
-    started = perf_counter()
-    if settings.rough_starts:
-        rough_shape(problem, np.inf, 30.0, 0)
-    run = _Run(problem, prepared, settings, None)
-    run.tension = run.switch = 1.0
-    structure, loading, state, step = run.structure, run.loading, run.state, prepared.step
-    solved = step.solved[:1]
-    compile_kernel(measure, structure, loading, 1.0, 1.0, 0.0, state)
-    compile_kernel(passed_through_itself, state.position, structure, loading.catch)
-    if isinstance(system, BandedSystem):
-        compile_kernel(advance_banded, system.arrays, *run.arguments(0.0, 0.0))
-    else:
-        compile_kernel(kernels.linearise, structure, loading, prepared.pattern, 1.0, 0.0, 0.0, state, step)
-        compile_kernel(kernels.finish_step, structure, state, state, solved, step)
-        compile_kernel(kernels.simplified_move, solved, 1.0, step)
-        compile_kernel(correct, step.past, 1, state.length, 1.0, step.move, step.change)
-        compile_kernel(keep, step.past, 0, state.length, 1.0, step.move, step.change)
-        compile_kernel(within, state, run.arguments(0.0, 0.0)[6])
-        compile_kernel(kernels.take, structure, loading, 1.0, 1.0, 0.0, 1.0, state, state, step, state)
-    return perf_counter() - started
-
-
 class _Run:
     """Iterations from a start to wherever they get."""
 
@@ -220,7 +187,7 @@ class _Run:
             outcome = self.to_equilibrium(tolerance, start, switch)
             attempts.append(
                 f"{METHOD} with {self.prepared.system.name}, switch {switch:g}: {self.iterations - before} iterations, "
-                f"residual {self.state.marks[1]:.1e}. {outcome.value}"
+                f"residual {self.state.residual:.1e}. {outcome.value}"
             )
             if outcome.balanced or outcome is Outcome.NOT_FINITE:
                 break
@@ -229,21 +196,22 @@ class _Run:
     def to_equilibrium(self, tolerance: float, start: Solution | None, switch: float) -> Outcome:
         """Iterate until residual, axial imbalance and length error are within their tolerances."""
         if start is not None and not (np.isfinite(start.positions).all() and np.isfinite(start.bar_tension).all()):
-            self.state.marks[:] = np.inf  # a relaxation that lost its footing is no start
+            # a relaxation that lost its footing is no start
+            self.state.marks[:] = (np.inf, np.inf, np.inf, np.inf, 0.0)
             return Outcome.NOT_FINITE
         self._set_start(start, switch)
         settings, shift = self.settings, 0.0
         kept = settings.keeps_factors and self.prepared.system.ready
         first, last = (self.iterations + n for n in (settings.least_iterations, settings.iterations_allowed))
         while True:
-            merit, residual, imbalance, length_error, fits = self.state.marks
-            error = float(max(residual, imbalance))
-            if not np.isfinite(merit) or not np.isfinite(error):
+            (marks,) = self.state.marks
+            error = float(max(marks["residual"], marks["imbalance"]))
+            if not np.isfinite(marks["merit"]) or not np.isfinite(error):
                 return Outcome.NOT_FINITE
             self.history.append(error)
             if self.progress is not None:
                 self.progress(METHOD, error)
-            if error <= tolerance and length_error <= LENGTH_TOLERANCE and self.iterations >= first:
+            if error <= tolerance and marks["length_error"] <= LENGTH_TOLERANCE and self.iterations >= first:
                 lowest = float((self.state.density * self.state.length).min(initial=0.0))
                 if lowest < -ROUND_OFF * self.tension:
                     return Outcome.COMPRESSED
@@ -253,7 +221,7 @@ class _Run:
                     continue
                 if passed_through_itself(self.state.position, self.structure, self.problem.loading.catch):
                     return Outcome.PASSED_THROUGH
-                return Outcome.CONVERGED if fits else Outcome.OVERFULL
+                return Outcome.CONVERGED if marks["fits"] else Outcome.OVERFULL
             if self.iterations >= last:
                 return Outcome.STEPS_SPENT
             self.iterations += 1
@@ -287,27 +255,32 @@ class _Run:
     def _measure(self) -> None:
         measure(self.structure, self.loading, self.tension, self.switch, 0.0, self.state)
 
-    def arguments(self, shift: float, tolerance: float, fresh: bool = True) -> tuple:
-        """What ``advance`` takes after the linear system."""
-        settings = self.settings
-        limits = Limits(
-            settings.largest_turn,
-            settings.shortest_step,
-            CLEAR_GAIN,
-            self.prepared.system.worthwhile_gain,
-            tolerance,
-            LENGTH_TOLERANCE,
-        )
-        fixed = self.structure, self.loading, self.prepared.pattern, self.tension, self.switch
-        return *fixed, shift, limits, self.state, self.first, self.second, self.prepared.step, fresh
-
     def _advance(self, shift: float, tolerance: float, fresh: bool = True) -> bool:
         """Take one step with the tangent shifted; False if no good one was found."""
-        system = self.prepared.system
+        system, settings = self.prepared.system, self.settings
+        iteration = Iteration(
+            structure=self.structure,
+            loading=self.loading,
+            pattern=self.prepared.pattern,
+            tension=self.tension,
+            switch=self.switch,
+            limits=Limits(
+                settings.largest_turn,
+                settings.shortest_step,
+                CLEAR_GAIN,
+                system.worthwhile_gain,
+                tolerance,
+                LENGTH_TOLERANCE,
+            ),
+            state=self.state,
+            first=self.first,
+            second=self.second,
+            step=self.prepared.step,
+        )
         if isinstance(system, BandedSystem):
-            where, negative = advance_banded(system.arrays, *self.arguments(shift, tolerance, fresh))
+            where, negative = advance_banded(system.arrays, iteration, shift, fresh)
         else:
-            where, negative = advance(system, *self.arguments(shift, tolerance, fresh))
+            where, negative = advance(system, iteration, shift, fresh)
         self.singular = negative == -1
         if where == IN_FIRST:
             self.state, self.first = self.first, self.state

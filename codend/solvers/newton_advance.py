@@ -23,7 +23,7 @@ FAILED, IN_FIRST, IN_SECOND = range(3)
 """Where the new state is: nowhere, or in the first or second of the spare states."""
 
 
-NEARBY = 1e-4
+NEARBY = 2.5e-5
 """Residual up to which a step with negative pivots is made if it is a good one: where a bag turns about its axis for
 nothing a pivot is 0 but for round-off, of either sign, and in steps that are shifted it crawls."""
 
@@ -61,29 +61,34 @@ def _solve_compiled(system, right, solution):  # type: ignore[no-untyped-def]
     return lambda system, right, solution: solve_band(system.rows, system.unknown, right, solution)
 
 
+class Iteration(NamedTuple):
+    """What a step reads, and where it writes."""
+
+    structure: Structure
+    loading: Loading
+    pattern: Pattern
+    tension: float
+    """Reference tension, N."""
+    switch: float
+    """Weight of the test for taut bars (``newton_state.measure``)."""
+    limits: Limits
+    state: State
+    """Where the step starts."""
+    first: State
+    second: State
+    """Spare states: one of them will be where it ends."""
+    step: Step
+
+
 @njit(cache=True, error_model="numpy")
 def within(state: State, limits: Limits) -> bool:
     """Whether a state is an equilibrium to the tolerances."""
-    marks = state.marks
-    return max(marks[1], marks[2]) <= limits.tolerance and marks[3] <= limits.length_tolerance
+    marks = state.marks[0]
+    return max(marks.residual, marks.imbalance) <= limits.tolerance and marks.length_error <= limits.length_tolerance
 
 
-def advance(
-    system: LinearSystem | Band,
-    structure: Structure,
-    loading: Loading,
-    pattern: Pattern,
-    tension: float,
-    switch: float,
-    shift: float,
-    limits: Limits,
-    state: State,
-    first: State,
-    second: State,
-    step: Step,
-    fresh: bool,
-) -> tuple[int, int]:
-    """Take a step from ``state`` with the tangent shifted, shortened as far as need be.
+def advance(system: LinearSystem | Band, iteration: Iteration, shift: float, fresh: bool) -> tuple[int, int]:
+    """Take a step from a state with the tangent shifted, shortened as far as need be.
 
     Unless ``fresh``, the factors that the system holds stand for those of the tangent, which is near to theirs.
 
@@ -92,10 +97,13 @@ def advance(
     Returns:
         where the new state is, and the number of negative pivots, -1 if the tangent was singular.
     """
+    structure, loading, pattern, limits = iteration.structure, iteration.loading, iteration.pattern, iteration.limits
+    tension, switch, step = iteration.tension, iteration.switch, iteration.step
+    state, first, second = iteration.state, iteration.first, iteration.second
     sides = linearise(structure, loading, pattern, tension, shift, 0.0, state, step)
     right, solved = step.right, step.solved[:sides]
     negative = factorise(system, step.blocks) if fresh else 0
-    if negative < 0 or (negative > 0 and state.marks[1] > NEARBY):
+    if negative < 0 or (negative > 0 and state.marks[0]["residual"] > NEARBY):
         return FAILED, negative
     solve(system, right[:sides], solved)
     length, turn, determinant = finish_step(structure, state, state, solved, step)
@@ -105,7 +113,7 @@ def advance(
     solved_there = False
     while True:
         take(structure, loading, tension, switch, 0.0, size, state, state, step, first)
-        gain = first.marks[0] / state.marks[0]
+        gain = first.marks[0]["merit"] / state.marks[0]["merit"]
         if gain <= limits.clear_gain:
             break
         if negative > 0:
@@ -136,7 +144,7 @@ def advance(
         if not correct(past, count, state.length, tension, step.move, step.change):
             break
         take(structure, loading, tension, switch, 0.0, 1.0, state, there, step, new)
-        last_gain, gain = gain, new.marks[0] / there.marks[0]
+        last_gain, gain = gain, new.marks[0]["merit"] / there.marks[0]["merit"]
         if gain < 1.0 or gain * last_gain <= limits.worthwhile_gain**2:
             there, new, where = new, there, IN_FIRST + IN_SECOND - where
     return where, 0

@@ -3,9 +3,11 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
+from typing import Any, Protocol
 
 import numpy as np
 
+from codend.mechanics.problem import Problem
 from codend.net.net import Floats
 
 Progress = Callable[[str, float], None]
@@ -48,7 +50,7 @@ class SolverReport:
     outcome: Outcome
     iterations: int
     residual: float
-    """Largest out-of-balance force of a free node over the resultant of the loads."""
+    """Largest out-of-balance force of a free node over the sizes of loads and tensions (``balance.out_of_balance``)."""
     imbalance: float
     """Axial sum of the out-of-balance forces of all free nodes over the same."""
     length_error: float
@@ -56,6 +58,31 @@ class SolverReport:
     solve_ms: float
     attempts: tuple[str, ...] = ()
     """Everything that was tried, in order, a line each."""
+
+
+class Solver(Protocol):
+    """What every solver is: from a problem, and a start if there is one, to a solution that says how it ended."""
+
+    def __call__(
+        self,
+        problem: Problem,
+        tolerance: float,
+        start: "Solution | None" = None,
+        settings: Any = ...,
+        progress: Progress | None = None,
+    ) -> "Solution":
+        """Equilibrium of a net.
+
+        Args:
+            problem: the net under its loads.
+            tolerance: largest residual and axial imbalance (``balance.out_of_balance``).
+            start: positions and tensions to start from; without one the shape in which the net was built.
+            settings: the solver's own.
+            progress: told the residual now and then.
+
+        Returns:
+            A solution; of a solve that failed, positions and tensions that are nan, and what it tried.
+        """
 
 
 @dataclass(frozen=True)
@@ -69,6 +96,13 @@ class Solution:
     share: Floats
     """Share of each band that lies in the catch, (bands,)."""
     report: SolverReport
+
+    @classmethod
+    def ended(cls, report: SolverReport, positions: Floats, bar_tension: Floats, share: Floats) -> "Solution":
+        """What a solver returns: copies of these; of a solve that failed, positions and tensions that are nan."""
+        if not report.outcome.converged:
+            positions, bar_tension = np.full_like(positions, np.nan), np.full_like(bar_tension, np.nan)
+        return cls(positions.copy(), bar_tension.copy(), share.copy(), report)
 
     @property
     def front_row(self) -> float:

@@ -11,21 +11,17 @@ drag it does for ever. So once the catch is all there the net is stopped wheneve
 """
 
 from dataclasses import dataclass
-from time import perf_counter
 
 import numpy as np
 
-from codend.mechanics import rigid
 from codend.mechanics.balance import out_of_balance
 from codend.mechanics.bars import add_bar_forces, bar_lengths, length_error
-from codend.mechanics.catch_front import fill
-from codend.mechanics.compiling import compile_kernel
 from codend.mechanics.crossing import passed_through_itself
-from codend.mechanics.loads import add_bound, add_moving_force
 from codend.mechanics.problem import Problem
+from codend.mechanics.weight import GRAVITY_M_S2
 from codend.net.net import Floats
+from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE
-from codend.solvers.linear_systems import factorise_band, solve_band
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 from codend.solvers.rigid_motion import RigidMotion
 
@@ -75,33 +71,35 @@ class RigidBarsReport(SolverReport):
 def solve(
     problem: Problem,
     tolerance: float,
+    start: Solution | None = None,
     settings: RigidBarsSettings = RigidBarsSettings(),
     progress: Progress | None = None,
 ) -> Solution:
-    """Equilibrium of a net, from the positions it was built with; a solve that fails returns nan, and why.
+    """Equilibrium of a net, from the positions it was built with or those of a start; see ``Solver``.
 
     Args:
         problem: the net under its loads; its bars must be inextensible and have mass, their own or the water's.
-        tolerance: largest residual and axial imbalance over the resultant of the loads.
+        tolerance: largest residual and axial imbalance.
+        start: where the motion starts from rest.
         settings: see ``RigidBarsSettings``.
         progress: told the residual now and then (infinite until the net has come to rest for the first time).
     """
-    compile_kernels(problem)
-    started = perf_counter()
     attempts: list[str] = []
     steps, safety = 0, SAFETY
-    for _ in range(1 if settings.time_step_s is not None else settings.restarts + 1):
-        run = _Run(problem, settings, safety, progress)
-        outcome = run.to_rest(tolerance)
-        steps += run.steps
-        mean_step = run.time_s / run.steps if run.steps else 0.0
-        attempts.append(
-            f"{METHOD}, time step {mean_step:.1e} s: {run.steps} steps, {run.time_s:.3g} s of motion, "
-            f"{run.stops} stops, drift up to {run.largest_drift:.1e}, residual {run.residual:.1e}. {outcome.value}"
-        )
-        if outcome is not Outcome.NOT_FINITE or run.steps == 0:
-            break
-        safety *= 0.5
+    with Clock() as clock:
+        for _ in range(1 if settings.time_step_s is not None else settings.restarts + 1):
+            run = _Run(problem, start, settings, safety, progress)
+            outcome = run.to_rest(tolerance)
+            steps += run.steps
+            mean_step = run.time_s / run.steps if run.steps else 0.0
+            attempts.append(
+                f"{METHOD}, time step {mean_step:.1e} s: {run.steps} steps, {run.time_s:.3g} s of motion, "
+                f"{run.stops} stops, drift up to {run.largest_drift:.1e}, residual {run.residual:.1e}. {outcome.value}"
+            )
+            if outcome is not Outcome.NOT_FINITE or run.steps == 0:
+                break
+            safety *= 0.5
+        spent_ms = clock.ms
     report = RigidBarsReport(
         method=METHOD,
         outcome=outcome,
@@ -109,7 +107,7 @@ def solve(
         residual=run.residual,
         imbalance=run.imbalance,
         length_error=run.length_error,
-        solve_ms=1e3 * (perf_counter() - started),
+        solve_ms=spent_ms,
         attempts=tuple(attempts),
         motion_s=run.time_s,
         time_step_s=mean_step,
@@ -117,48 +115,27 @@ def solve(
         rms_speed_m_s=run.speed,
         stops=run.stops,
     )
-    if not outcome.converged:
-        nothing = np.full_like(problem.net.positions, np.nan), np.full(len(problem.net.bars), np.nan)
-        return Solution(*nothing, run.motion.share.copy(), report)
-    return Solution(run.motion.position.copy(), run.tension, run.motion.share.copy(), report)
-
-
-def compile_kernels(problem: Problem) -> None:
-    """Have the kernels compiled or read from the cache, so that the time of a solve is that of the solve alone."""
-    if rigid.stable_time_step.overloads:
-        return
-    structure, loading = problem.structure, problem.loading
-    # only their types count
-    integers, numbers = np.zeros(1, dtype=np.int32), np.zeros(1)
-    vectors, tensors = np.zeros((1, 3)), np.zeros((1, 3, 3))
-    pattern = rigid.RigidPattern(*[integers] * len(rigid.RigidPattern._fields))
-    compile_kernel(rigid.length_gradients, vectors, structure, vectors, numbers)
-    compile_kernel(rigid.inverse_masses, pattern, structure.free, vectors, numbers, numbers, numbers, tensors)
-    compile_kernel(rigid.tension_system, pattern, vectors, tensors, integers, numbers)
-    compile_kernel(rigid.accelerations, tensors, vectors, vectors)
-    compile_kernel(rigid.lengthening, structure, vectors, vectors, numbers)
-    compile_kernel(rigid.add_pulls, structure, vectors, numbers, vectors)
-    compile_kernel(rigid.kinetic_energy, structure, vectors, numbers, numbers, numbers, vectors)
-    compile_kernel(rigid.stable_time_step, structure, loading, vectors, numbers, numbers, numbers, numbers, vectors)
-    compile_kernel(factorise_band, numbers, integers.astype(np.int64), vectors)
-    compile_kernel(solve_band, vectors, integers[:, None], tensors, tensors)
-    compile_kernel(fill, vectors, structure, loading.catch, numbers)
-    compile_kernel(add_moving_force, vectors, vectors, structure, loading, numbers, vectors)
-    compile_kernel(add_bound, vectors, structure, loading, numbers, numbers)
-    compile_kernel(add_bar_forces, vectors, structure, numbers, vectors)
-    compile_kernel(bar_lengths, vectors, structure, numbers)
-    compile_kernel(length_error, structure, numbers, numbers)
-    compile_kernel(out_of_balance, structure, vectors, vectors)
-    compile_kernel(passed_through_itself, vectors, structure, loading.catch)
+    return Solution.ended(report, run.motion.position, run.tension, run.motion.share)
 
 
 class _Run:
     """One motion, from the start to wherever it gets."""
 
-    def __init__(self, problem: Problem, settings: RigidBarsSettings, safety: float, progress: Progress | None) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        start: Solution | None,
+        settings: RigidBarsSettings,
+        safety: float,
+        progress: Progress | None,
+    ) -> None:
         self.problem, self.settings, self.safety, self.progress = problem, settings, safety, progress
         still = np.zeros_like(problem.net.positions)
-        self.motion = RigidMotion(problem, problem.net.positions, still, slack=settings.slack)
+        positions = problem.net.positions if start is None else start.positions
+        self.motion = RigidMotion(problem, positions, still, slack=settings.slack)
+        # in still water, the speed of a free fall by a bar's length
+        fall_m_s = np.sqrt(GRAVITY_M_S2 * problem.structure.length.mean())
+        self.flow_m_s = problem.loading.water.fastest or float(fall_m_s)
         self.steps, self.stops = 0, 0
         self.time_s = self.speed = self.largest_drift = 0.0
         self.residual = self.imbalance = self.length_error = np.inf
@@ -196,7 +173,7 @@ class _Run:
             last = self.steps == settings.steps_allowed
             if last or self.steps % LOOK == 0:
                 self.speed, peak_speed = peak_speed, 0.0
-                at_rest = filling == 1.0 and self.speed <= REST_SPEED * self.problem.loading.water.fastest
+                at_rest = filling == 1.0 and self.speed <= REST_SPEED * self.flow_m_s
                 outcome = self._look(tolerance) if at_rest or last else None
                 if self.progress is not None:
                     self.progress(METHOD, float(max(self.residual, self.imbalance)))
@@ -235,5 +212,6 @@ class _Run:
         load = self.motion.force
         force = load.copy()
         add_bar_forces(self.motion.position, self.problem.structure, density, force)
-        residual, imbalance = out_of_balance(self.problem.structure, force, load)
+        tension = float(np.mean(np.abs(density) * self.motion.lengths()))
+        residual, imbalance = out_of_balance(self.problem.structure, force, load, tension)
         return float(residual), float(imbalance)

@@ -1,7 +1,5 @@
 """Rigid bars in time: pendulums and chains in closed form, drift, falling bars, and equilibria of other methods."""
 
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +20,6 @@ from codend.solvers.outcome import Outcome
 from codend.solvers.rigid_bars import RigidBarsSettings
 from codend.solvers.rigid_motion import RigidMotion, simulate
 from codend.studies import study
-from tests import ROOT
 from tests.chains import hanging, pendulum, small_swings
 from tests.plans import make_plan, uniform_plan
 from validation.chains import DENSITY_KG_M3, DIAMETER_M, MASS_PER_METRE, chain
@@ -260,28 +257,6 @@ def test_a_solve_makes_the_steps_it_reports_and_no_others(monkeypatch):
     monkeypatch.setattr(RigidMotion, "step", lambda *arguments: made.append(1) or step(*arguments))
     report = rigid_bars.solve(case_of(make_plan(8, 6, filled=3.0), sectors=1), 1e-5).report
     assert len(made) == report.iterations
-
-
-def test_a_solve_compiles_no_kernel_once_its_time_is_taken():
-    program = """
-from codend.bag.build import build_bag
-from codend.cli.doctor import _kernels
-from codend.bag.loads import problem_of
-from codend.solvers import rigid_bars
-from tests.plans import make_plan
-
-def signatures():
-    return sum(len(kernel.overloads) for kernel in _kernels())
-
-plan = make_plan(8, 6, filled=3.0)
-problem = problem_of(build_bag(plan, sectors=1), plan, plan.cases()[0])
-rigid_bars.compile_kernels(problem)
-compiled = signatures()
-print(rigid_bars.solve(problem, 1e-5).report.outcome.converged, signatures() - compiled)
-"""
-    root = ROOT
-    said = subprocess.run([sys.executable, "-c", program], cwd=root, capture_output=True, text=True, check=True).stdout
-    assert said.split() == ["True", "0"]
 
 
 def test_an_equilibrium_with_bars_in_compression_is_refused():
