@@ -108,13 +108,14 @@ def departure(problem: Problem, positions: np.ndarray, tension: np.ndarray, shar
     resultant = net.order * loads.sum(axis=0)
     if net.order > 1:
         resultant[1:] = 0
-    scale = np.linalg.norm(resultant)
+    mean_tension = np.abs(tension).mean()
+    scale = net.order * np.linalg.norm(loads, axis=1).sum() + mean_tension
     force = np.where(net.fixed, 0.0, loads + bar_pulls(net, positions, tension))
     length = np.array([np.linalg.norm(bar_vector(net, positions, bar)) for bar in range(len(net.bars))])
     stretch = length / net.bar_length - 1.0 - tension * net.bar_flexibility
     return Departure(
         residual=float(np.linalg.norm(force, axis=1).max() / scale),
-        imbalance=float(abs(net.order * force[:, 0].sum()) / scale),
+        imbalance=float(abs(net.order * force[:, 0].sum()) / (np.linalg.norm(resultant) + mean_tension)),
         length_error=float(np.where(tension > 0, np.abs(stretch), stretch).max()),
         compression=float(max(0.0, -tension.min()) / max(tension.max(), 1e-300)),
         drag=float(net.order * loads[:, 0].sum()),

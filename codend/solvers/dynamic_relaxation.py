@@ -27,7 +27,7 @@ ROUGH = 2.5e-3
 TIGHTENING = 0.05
 """Residual asked for between two settings of the multipliers, over the length error at the last."""
 CANCELLED = 1e-6
-"""Resultant of the loads, over the sum of their sizes, under which they cancel."""
+"""Resultant of the loads, over the sum of their sizes, that says nothing of the tensions any more."""
 STEPS_AT_ONCE = 20_000
 """Steps between two looks at the progress."""
 

@@ -238,7 +238,7 @@ def case_of(plan, **options):
 def test_the_motion_ends_at_the_equilibrium_of_dynamic_relaxation(plan, options, slack):
     bag = build_bag(plan, **options)
     problem = problem_of(bag, plan, plan.cases()[0])
-    found = rigid_bars.solve(problem, 1e-5, RigidBarsSettings(slack=slack))
+    found = rigid_bars.solve(problem, 1e-5, settings=RigidBarsSettings(slack=slack))
     expected = dynamic_relaxation.solve(problem, 1e-5)
     report = found.report
     assert report.outcome is Outcome.CONVERGED
@@ -268,7 +268,7 @@ def test_an_equilibrium_with_bars_in_compression_is_refused():
 
 
 def test_too_long_a_time_step_is_reported_and_gives_no_numbers():
-    found = rigid_bars.solve(case_of(make_plan(24, 20), sectors=1), 1e-5, RigidBarsSettings(time_step_s=0.05))
+    found = rigid_bars.solve(case_of(make_plan(24, 20), sectors=1), 1e-5, settings=RigidBarsSettings(time_step_s=0.05))
     assert found.report.outcome is Outcome.NOT_FINITE
     assert np.isnan(found.positions).all()
     with pytest.raises(ArithmeticError, match="smaller dt"):
@@ -286,7 +286,7 @@ def test_lengths_that_rigid_bars_cannot_have_are_refused():
 def test_without_drag_nothing_comes_to_rest_unless_it_is_stopped():
     problem = case_of(uniform_plan(24, 20, 6.0), sectors=1)
     left_alone = RigidBarsSettings(stop_at_peaks=False, steps_allowed=2000)
-    found = rigid_bars.solve(problem, 1e-5, left_alone).report
+    found = rigid_bars.solve(problem, 1e-5, settings=left_alone).report
     assert found.outcome is Outcome.STEPS_SPENT
     assert found.rms_speed_m_s > 1e-3
     assert found.residual > 1e-5

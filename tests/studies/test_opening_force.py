@@ -1,6 +1,7 @@
 """The force that opens a mesh in the net, against other solvers, symmetry, and what must follow from it."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -16,6 +17,7 @@ from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.solve import START
 from codend.errors import InputError
 from codend.solvers import dynamic_relaxation, interior_point, newton
+from codend.solvers.interior_point import InteriorPointSettings
 from codend.solvers.outcome import Outcome, Solution
 from codend.studies import opening_force as pulling
 from codend.studies.opening_force import pull_mesh
@@ -148,7 +150,8 @@ def test_by_default_the_mesh_ahead_of_the_catch_that_needs_most_is_pulled():
 
 
 def test_a_pull_that_fails_has_no_number_and_tells_what_it_tried(monkeypatch):
-    monkeypatch.setattr(interior_point, "STEPS_ALLOWED", 2)
+    hasty = partial(interior_point.solve, settings=InteriorPointSettings(steps_allowed=2))
+    monkeypatch.setattr(interior_point, "solve", hasty)
     plan = make_plan(24, 20, filled=5.0, netting=SOFT)
     pull = pull_mesh(plan, plan.cases()[0], 8.0)
     assert not pull.converged

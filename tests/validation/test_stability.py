@@ -129,7 +129,7 @@ def test_rigid_bars_with_a_fixed_step_are_right_or_fail_honestly_on_both_sides_o
     assert bound < stable
     steps = ((0.5 * bound, ANSWERED), (0.4 * stable, HONEST), (0.6 * stable, HONEST), (1.2 * stable, (Finding.FAILED,)))
     for step, expected in steps:
-        solution = rigid_bars.solve(problem, 1e-5, RigidBarsSettings(time_step_s=step, steps_allowed=2_000))
+        solution = rigid_bars.solve(problem, 1e-5, settings=RigidBarsSettings(time_step_s=step, steps_allowed=2_000))
         assert finding_of(merged, solution, 1e-5) in expected, step
 
 
@@ -222,7 +222,7 @@ def narrow():
 def test_rigid_bars_refuse_a_net_that_has_passed_through_itself(narrow):
     reference, through = narrow
     problem = replace(reference.problem, net=replace(reference.problem.net, positions=through))
-    solution = rigid_bars.solve(problem, 1e-5, RigidBarsSettings(ramp_s=0.0))
+    solution = rigid_bars.solve(problem, 1e-5, settings=RigidBarsSettings(ramp_s=0.0))
     assert solution.report.outcome is Outcome.PASSED_THROUGH
     assert finding_of(reference, solution, 1e-5) is Finding.FAILED
 

@@ -137,7 +137,7 @@ def rigid_bars_map(quick: bool) -> StabilityMap:
         return solved(near, RigidBarsSettings(time_step_s=dt_ms / 1e3, steps_allowed=STEPS, ramp_s=0.0), g)
 
     def solved(problem: Problem, settings: RigidBarsSettings, g: float) -> tuple[Solution, Judgement]:
-        solution = rigid_bars.solve(problem, TOLERANCE, settings)
+        solution = rigid_bars.solve(problem, TOLERANCE, settings=settings)
         return solution, judge(references[g], solution, TOLERANCE)
 
     panels = (
