@@ -38,13 +38,14 @@ class PageFigure:
         return "data:image/png;base64," + base64.b64encode(self.png).decode("ascii")
 
 
-def page_html(study: Study, figures: Sequence[PageFigure]) -> str:
+def page_html(study: Study, figures: Sequence[PageFigure], run: str = "") -> str:
     """The page as HTML, everything from the plan escaped.
 
     Args:
         study: what to write about, solved or not.
         figures: the first stands at the top of the page, the others after the table of results; none if nothing was
             solved.
+        run: name of the run, as ``run.json`` has it; "" where the page stands alone.
     """
     from jinja2 import Environment, StrictUndefined
 
@@ -53,7 +54,8 @@ def page_html(study: Study, figures: Sequence[PageFigure]) -> str:
     plan = study.plan
     return template.render(
         title=plan.title,
-        summary=f"{_count(len(study.cases), 'case')}; written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}.",
+        summary=f"{_count(len(study.cases), 'case')}; written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}"
+        + (f"; run {run}, as run.json beside its tables says." if run else "."),
         notes=notes(study),
         fidelity=FIDELITIES.get(study.choice.fidelity, study.choice.fidelity),
         why=study.choice.why,

@@ -1,6 +1,5 @@
 """Everything a study leaves in its folder."""
 
-import re
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
@@ -8,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from codend.io.files import COMPARISON_FILES, SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_table
+from codend.io.files import whole_file, write_table, write_text
 from codend.plan.copy import plan_toml
 from codend.plan.plan import Plan
 from codend.report.drag_plot import drag_plot
@@ -18,9 +17,11 @@ from codend.report.plots import catch_text, opening_force_plot, opening_plot, pr
 from codend.report.style import number_text, png
 from codend.report.vtk import write_vtu
 from codend.studies.case_result import CaseResult
+from codend.studies.run_record import RECORD, TABLES, inputs_of, remove_run, write_record
 from codend.studies.study import Study, StudyProgress
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.figure import Figure
 
 
@@ -82,7 +83,7 @@ def files_of(plan: Plan) -> list[str]:
     """Every file that ``write_report`` may write of a plan, relative to its folder."""
     nets = [f"net_{case.number}.vtu" for case in plan.cases()]
     plots = [f"plots/{plot.name}.png" for plot in PLOTS]
-    return ["plan.toml", "results.csv", "profile.csv", "meshes.csv", *plots, *nets, "report.html"]
+    return ["plan.toml", *TABLES, RECORD, *plots, *nets, "report.html"]
 
 
 def write_report(study: Study, folder: Path, progress: StudyProgress | None = None) -> list[Path]:
@@ -90,9 +91,9 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
 
     ``plan.toml``, the plan as it was solved; ``results.csv`` and ``profile.csv``; ``meshes.csv`` for nets without
     symmetry; ``net_<case>.vtu`` for every solved case; ``plots/*.png`` when a case was solved; ``report.html``. Each
-    file appears whole or not at all. Files of these names from an earlier study that this one has nothing to put into
-    are removed, and so is what ``codend selectivity`` and ``codend compare`` made of that study, so that all that is
-    there belongs together.
+    file appears whole or not at all. What an earlier study left goes first, its page before all else, and so does what
+    ``codend selectivity`` and ``codend compare`` made of it; ``run.json``, with digests of the tables, comes after
+    these, and the page comes last and bears its name: whatever ends the writing, a page is of the tables beside it.
 
     Args:
         study: what to write; its cases that were not solved are listed as such, without numbers.
@@ -112,12 +113,20 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
         _write_bytes(figures[plot.name].png, path)
 
     def write_page(path: Path) -> None:
-        _write_bytes(page_html(study, list(figures.values())).encode(), path)
-
-    def write_plan(path: Path) -> None:
-        _write_bytes(plan_toml(study.plan).encode(), path)
+        write_text(page_html(study, list(figures.values()), run), path)
 
     folder.mkdir(parents=True, exist_ok=True)
+    copy = plan_toml(study.plan)
+    remove_run(folder, but_tables_of=copy)
+    tables = {"results.csv": study.table, "profile.csv": study.profile, "meshes.csv": study.meshes}
+    written = [folder / "plan.toml", *(folder / name for name, table in tables.items() if _is_written(name, table))]
+    for name in {*tables} - {path.name for path in written}:
+        (folder / name).unlink(missing_ok=True)
+    write_text(copy, written[0])
+    for path in written[1:]:
+        write_table(tables[path.name], path)
+    run = write_record(folder, inputs_of(study.plan))
+    written.append(folder / RECORD)
     # VTK files take compression for the most part, which lets this thread make tables and plots; then it helps
     beside = ThreadPoolExecutor(1)
     try:
@@ -125,13 +134,7 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
         for result in solved(study):
             path = folder / f"net_{result.case.number}.vtu"
             nets[path] = partial(_finish_vtu, beside.submit(write_vtu, result, path), result)
-        writers: dict[Path, Callable[[Path], None]] = {
-            folder / "plan.toml": write_plan,
-            folder / "results.csv": partial(write_table, study.table),
-            folder / "profile.csv": partial(write_table, study.profile),
-        }
-        if not study.meshes.empty:
-            writers[folder / "meshes.csv"] = partial(write_table, study.meshes)
+        writers: dict[Path, Callable[[Path], None]] = {}
         if solved(study):
             drawn = [plot for plot in PLOTS if plot.fits(study)]
             writers |= {folder / "plots" / f"{plot.name}.png": partial(write_plot, plot) for plot in drawn}
@@ -144,8 +147,12 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
             write(path)
     finally:
         beside.shutdown(cancel_futures=True)  # of files not yet begun when one cannot be written
-    _remove_leftovers(folder, set(writers))
-    return list(writers)
+    return [*written, *writers]
+
+
+def _is_written(name: str, table: "pd.DataFrame") -> bool:
+    """All tables but that of the meshes are there even when they are empty."""
+    return name != "meshes.csv" or not table.empty
 
 
 def _finish_vtu(writing: "Future[None]", result: CaseResult, path: Path) -> None:
@@ -159,12 +166,3 @@ def _finish_vtu(writing: "Future[None]", result: CaseResult, path: Path) -> None
 def _write_bytes(content: bytes, path: Path) -> None:
     with whole_file(path) as temporary:
         temporary.write_bytes(content)
-
-
-def _remove_leftovers(folder: Path, written: set[Path]) -> None:
-    nets = [path for path in folder.glob("net_*.vtu") if re.fullmatch(r"net_\d+\.vtu", path.name)]
-    plots = [folder / "plots" / f"{plot.name}.png" for plot in PLOTS]
-    plots += (folder / "plots").glob("selectivity_*.png")
-    derived = [folder / name for name in (*SELECTIVITY_TABLES, *TRIAL_TABLES, *COMPARISON_FILES)]
-    for path in {*nets, *plots, *derived, folder / "meshes.csv"} - written:
-        path.unlink(missing_ok=True)
