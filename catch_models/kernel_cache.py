@@ -84,7 +84,7 @@ def _is_of_another_version(index: bytes) -> bool:
     return isinstance(version, str) and version != _FORMAT
 
 
-class _Files(IndexDataCacheFile):  # type: ignore[misc] # numba has no types
+class _Files(IndexDataCacheFile):
     """Index and data files of one function, each closed by a digest."""
 
     def __init__(self, cache_path: str, filename_base: str, source_stamp: object) -> None:
@@ -118,7 +118,7 @@ class _Files(IndexDataCacheFile):  # type: ignore[misc] # numba has no types
             file.write(sha256(content.getvalue()).digest())
 
 
-class _Cache(FunctionCache):  # type: ignore[misc] # numba has no types
+class _Cache(FunctionCache):
     """The cache of one function: what cannot be read is compiled anew, what cannot be written is done without."""
 
     def __init__(self, function: Callable[..., Any]) -> None:

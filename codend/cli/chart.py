@@ -53,7 +53,7 @@ def chart(plan: str, folder: Path, number: int, quick: bool, changes: tuple[str,
             click.echo(f"codend: {error}", err=True)
             return NOT_CONVERGED
     chosen = choices(measured)
-    with written_into(folder):
+    with written_into(folder, ("chart.csv", "chart_choices.csv", *pictures.values())):
         write_table(measured.points, folder / "chart.csv")
         write_table(chosen, folder / "chart_choices.csv")
         for short, picture in pictures.items():

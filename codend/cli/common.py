@@ -10,8 +10,16 @@ import click
 
 from codend.errors import InputError
 
-BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 2, 3, 130
-"""Exit statuses; 0 is success."""
+NO_MEANS, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 1, 2, 3, 130
+"""Exit statuses; 0 is success, 1 want of memory or of an output that can be written."""
+
+
+class Stopped(click.ClickException):
+    """Work that ended early, with what is left of it in one line."""
+
+    def __init__(self, message: str, status: int) -> None:
+        super().__init__(message)
+        self.status = status
 
 
 class SeveralPairs(click.Command):

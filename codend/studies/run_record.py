@@ -62,6 +62,15 @@ def why_not_done(folder: Path, inputs: Mapping[str, str]) -> str | None:
     return None if (folder / "plan.toml").is_file() else "plan.toml is missing"
 
 
+def unfinished(folder: Path) -> str | None:
+    """How many cases a folder holds of a run that did not end, in words; None where it holds no such run."""
+    table = folder / "results.csv"
+    if (folder / RECORD).exists() or (folder / "report.html").exists() or not table.is_file():
+        return None
+    count = table.read_bytes().count(b"\n") - 1
+    return "1 case" if count == 1 else f"{count} cases"
+
+
 def remove_run(folder: Path, but_tables_of: str | None = None) -> None:
     """Remove an earlier run, its page first and its tables last, and what other commands made of it.
 

@@ -6,12 +6,13 @@ import signal
 import pandas as pd
 import pytest
 
+import codend.studies.run_record
 import codend.studies.sweep
 from codend.errors import InputError
 from codend.plan.copy import plan_toml
 from codend.plan.plan import load_plan
 from codend.studies.study import solve
-from codend.studies.sweep import runs_of, solve_runs
+from codend.studies.sweep import runs_of, solve_runs, why_again
 from tests.cli.test_cli import TINY_PLAN, assert_refused, codend_cli
 
 VARY = ["netting.0.bar_mm=[40.0, 50.0]", "catch.filled_meshes=[[4], [4, 8]]"]
@@ -78,7 +79,7 @@ def test_a_shorter_sweep_removes_the_runs_of_a_longer_one_and_nothing_else(plan,
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("not of this sweep", encoding="utf-8")
     solve_runs(short, tmp_path)
-    own = {runs / "001" / name for name in ("plan.toml", "results.csv", "profile.csv")}
+    own = {runs / "001" / name for name in ("plan.toml", "results.csv", "profile.csv", "run.json")}
     assert {path for path in runs.rglob("*") if path.is_file()} == {*stays, *own}
     assert {path.name for path in runs.iterdir()} == {"001", "003", "010", "011", "mine"}
 
@@ -91,13 +92,46 @@ def test_an_interrupted_shorter_sweep_removes_nothing_yet(plan, tmp_path, monkey
     assert (tmp_path / "runs" / "002" / "results.csv").is_file()
 
 
-def test_a_run_whose_results_were_cut_short_is_refused(plan, tmp_path):
+def cut(path):
+    path.write_bytes(path.read_bytes()[:-20])
+
+
+def lose_a_case(path):
+    path.write_text("".join(path.read_text(encoding="utf-8").splitlines(keepends=True)[:-1]), encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("file", "damage", "word"),
+    [
+        ("results.csv", cut, "results.csv is not as it was written"),
+        ("results.csv", lose_a_case, "results.csv is not as it was written"),
+        ("profile.csv", lambda path: path.unlink(), "profile.csv is missing"),
+        ("plan.toml", lambda path: path.unlink(), "plan.toml is missing"),
+        ("run.json", lambda path: path.unlink(), "it did not end"),
+        ("run.json", cut, "run.json cannot be read"),
+        ("run.json", lambda path: path.write_text("[]"), "run.json cannot be read"),
+        ("cp.csv", lambda path: path.write_text("angle_deg,cp\n0,1\n90,-1\n180,0.2\n"), "cp.csv has changed"),
+    ],
+)
+def test_a_run_that_is_not_whole_and_of_these_inputs_is_solved_again_with_a_word(file, damage, word, plan, tmp_path):
+    (tmp_path / "cp.csv").write_text("angle_deg,cp\n0,1\n90,-0.5\n180,0.4\n", encoding="utf-8")
+    runs = runs_of(plan, VARY[:1], ['catch.sphere_cp_csv="cp.csv"'])
+    before = solve_runs(runs, tmp_path)
+    assert why_again(runs, tmp_path) == {}
+    second = tmp_path / "runs" / "002"
+    damage(tmp_path / file if file == "cp.csv" else second / file)
+    assert why_again(runs, tmp_path) == {word: [1, 2] if file == "cp.csv" else [2]}
+    after = solve_runs(runs, tmp_path)
+    assert why_again(runs, tmp_path) == {}
+    same = after.drop(columns="solve_ms").equals(before.drop(columns="solve_ms"))
+    assert same == (file != "cp.csv")
+
+
+def test_a_run_of_another_program_is_solved_again(plan, tmp_path, monkeypatch):
     runs = runs_of(plan, VARY[:1])
     solve_runs(runs, tmp_path)
-    results = tmp_path / "runs" / "002" / "results.csv"
-    results.write_text(results.read_text(encoding="utf-8")[:-20], encoding="utf-8")
-    with pytest.raises(InputError, match=re.escape(f"{results}: line 3 has ")):
-        solve_runs(runs, tmp_path)
+    monkeypatch.setattr(codend.studies.run_record, "program", lambda: "codend 0.0.9, 123456789abc")
+    assert why_again(runs, tmp_path) == {"the program has changed": [1, 2]}
 
 
 def test_the_plan_beside_a_run_is_the_one_that_was_solved(plan, tmp_path):
