@@ -234,6 +234,7 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
     from codend.io.run_tables import read_run_table
     from codend.plan.plan import load_plan
     from codend.report.comparison_plot import comparison_figure
+    from codend.report.own_look import own_look
     from codend.report.style import png
     from codend.studies.comparison import Hoop, read_flume_table
     from codend.studies.comparison import compare as compare_with
@@ -249,7 +250,7 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
         points, summary, picture = (folder / name for name in COMPARISON_FILES)
         write_table(comparison.points, points)
         write_table(comparison.summary, summary)
-        with whole_file(picture) as temporary:
+        with whole_file(picture) as temporary, own_look():
             temporary.write_bytes(png(comparison_figure(comparison)))
     _print_comparison(comparison)
 

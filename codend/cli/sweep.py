@@ -39,6 +39,7 @@ def sweep(plan: str, folder: Path, vary: tuple[str, ...], changes: tuple[str, ..
     that the plan names or the run's tables have changed. Runs that a longer sweep left in DIR/runs are removed.
     """
     from codend.io.files import whole_file, write_table
+    from codend.report.own_look import own_look
     from codend.report.style import png
     from codend.report.sweep_plot import sweep_figure
     from codend.studies.sweep import files_of, runs_of, solve_runs, why_again
@@ -51,7 +52,7 @@ def sweep(plan: str, folder: Path, vary: tuple[str, ...], changes: tuple[str, ..
     with shown_progress() as progress, written_into(folder, ("sweep.csv", "sweep.png")):
         table = solve_runs(runs, folder, processes, progress)
         write_table(table, folder / "sweep.csv")
-        with whole_file(folder / "sweep.png") as temporary:
+        with whole_file(folder / "sweep.png") as temporary, own_look():
             temporary.write_bytes(png(sweep_figure(table, {run.number: run.label for run in runs})))
     keys = list(runs[0].values)
     summary = table.groupby(["run", *keys], sort=False).agg(**SUMMARY).reset_index()

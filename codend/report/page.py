@@ -12,6 +12,7 @@ from codend.plan.copy import plan_toml
 from codend.plan.plan import Plan
 from codend.report.drag_plot import drag_plot
 from codend.report.html import PageFigure, page_html
+from codend.report.own_look import own_look
 from codend.report.picture import net_picture
 from codend.report.plots import catch_text, opening_force_plot, opening_plot, profiles_plot, solved, tension_plot
 from codend.report.style import number_text, png
@@ -21,7 +22,6 @@ from codend.studies.run_record import RECORD, TABLES, inputs_of, remove_run, wri
 from codend.studies.study import Study, StudyProgress
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 
@@ -107,6 +107,8 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
         OSError: a file cannot be written.
     """
     figures: dict[str, PageFigure] = {}
+    begun: dict[int, Future[None]] = {}
+    run = ""
 
     def write_plot(plot: Plot, path: Path) -> None:
         figures[plot.name] = PageFigure(png(plot.draw(study)), plot.caption(study))
@@ -115,52 +117,50 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
     def write_page(path: Path) -> None:
         write_text(page_html(study, list(figures.values()), run), path)
 
+    def write_run(_: Path) -> None:
+        nonlocal run
+        run = write_record(folder, inputs_of(study.plan))
+        # VTK files take compression for the most part, which lets this thread make plots; then it helps
+        for result in solved(study):
+            begun[result.case.number] = beside.submit(write_vtu, result, net_path(result))
+
+    def write_net(result: CaseResult, path: Path) -> None:
+        """Wait for the file when another thread has begun it, or write it here."""
+        if begun[result.case.number].cancel():
+            write_vtu(result, path)
+        else:
+            begun[result.case.number].result()
+
+    def net_path(result: CaseResult) -> Path:
+        return folder / f"net_{result.case.number}.vtu"
+
     folder.mkdir(parents=True, exist_ok=True)
     copy = plan_toml(study.plan)
     remove_run(folder, but_tables_of=copy)
     tables = {"results.csv": study.table, "profile.csv": study.profile, "meshes.csv": study.meshes}
-    written = [folder / "plan.toml", *(folder / name for name, table in tables.items() if _is_written(name, table))]
-    for name in {*tables} - {path.name for path in written}:
-        (folder / name).unlink(missing_ok=True)
-    write_text(copy, written[0])
-    for path in written[1:]:
-        write_table(tables[path.name], path)
-    run = write_record(folder, inputs_of(study.plan))
-    written.append(folder / RECORD)
-    # VTK files take compression for the most part, which lets this thread make tables and plots; then it helps
+    writers: dict[Path, Callable[[Path], None]] = {folder / "plan.toml": partial(write_text, copy)}
+    for name, table in tables.items():
+        if name == "meshes.csv" and table.empty:
+            (folder / name).unlink(missing_ok=True)
+        else:
+            writers[folder / name] = partial(write_table, table)
+    writers[folder / RECORD] = write_run
+    drawn = [plot for plot in PLOTS if solved(study) and plot.fits(study)]
+    writers |= {folder / "plots" / f"{plot.name}.png": partial(write_plot, plot) for plot in drawn}
+    # the other thread comes from the first
+    writers |= {net_path(result): partial(write_net, result) for result in reversed(solved(study))}
+    writers[folder / "report.html"] = write_page
     beside = ThreadPoolExecutor(1)
     try:
-        nets: dict[Path, Callable[[Path], None]] = {}
-        for result in solved(study):
-            path = folder / f"net_{result.case.number}.vtu"
-            nets[path] = partial(_finish_vtu, beside.submit(write_vtu, result, path), result)
-        writers: dict[Path, Callable[[Path], None]] = {}
-        if solved(study):
-            drawn = [plot for plot in PLOTS if plot.fits(study)]
-            writers |= {folder / "plots" / f"{plot.name}.png": partial(write_plot, plot) for plot in drawn}
-        writers |= dict(reversed(nets.items()))  # the other thread comes from the first
-        writers[folder / "report.html"] = write_page
-        for done, (path, write) in enumerate(writers.items()):
-            if progress is not None:
-                progress(done, len(writers), f"writing {path.name}")
-            path.parent.mkdir(exist_ok=True)
-            write(path)
+        with own_look():
+            for done, (path, write) in enumerate(writers.items()):
+                if progress is not None:
+                    progress(done, len(writers), f"writing {path.name}")
+                path.parent.mkdir(exist_ok=True)
+                write(path)
     finally:
         beside.shutdown(cancel_futures=True)  # of files not yet begun when one cannot be written
-    return [*written, *writers]
-
-
-def _is_written(name: str, table: "pd.DataFrame") -> bool:
-    """All tables but that of the meshes are there even when they are empty."""
-    return name != "meshes.csv" or not table.empty
-
-
-def _finish_vtu(writing: "Future[None]", result: CaseResult, path: Path) -> None:
-    """Wait for the file when another thread has begun it, or write it here."""
-    if writing.cancel():
-        write_vtu(result, path)
-    else:
-        writing.result()
+    return list(writers)
 
 
 def _write_bytes(content: bytes, path: Path) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from codend.io.files import SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_table
 from codend.report.html import PageFigure
+from codend.report.own_look import own_look
 from codend.report.selectivity_plots import catch_plot, history_plot, mesh_plot, retention_plot, sensitivity_plot
 from codend.report.style import column_text, png
 from codend.report.together_plot import together_plot
@@ -126,7 +127,8 @@ def write_selectivity(predictions: Sequence[Prediction], folder: Path, together:
         path = folder / "plots" / f"selectivity_{name}.png"
         if (name == "sensitivity" and tables["sensitivity.csv"].empty) or (name == "together" and not together):
             continue
-        figures.append(PageFigure(png(draw()), caption))
+        with own_look():
+            figures.append(PageFigure(png(draw()), caption))
         with whole_file(path) as temporary:
             temporary.write_bytes(figures[-1].png)
         written.append(path)
