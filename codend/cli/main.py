@@ -277,14 +277,22 @@ def _print_comparison(comparison: "Comparison") -> None:
 @main.command()
 @click.option("--warm-up", is_flag=True, help="Compile all kernels now, by solving a tiny net.")
 def doctor(warm_up: bool) -> int:
-    """Show versions, cores and the state of the compiled kernels; status 1 when a needed package is missing."""
+    """Show what is installed and what this machine offers, and remove damaged files of the compiled kernels.
+
+    Status 1 when a needed package is missing or does not work.
+    """
     from codend.cli import doctor as examination
 
+    failed = False
     if warm_up:
-        click.echo(examination.warm_up())
+        try:
+            click.echo(examination.warm_up())
+        except Exception as error:  # what follows may say why
+            say(f"codend: kernels cannot be compiled: {type(error).__name__}: {' '.join(str(error).split())}")
+            failed = True
     findings = examination.examine()
     click.echo(text_table(["what", "found"], [(finding.topic, finding.found) for finding in findings]))
-    return 1 if any(finding.missing for finding in findings) else 0
+    return 1 if failed or any(finding.missing for finding in findings) else 0
 
 
 for _command in (sweep, chart, force, selectivity, species, fit):

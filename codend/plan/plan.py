@@ -15,6 +15,7 @@ from annotated_types import MinLen
 from pydantic import PrivateAttr, ValidationError, model_validator
 
 from codend.errors import InputError
+from codend.io.names import as_name
 from codend.io.text import read_text
 from codend.plan.messages import Contradiction, input_error
 from codend.plan.overrides import CatchKind, apply_overrides
@@ -131,7 +132,7 @@ class Plan(Table):
     @property
     def sphere_cp_path(self) -> Path | None:
         """The user's own Cp curve for the sphere law; None for the one that is shipped."""
-        return None if self.catch.sphere_cp_csv is None else self.source.parent / self.catch.sphere_cp_csv
+        return None if self.catch.sphere_cp_csv is None else self.source.parent / as_name(self.catch.sphere_cp_csv)
 
     @property
     def globalisations(self) -> tuple[int, ...]:

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from datetime import datetime
 from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
+from codend.io.names import as_text
 from codend.plan.plan import Plan
 from codend.report.page_tables import results_table, solving_table
 from codend.studies.case_result import CaseResult
@@ -64,8 +66,8 @@ def page_html(study: Study, figures: Sequence[PageFigure], run: str = "") -> str
         opening_figures=figures[:1],
         figures=figures[1:],
         inputs=input_sections(plan),
-        inputs_remark=f"All values of the plan ({plan.source.name}), with the defaults of keys it leaves out. Which of "
-        "them were measured and which were assumed stands in the comments of the plan's file.",
+        inputs_remark=f"All values of the plan ({as_text(Path(plan.source.name))}), with the defaults of keys it leaves "
+        "out. Which of them were measured and which were assumed stands in the comments of the plan's file.",
         versions=made_with(),
     )
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from codend.io.files import COMPARISON_FILES, SELECTIVITY_TABLES, TRIAL_TABLES, whole_file
+from codend.io.names import as_text
 from codend.plan.copy import plan_toml
 from codend.plan.plan import Plan
 
@@ -31,7 +32,7 @@ def inputs_of(plan: Plan) -> dict[str, str]:
         OSError: one of those files cannot be read.
     """
     named = [] if plan.sphere_cp_path is None else [plan.sphere_cp_path]
-    files = {str(path.name): _digest(path.read_bytes()) for path in named}
+    files = {as_text(Path(path.name)): _digest(path.read_bytes()) for path in named}
     return {"program": program(), "plan.toml": _digest(plan_toml(plan).encode(errors="replace")), **files}
 
 
