@@ -66,8 +66,8 @@ def page_html(study: Study, figures: Sequence[PageFigure], run: str = "") -> str
         opening_figures=figures[:1],
         figures=figures[1:],
         inputs=input_sections(plan),
-        inputs_remark=f"All values of the plan ({as_text(Path(plan.source.name))}), with the defaults of keys it leaves "
-        "out. Which of them were measured and which were assumed stands in the comments of the plan's file.",
+        inputs_remark=f"All values of the plan ({as_text(Path(plan.source.name))}), with the defaults of keys it "
+        "leaves out. Which of them were measured and which were assumed stands in the comments of the plan's file.",
         versions=made_with(),
     )
 
