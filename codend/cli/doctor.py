@@ -29,7 +29,17 @@ REQUIRED = (
     "jinja2",
     "filelock",
 )
-FOR_TESTS = ("pytest", "hypothesis", "statsmodels", "ruff", "mypy", "import-linter", "pandas-stubs", "scipy-stubs")
+FOR_TESTS = (
+    "pytest",
+    "hypothesis",
+    "statsmodels",
+    "ruff",
+    "mypy",
+    "import-linter",
+    "pandas-stubs",
+    "scipy-stubs",
+    "hatchling",
+)
 ENOUGH_MB = 100.0
 """Free space below which a study of full nets may not fit."""
 FAST = ("py-mkl-pardiso",)

@@ -162,9 +162,7 @@ def test_numbas_order_not_to_compile_is_set_aside_with_a_word(home: Path, tmp_pa
     env = cached(home, NUMBA_DISABLE_JIT="1")
     done = run("run", home / "plan.toml", "--out", tmp_path / "out", env=env)
     assert done.returncode == 0
-    assert done.stderr == (
-        "codend: NUMBA_DISABLE_JIT is set aside: without compiled kernels a net would take hours\n"
-    )
+    assert done.stderr == ("codend: NUMBA_DISABLE_JIT is set aside: without compiled kernels a net would take hours\n")
     asked = run("doctor", env=env)
     assert asked.returncode == 0
     assert "NUMBA_DISABLE_JIT" in asked.stdout
