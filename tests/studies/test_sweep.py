@@ -11,6 +11,8 @@ import codend.studies.sweep
 from codend.errors import InputError
 from codend.plan.copy import plan_toml
 from codend.plan.plan import load_plan
+from codend.report.page import PLOTS
+from codend.studies.run_record import PLOT_NAMES
 from codend.studies.study import solve
 from codend.studies.sweep import runs_of, solve_runs, why_again
 from tests.cli.test_cli import TINY_PLAN, assert_refused, codend_cli
@@ -193,3 +195,24 @@ def test_a_case_that_is_not_solved_gives_status_3(plan, tmp_path):
     table = pd.read_csv(tmp_path / "sweep" / "sweep.csv")
     assert table["converged"].tolist() == [True, False]
     assert table["drag_n"].isna().tolist() == [False, True]
+
+
+def test_the_command_says_which_runs_are_solved_again_and_why(plan, tmp_path):
+    words = ["sweep", plan, "--vary", VARY[0], "--out", tmp_path / "sweep"]
+    assert codend_cli(*words).stderr == ""
+    assert codend_cli(*words).stderr == ""
+    cut(tmp_path / "sweep" / "runs" / "002" / "results.csv")
+    assert codend_cli(*words).stderr == "run 2 is solved again: results.csv is not as it was written\n"
+    told = codend_cli(*words, "--set", "tow.speed_m_s=2").stderr
+    assert told == "runs 1, 2 are solved again: plan.toml has changed\n"
+
+
+def test_a_sweep_takes_the_place_of_a_whole_run_in_one_of_its_folders(plan, tmp_path):
+    own = tmp_path / "sweep" / "runs" / "001"
+    assert codend_cli("run", plan, "--out", own).exit_code == 0
+    solve_runs(runs_of(plan, ["netting.0.bar_mm=[41.0]"]), tmp_path / "sweep")
+    assert {path.name for path in own.iterdir()} == {"plan.toml", "results.csv", "profile.csv", "run.json"}
+
+
+def test_all_plots_of_a_run_are_among_those_that_go_with_it():
+    assert {plot.name for plot in PLOTS} == set(PLOT_NAMES)
