@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Annotated, Generic, Literal, TypeVar
 
 import numpy as np
-from annotated_types import Ge, Gt, Le, Lt, MinLen
+from annotated_types import Ge, Gt, Le, MinLen
 from numpy.typing import ArrayLike, NDArray
 from pydantic import AllowInfNan, BaseModel, ConfigDict, Strict
 
@@ -41,8 +41,9 @@ class Sourced(_Table, Generic[N]):
         return self.source.lstrip().lower().startswith("assumed")
 
 
-Share = Sourced[Annotated[Number, Ge(0), Lt(1)]]
-Ratio = Sourced[Annotated[Number, Gt(0), Le(2)]]
+Share = Sourced[Annotated[Number, Ge(0), Le(0.9)]]
+Ratio = Sourced[Annotated[Number, Ge(0.01), Le(2)]]
+"""Of a fish's length. No fish is thinner than a hundredth of it, and none passes a mesh as a thread would."""
 Spread = Sourced[Annotated[Number, Ge(0), Le(0.5)]]
 
 

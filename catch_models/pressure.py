@@ -52,38 +52,29 @@ def uniform_law(coefficient: float = UNIFORM_COEFFICIENT) -> PressureLaw:
     return PressureLaw("uniform", np.array([0.0, np.pi]), np.array([[0.0], [0.0], [0.0], [coefficient]]))
 
 
-def sphere_law(cp_csv: str | Path | None = None) -> PressureLaw:
+@lru_cache(maxsize=1)
+def sphere_law() -> PressureLaw:
     """Stagnation pressure inside and a sphere's Cp outside: 1 - Cp(theta).
 
-    The default Cp curve is a *reconstruction* of the subcritical curve (Schlichting, Boundary-Layer Theory, figure
-    1.11), not a digitised measurement: see the header of ``catch_models/data/sphere_cp_subcritical.csv``. A CSV with
-    the columns ``theta_deg, cp`` from 0 to 180 degrees replaces it. Interpolation is monotone cubic (PCHIP) in theta.
-
-    Raises:
-        ValueError: the curve does not run from 0 to 180 degrees with rising angles.
+    The Cp curve is a *reconstruction* of the subcritical curve (Schlichting, Boundary-Layer Theory, figure 1.11), not a
+    digitised measurement: see the header of ``catch_models/data/sphere_cp_subcritical.csv``. It is read from its pieces
+    as they ship: what makes them takes a quarter of a second to import.
     """
-    if cp_csv is None:
-        return _default_sphere_law()
-    return _read_sphere_law(Path(cp_csv))
-
-
-@lru_cache(maxsize=1)
-def _default_sphere_law() -> PressureLaw:
-    """The default curve from its pieces as they ship: what makes them takes a quarter of a second to import."""
     path = Path(str(files("catch_models") / "data" / "sphere_cp_subcritical_pieces.csv"))
-    pieces = np.loadtxt(_without_comments(path), delimiter=",", skiprows=1)
+    lines = [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    pieces = np.loadtxt(lines, delimiter=",", skiprows=1)
     return PressureLaw("sphere", np.append(pieces[:, 0], np.pi), np.ascontiguousarray(pieces[:, 1:].T))
 
 
-def _without_comments(path: Path) -> list[str]:
-    return [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+def sphere_law_through(theta_deg: NDArray[np.float64], cp: NDArray[np.float64]) -> PressureLaw:
+    """The same with another curve of Cp, (k,) at angles (k,): monotone cubic (PCHIP) in theta.
 
-
-def _read_sphere_law(path: Path) -> PressureLaw:
+    Raises:
+        ValueError: the angles do not rise from 0 to 180.
+    """
     from scipy.interpolate import PchipInterpolator
 
-    theta_deg, cp = np.loadtxt(_without_comments(path), delimiter=",", skiprows=1, unpack=True)
-    if theta_deg[0] != 0.0 or theta_deg[-1] != 180.0 or np.any(np.diff(theta_deg) <= 0.0):
-        raise ValueError(f"{path}: theta_deg must rise from 0 to 180")
+    if theta_deg.size < 2 or theta_deg[0] != 0.0 or theta_deg[-1] != 180.0 or np.any(np.diff(theta_deg) <= 0.0):
+        raise ValueError("theta_deg must rise from 0 to 180")
     pieces = PchipInterpolator(np.radians(theta_deg), 1.0 - cp)
     return PressureLaw("sphere", np.asarray(pieces.x), np.asarray(pieces.c))

@@ -1,6 +1,6 @@
 """The one exception for errors a user can mend: a file, a key in it, the value found and what is allowed there."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import date, time
 from pathlib import Path
 from typing import Final
@@ -8,6 +8,7 @@ from typing import Final
 OPTIONS: Final = "options"
 """In the place of the file where what is wrong was asked for on the command line or in a call."""
 _LONGEST_VALUE = 60
+_MOST_LINES = 30
 
 
 class InputError(Exception):
@@ -40,10 +41,27 @@ class InputError(Exception):
         self.value = value
         self.allowed = allowed
         self.problem = problem
+        self.others: tuple[InputError, ...] = ()
+        """What else is wrong in the same file."""
+
+    @property
+    def lines(self) -> list[str]:
+        """A line for each mistake, or for the first of very many."""
+        told = [str(one) for one in (self, *self.others)]
+        more = len(told) - _MOST_LINES
+        return told if more <= 0 else [*told[:_MOST_LINES], f"{self.file}: and {more} more mistakes"]
 
     def __str__(self) -> str:
         found = self.key if self.value is None else f"{self.key} = {_shown(self.value)}"
         return _one_line(f"{self.file}: {found} {self.problem}; allowed: {self.allowed}")
+
+
+def all_at_once(found: Sequence[InputError]) -> InputError:
+    """The first of some mistakes, with the others beside it."""
+    first, *others = found
+    first.others = tuple(others)
+    first.__notes__ = list(map(str, others))  # tracebacks in Python show them too
+    return first
 
 
 def _shown(value: object) -> str:

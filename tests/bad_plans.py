@@ -155,7 +155,10 @@ BAD_PLANS = [
     BadPlan("three-bars-a-side", "bars_per_side = 1", "bars_per_side = 3", "model.bars_per_side"),
     BadPlan("tolerance-too-loose", "1e-6", "0.5", "model.tolerance"),
     BadPlan("tolerance-beyond-round-off", "1e-6", "1e-15", "model.tolerance"),
+    BadPlan("name-of-two-lines", "twines = 1", 'twines = 1\nname = "aft\\nend"', "netting.0.name"),
+    BadPlan("name-with-a-blank-behind", "twines = 1", 'twines = 1\nname = "aft "', "netting.0.name"),
     # contradictions
+    BadPlan("name-is-the-number-of-another", "twines = 1", 'twines = 1\nname = "2"', "netting.0.name"),
     BadPlan("bar-and-mesh", "bar_mm = 40.0", "bar_mm = 40.0\nmesh_mm = 90.0", "netting.0.mesh_mm"),
     BadPlan("mesh-all-knot", "mesh_mm = 100.0", "mesh_mm = 20.0", "netting.1.mesh_mm"),
     BadPlan("twine-thicker-than-bar", "twine_mm = 4.0", "twine_mm = 40.0", "netting.1.twine_mm"),

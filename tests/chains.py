@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from codend.bag.loads import GRAVITY_M_S2
 from codend.mechanics.problem import Problem
+from codend.mechanics.weight import GRAVITY_M_S2
 from validation.chains import MASS_PER_METRE, chain
 
 

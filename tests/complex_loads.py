@@ -9,7 +9,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, LE_BRIS_1999
+from codend.mechanics.drag_laws import BESSONNEAU_1997, LE_BRIS_1999
+from codend.mechanics.pressure import FILLED_MESHES, FRONT_FROM_CODLINE
 from codend.mechanics.problem import Problem
 from codend.net.net import Net, facet_corners, rotate
 
@@ -60,42 +61,68 @@ def elastic_pull(net: Net, position: np.ndarray) -> np.ndarray:
     return on_both_ends(net, pull, -pull)
 
 
-def twine_drag(problem: Problem, position: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Le Bris et al. 1999, equations 4 and 5; Bessonneau and Marichal 1997, equations 2 and 3.
+def flow_at(problem: Problem, height: np.ndarray) -> np.ndarray:
+    """Velocity of the water at heights (m,), (m, 3): linear between those for which it is given."""
+    water = problem.loading.water
+    if len(water.height) == 1:
+        return np.broadcast_to(water.flow, (len(height), 3))
+    piece = np.clip(np.searchsorted(water.height, height.real, side="right") - 1, 0, len(water.height) - 2)
+    z = np.where(height.real < water.height[0], water.height[0], height)
+    z = np.where(height.real > water.height[-1], water.height[-1], z)
+    share = ((z - water.height[piece]) / (water.height[piece + 1] - water.height[piece]))[:, None]
+    return (1.0 - share) * water.flow[piece] + share * water.flow[piece + 1]
 
-    A bar is as long as its ends are apart, a strap as long as its rope.
+
+def choo_casarella(number: np.ndarray) -> np.ndarray:
+    """Drag coefficient at Reynolds numbers away from 1 and 30, where its pieces are led into each other."""
+    s = -0.077215665 + np.log(8.0 / number)
+    slow = 8.0 * np.pi / (number * s) * (1.0 - 0.87 * s**-2)
+    middle, fast = 1.45 + 8.55 * number**-0.9, 1.1 + 4.0 * number**-0.5
+    return np.where(number.real < 0.9, slow, np.where(number.real < 27.0, middle, fast))
+
+
+def twine_drag(problem: Problem, position: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Le Bris et al. 1999, equations 4 and 5; Bessonneau and Marichal 1997, equations 2 and 3; Choo and Casarella 1971.
+
+    A bar is as long as its ends are apart, a rope as long as itself. Of a net whose bars all have one law.
     """
     net, loading = problem.net, problem.loading
     vector = vectors(net, position)
     length = norm(vector)[:, None]
-    flow = np.array([loading.speed, 0.0, 0.0])
+    flow = flow_at(problem, position[net.bars[:, 0], 2] + 0.5 * vector[:, 2])
     along = dot(flow, vector / length)[:, None] * vector / length
     across = flow - along
-    if loading.drag_law == LE_BRIS_1999:
-        speed_across, speed_along = norm(across), norm(along)
-        coefficient_along = loading.tangential * loading.normal
+    normal, tangential = net.bar_normal_drag, net.bar_tangential_drag
+    law = net.bar_drag_law[0]
+    assert np.all(net.bar_drag_law == law)
+    if law == LE_BRIS_1999:
+        by_across, by_along = normal * norm(across), tangential * normal * norm(along)
+    elif law == BESSONNEAU_1997:
+        by_across, by_along = normal * norm(flow), tangential * norm(flow)
     else:
-        speed_across = speed_along = loading.speed * np.ones(len(vector))
-        coefficient_along = loading.tangential
-    law = loading.normal * speed_across[:, None] * across + coefficient_along * speed_along[:, None] * along
-    exposed = (1.0 - share[net.bar_band]) * net.bar_drag_diameter
+        per_speed = net.bar_diameter / loading.water.viscosity
+        number = per_speed * norm(across)
+        by_across = normal * choo_casarella(number) * norm(across)
+        by_along = tangential * 2.0 * np.pi / per_speed * (0.55 * number**0.5 + 0.084 * number ** (2.0 / 3.0))
+    load = by_across[:, None] * across + by_along[:, None] * along
+    exposed = (1.0 - share[loading.catch.bar_band]) * net.bar_drag_diameter
     wetted = length.copy()
-    wetted[net.straps, 0] = net.bar_length[net.straps]
-    half = 0.25 * loading.density * exposed[:, None] * wetted * law
+    wetted[net.bar_is_rope, 0] = net.bar_length[net.bar_is_rope]
+    half = 0.25 * loading.water.density * exposed[:, None] * wetted * load
     return on_both_ends(net, half, half)
 
 
 def catch_pressure(problem: Problem, position: np.ndarray, share: np.ndarray) -> np.ndarray:
     """q (1 - Cp(theta)) on every facet's area vector, a third to each corner (Le Bris et al. 1999, section 5)."""
-    net, loading = problem.net, problem.loading
+    net, catch = problem.net, problem.loading.catch
     corners = facet_corners(net, position)
     area = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     theta = 0.5 * np.pi + np.arctan(area[:, 0] / norm(area[:, 1:]))
-    piece = np.clip(np.searchsorted(loading.angles, theta.real, side="right") - 1, 0, len(loading.angles) - 2)
-    c, t = loading.coefficients[:, piece], theta - loading.angles[piece]
+    piece = np.clip(np.searchsorted(catch.angles, theta.real, side="right") - 1, 0, len(catch.angles) - 2)
+    c, t = catch.coefficients[:, piece], theta - catch.angles[piece]
     coefficient = c[0] * t**3 + c[1] * t**2 + c[2] * t + c[3]
-    filled = share[net.facet_band] * net.facet_weight
-    third = (filled * loading.stagnation_pressure * coefficient / 3.0)[:, None] * area
+    filled = share[catch.facet_band] * net.facet_weight
+    third = (filled * catch.stagnation_pressure * coefficient / 3.0)[:, None] * area
     return gathered(net, *((net.facets[:, i], net.facet_image[:, i], third) for i in range(3)))
 
 
@@ -130,31 +157,32 @@ def shares(problem: Problem, position: np.ndarray) -> np.ndarray:
 
     A front given by a plane or by the volume is found by Newton's method on the place of the lid.
     """
-    net, loading = problem.net, problem.loading
-    if loading.catch_kind == FILLED_MESHES:
-        aft = np.cumsum(net.band_meshes[::-1])[::-1] - net.band_meshes
-        return np.clip((loading.catch_value - aft) / net.band_meshes, 0.0, 1.0)
-    bag = _bag(net, position)
-    real = [part.real for part in bag]
-    measured = _to_plane if loading.catch_kind == FRONT_FROM_CODLINE else _volume
-    whole = np.array([measured(*real, band, 1.0) for band in range(net.bands)])
-    band = int(np.flatnonzero(whole >= loading.catch_value)[-1])
+    catch = problem.loading.catch
+    if catch.kind == FILLED_MESHES:
+        aft = np.cumsum(catch.band_meshes[::-1])[::-1] - catch.band_meshes
+        return np.clip((catch.size - aft) / catch.band_meshes, 0.0, 1.0)
+    shape = _shape(problem, position)
+    real = [part.real for part in shape]
+    measured = _to_plane if catch.kind == FRONT_FROM_CODLINE else _volume
+    whole = np.array([measured(*real, band, 1.0) for band in range(problem.bands)])
+    band = int(np.flatnonzero(whole >= catch.size)[-1])
     filled = 0.5 + 0.0j
     for _ in range(12):
         slope = measured(*real, band, filled.real + 1j * STEP).imag / STEP
-        filled -= (measured(*bag, band, filled) - loading.catch_value) / slope
-    place = np.arange(net.bands)
+        filled -= (measured(*shape, band, filled) - catch.size) / slope
+    place = np.arange(problem.bands)
     return np.where(place > band, 1.0, np.where(place == band, filled, 0.0))
 
 
-def _bag(net: Net, position: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _shape(problem: Problem, position: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Mean axial position of every row; axial projection of every band's facets all round, and its moment in x."""
-    rows = np.array([position[net.node_row == row, 0].mean() for row in range(net.bands + 1)])
+    net, catch = problem.net, problem.loading.catch
+    rows = np.array([position[catch.node_row == row, 0].mean() for row in range(problem.bands + 1)])
     a, b, c = np.moveaxis(facet_corners(net, position), 1, 0)
     projected = 0.5 * np.cross(b - a, c - a)[:, 0] * net.facet_weight * net.order
-    area, moment = np.zeros(net.bands, dtype=complex), np.zeros(net.bands, dtype=complex)
-    np.add.at(area, net.facet_band, projected)
-    np.add.at(moment, net.facet_band, projected * (a + b + c)[:, 0] / 3.0)
+    area, moment = np.zeros(problem.bands, dtype=complex), np.zeros(problem.bands, dtype=complex)
+    np.add.at(area, catch.facet_band, projected)
+    np.add.at(moment, catch.facet_band, projected * (a + b + c)[:, 0] / 3.0)
     return rows, area, moment
 
 

@@ -71,5 +71,5 @@ def test_sources_are_followed_through_other_files_and_other_rooms():
     import codend.mechanics.newton_step  # noqa: F401 loads what is looked at
 
     behind = modules_behind("codend.mechanics.newton_step")
-    assert {"codend.mechanics.images", "codend.mechanics.arrays", "catch_models.filling"} <= behind
+    assert {"codend.mechanics.images", "codend.mechanics.structure", "catch_models.filling"} <= behind
     assert "codend.mechanics.newton_step" not in modules_behind("codend.mechanics.images")

@@ -160,13 +160,13 @@ def _full_from_nothing(plan: Plan) -> CaseResult:
     """The full net from a crude bag: ``solve`` would set the equilibrium of a sector all round, which shows nothing."""
     (case,) = plan.cases()
     scene = equilibrium.scene_of(plan, 1, None)
-    problem = problem_of(scene.net, plan, case)
+    problem = problem_of(scene.bag, plan, case)
     solution = interior_point.solve(problem, plan.model.tolerance, None, prepared=scene.prepared)
     if not solution.report.outcome.converged:
-        return CaseResult(case, problem, solution, Measures.unknown(), Errors.unknown(), None, None, None)
-    meshes, rows, measures = measure_all(problem, solution)
+        return CaseResult(case, scene.bag, problem, solution, Measures.unknown(), Errors.unknown(), None, None, None)
+    meshes, rows, measures = measure_all(scene.bag, problem, solution)
     errors = accuracy.estimate(scene, case, problem, solution, measures)
-    return CaseResult(case, problem, solution, measures, errors, None, rows, meshes)
+    return CaseResult(case, scene.bag, problem, solution, measures, errors, None, rows, meshes)
 
 
 def _row(name: str, meshes_round: int, scene: Scene) -> dict[str, object]:

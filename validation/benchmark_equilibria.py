@@ -79,7 +79,7 @@ def growth_with_nodes(factors: tuple[int, ...]) -> float:
         scene = equilibrium.scene_of(plan, g, None)
         built = perf_counter() - started
         _, solution = equilibrium.solve(scene, plan.cases()[0], (), None)
-        nodes.append(len(scene.net.positions))
+        nodes.append(len(scene.bag.net.positions))
         times.append(solution.report.solve_ms)
         residual, outcome = solution.report.residual, solution.report.outcome.name
         print(

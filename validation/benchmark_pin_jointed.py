@@ -62,13 +62,12 @@ def square_net(side: int, real_side: int) -> Problem:
     )
     net = plain_net(
         np.stack([x.ravel(), y.ravel(), np.zeros(side * side)], axis=1),
-        np.zeros(side * side),
         np.repeat(edge.reshape(-1, 1), 3, axis=1),
         bars,
         np.full(len(bars), 1.0 / (side - 1)),
         stiffness=merged,
     )
-    problem = plain_problem(net)
+    problem = plain_problem(net, np.zeros(side * side))
     load = LOAD / (real_side - 1) * merged**2
     problem.loading.dead[:, 2] = np.where(net.fixed[:, 2], 0.0, load)
     return problem
@@ -79,7 +78,7 @@ def bowl(problem: Problem) -> Solution:
     positions = problem.net.positions.copy()
     sag = SAG * np.sin(np.pi * positions[:, 0]) * np.sin(np.pi * positions[:, 1])
     positions[:, 2] = np.where(problem.net.fixed[:, 2], 0.0, sag)
-    return Solution(positions, _tensions(problem, positions), np.zeros(problem.net.bands), START)
+    return Solution(positions, _tensions(problem, positions), np.zeros(problem.bands), START)
 
 
 def refined(coarse: Solution, problem: Problem) -> Solution:
@@ -221,7 +220,7 @@ def main(size: int, others: bool) -> None:
     problem = square_net(size, size)
     through = (size // 4, size // 2, size)
     exact = ours("", by_newton, [size], tolerance=1e-10, repeats=1)
-    library = newton.prepare(problem.structure).system.name
+    library = newton.prepare(problem.structure, problem.bands).system.name
     print(f"{size} x {size} nodes, {len(problem.net.bars)} bars, residual {RESIDUAL:g}; goal at 100: {GOAL_S:g} s")
     print(f"mean strain of the bars {np.mean(_tensions(problem, exact.positions)):.2e}")
     print(f"{'':44}{'s':>9}{'residual':>10}{'difference':>12}{'largest sag':>16}   iterations")

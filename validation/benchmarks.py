@@ -11,7 +11,7 @@ from time import perf_counter
 
 import numba
 
-from codend.bag.build import build_net
+from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.mechanics import relaxation
 from codend.mechanics.problem import Problem
@@ -25,7 +25,7 @@ STEP_GOAL_NS = 5.0
 
 def nanoseconds_a_bar_and_step(problem: Problem, runs: int = 30) -> float:
     """Time of the inner loop alone, ns a bar and step; least of several runs of about 5 ms each."""
-    work = relaxation.workspace(problem.structure, problem.net.positions)
+    work = relaxation.workspace(problem.structure, problem.bands, problem.net.positions)
     relaxation.refresh(work, problem.structure, problem.loading, 1.5)
     bars = len(problem.net.bars)
     steps = max(2, 1_000_000 // bars)
@@ -51,13 +51,13 @@ def main() -> None:
     plan = load_plan(FLUME, ["catch.filled_meshes=40"])
     case = plan.cases()[0]
     started = perf_counter()
-    tiny = problem_of(build_net(plan, globalisation=10), plan, case)
+    tiny = problem_of(build_bag(plan, globalisation=10), plan, case)
     dynamic_relaxation.solve(tiny, 1e-2)
     print(f"compiling or loading the kernels: {perf_counter() - started:.1f} s")
     print(f"{'model':18}{'nodes':>8}{'bars':>8}{'inner loop':>16}{'with loads':>14}{'steps':>8}{'ms to 1e-6':>12}")
     print(f"{'':34}{'ns/bar/step':>16}{'ns/bar/step':>14}")
     for name, globalisation, sectors in MODELS:
-        problem = problem_of(build_net(plan, globalisation=globalisation, sectors=sectors), plan, case)
+        problem = problem_of(build_bag(plan, globalisation=globalisation, sectors=sectors), plan, case)
         bars = len(problem.net.bars)
         inner = nanoseconds_a_bar_and_step(problem)
         repeats = 1 if bars > 20_000 else 3

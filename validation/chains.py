@@ -40,10 +40,8 @@ def chain(
     fixed[list(held)] = True
     as_laid = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     bar_length = as_laid if length is None else np.full(len(bars), length / len(bars))
-    net = plain_net(
-        positions, count, fixed, bars, bar_length, stiffness=stiffness, diameter=DIAMETER_M, density=density
-    )
-    return plain_problem(net, tangential=tangential, **flow)  # type: ignore[arg-type]
+    net = plain_net(positions, fixed, bars, bar_length, stiffness=stiffness, diameter=DIAMETER_M, density=density)
+    return plain_problem(net, count, tangential=tangential, **flow)  # type: ignore[arg-type]
 
 
 def arc(first: Floats, last: Floats, length: float, bars: int, towards: Floats) -> Floats:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from codend.mechanics.drag_laws import BESSONNEAU_1997, LE_BRIS_1999
 from codend.mechanics.problem import Problem
 from codend.net.net import Net
 
@@ -21,24 +22,25 @@ def turned(point: np.ndarray, image: int, order: int) -> np.ndarray:
 
 def net_pressure_coefficient(problem: Problem, theta: float) -> float:
     """Net pressure over stagnation pressure at the angle theta, rad."""
-    loading = problem.loading
-    piece = min(np.searchsorted(loading.angles, theta, side="right") - 1, len(loading.angles) - 2)
-    return float(np.polyval(loading.coefficients[:, piece], theta - loading.angles[piece]))
+    catch = problem.loading.catch
+    piece = min(np.searchsorted(catch.angles, theta, side="right") - 1, len(catch.angles) - 2)
+    return float(np.polyval(catch.coefficients[:, piece], theta - catch.angles[piece]))
 
 
-def twine_drag(problem: Problem, vector: np.ndarray, width: float) -> np.ndarray:
+def twine_drag(problem: Problem, bar: int, vector: np.ndarray) -> np.ndarray:
     """Drag of a bar in N, (3,): equations 4 and 5 of LB99, 2 and 3 of BM97, in vectors."""
-    loading = problem.loading
+    net, water = problem.net, problem.loading.water
+    normal, tangential = net.bar_normal_drag[bar], net.bar_tangential_drag[bar]
     length = np.linalg.norm(vector)
-    flow = np.array([loading.speed, 0.0, 0.0])
+    (flow,) = water.flow
     tangent = vector / length
     along = (flow @ tangent) * tangent
     across = flow - along
-    scale = 0.5 * loading.density * width * length
-    if loading.drag_law == 0:
-        normal = scale * loading.normal * np.linalg.norm(across) * across
-        return normal + loading.tangential * scale * loading.normal * np.linalg.norm(along) * along
-    return scale * np.linalg.norm(flow) * (loading.normal * across + loading.tangential * along)
+    scale = 0.5 * water.density * net.bar_drag_diameter[bar] * length
+    if net.bar_drag_law[bar] == LE_BRIS_1999:
+        return scale * normal * (np.linalg.norm(across) * across + tangential * np.linalg.norm(along) * along)
+    assert net.bar_drag_law[bar] == BESSONNEAU_1997
+    return scale * np.linalg.norm(flow) * (normal * across + tangential * along)
 
 
 def bar_vector(net: Net, positions: np.ndarray, bar: int) -> np.ndarray:
@@ -49,26 +51,25 @@ def bar_vector(net: Net, positions: np.ndarray, bar: int) -> np.ndarray:
 
 def nodal_loads(problem: Problem, positions: np.ndarray, share: np.ndarray) -> np.ndarray:
     """Loads on the nodes in N, (n, 3): all forces but the bars' tensions."""
-    net, loading = problem.net, problem.loading
-    force = loading.dead.copy()
+    net, catch = problem.net, problem.loading.catch
+    force = problem.loading.dead.copy()
     for bar, (i, j) in enumerate(net.bars):
-        width = net.bar_drag_diameter[bar]
-        if width > 0:
+        if net.bar_drag_diameter[bar] > 0:
             vector = bar_vector(net, positions, bar)
-            drag = twine_drag(problem, vector, width)
-            if bar in net.straps:  # however slack, it meets the water with its own length
+            drag = twine_drag(problem, bar, vector)
+            if net.bar_is_rope[bar]:  # however slack, it meets the water with its own length
                 drag *= net.bar_length[bar] / np.linalg.norm(vector)
-            load = (1 - share[net.bar_band[bar]]) * drag
+            load = (1 - share[catch.bar_band[bar]]) * drag
             force[i] += load / 2
             force[j] += turned(load, -net.bar_image[bar], net.order) / 2
     for facet, corners in enumerate(net.facets):
-        filled = share[net.facet_band[facet]]
+        filled = share[catch.facet_band[facet]]
         if filled == 0:
             continue
         a, b, c = (turned(positions[n], k, net.order) for n, k in zip(corners, net.facet_image[facet], strict=True))
         area = np.cross(b - a, c - a) / 2
         theta = np.arctan2(np.hypot(area[1], area[2]), -area[0])
-        pressure = loading.stagnation_pressure * net_pressure_coefficient(problem, theta)
+        pressure = catch.stagnation_pressure * net_pressure_coefficient(problem, theta)
         for n, k in zip(corners, net.facet_image[facet], strict=True):
             force[n] += turned(filled * net.facet_weight[facet] * pressure * area / 3, -k, net.order)
     return force
@@ -120,19 +121,20 @@ def departure(problem: Problem, positions: np.ndarray, tension: np.ndarray, shar
     )
 
 
-def facing_rings(net: Net, positions: np.ndarray) -> float:
+def facing_rings(problem: Problem, positions: np.ndarray) -> float:
     """Least mean, over a band, of the cosine between the directions from the axis of the knots that a bar joins.
 
     Near 1 in a sound net that is the same all round; below 0 the netting has passed through itself at the axis.
     """
+    net, catch = problem.net, problem.loading.catch
     cosines: dict[int, list[float]] = {}
     for bar, (i, j) in enumerate(net.bars):
-        if net.node_row[i] == net.node_row[j] or min(net.node_row[i], net.node_row[j]) < 0:
+        if catch.node_row[i] == catch.node_row[j] or min(catch.node_row[i], catch.node_row[j]) < 0:
             continue
         first, second = positions[i, 1:], turned(positions[j], net.bar_image[bar], net.order)[1:]
         size = np.linalg.norm(first) * np.linalg.norm(second)
         if size > 1e-8 * net.bar_length[bar] ** 2:
-            cosines.setdefault(int(net.bar_band[bar]), []).append(float(first @ second / size))
+            cosines.setdefault(int(catch.bar_band[bar]), []).append(float(first @ second / size))
     return min((float(np.mean(found)) for found in cosines.values()), default=1.0)
 
 

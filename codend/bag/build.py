@@ -1,25 +1,28 @@
-"""Plan to net: sectors, globalisation, and the shape in which a solver starts."""
+"""Plan to bag: sectors, globalisation, and the shape in which a solver starts."""
 
 import numpy as np
 
+from codend.bag.assemble import assembled
+from codend.bag.bag import Bag, with_hinges
+from codend.bag.straps import with_straps
 from codend.errors import InputError
-from codend.net.net import Floats, Net, split_bars, twine_bars
-from codend.netting.knots import knots_of
+from codend.mechanics.drag_laws import drag
+from codend.net.net import Floats
+from codend.netting.knots import knots_of, placed_knots
 from codend.netting.parts import Lattice, RowShape
-from codend.netting.pattern import net_of
-from codend.netting.straps import with_straps
+from codend.netting.pattern import parts_of
 from codend.plan.plan import Netting, Plan
 
 
-def build_net(
+def build_bag(
     plan: Plan,
     *,
     globalisation: int = 1,
     sectors: int | None = None,
     rows: tuple[Floats, Floats] | None = None,
     azimuth_rad: float = 0.0,
-) -> Net:
-    """Net of a plan, in the shape in which a solver starts.
+) -> Bag:
+    """Bag of a plan, in the shape in which a solver starts.
 
     Args:
         plan: the net plan.
@@ -40,10 +43,13 @@ def build_net(
     x, radius = rows if rows is not None else crude_rows(plan, globalisation)
     shape = RowShape(x, np.concatenate([[plan.entry.radius_m], radius[1:-1], [0.0]]), azimuth_rad)
     knots = knots_of(lattice)
-    net = net_of(knots, shape)
+    positions, node_row = placed_knots(knots, shape)
+    entry = np.arange(knots.fore_start[1])
+    drag_law = drag(plan.drag.law, *plan.drag.coefficients)
+    bag = assembled(parts_of(knots), lattice, positions, node_row, entry, drag_law)
     if plan.model.bars_per_side == 2:
-        net = split_bars(net, twine_bars(net))
-    return with_straps(net, plan, knots)
+        bag = with_hinges(bag)
+    return with_straps(bag, plan, knots, drag_law)
 
 
 def _lattice_of(plan: Plan, globalisation: int, sectors: int | None) -> Lattice:
@@ -79,9 +85,7 @@ def _check_bending(plan: Plan) -> None:
 
 def rows_of(plan: Plan, globalisation: int = 1) -> list[Netting]:
     """Section of each band between two rows, from the entry to the codline."""
-    return [
-        section for section in plan.netting for _ in range(section.rows_per_mesh * section.meshes_long // globalisation)
-    ]
+    return [plan.netting[number] for number in plan.sections_of_bands(globalisation)]
 
 
 def crude_rows(plan: Plan, globalisation: int = 1) -> tuple[Floats, Floats]:

@@ -1,47 +1,50 @@
 """What acts on a net in a case of a plan: the current, the catch (by its law in ``catch_models``) and wet weight."""
 
+from pathlib import Path
+
 import numpy as np
 
-from catch_models.pressure import PressureLaw, sphere_law, uniform_law
+from catch_models.pressure import PressureLaw, sphere_law, sphere_law_through, uniform_law
+from codend.bag.bag import Bag
 from codend.errors import InputError
-from codend.mechanics import arrays
-from codend.mechanics.arrays import Loading, structure_of
+from codend.io.input_table import read_table
+from codend.mechanics.pressure import FILLED_MESHES, FRONT_FROM_CODLINE, VOLUME, Catch
 from codend.mechanics.problem import Problem
-from codend.net.net import Floats, Net
+from codend.mechanics.water import uniform_flow
 from codend.plan.plan import Case, Plan
 
-GRAVITY_M_S2 = 9.80665
 
-
-def problem_of(net: Net, plan: Plan, case: Case) -> Problem:
-    """The net of a plan under the loads of one of its cases.
+def problem_of(bag: Bag, plan: Plan, case: Case) -> Problem:
+    """The net of a bag under the loads of one of the cases of its plan.
 
     Wet weight acts on full nets only, and only where the plan gives the twine's density: it has no place in a sector.
     """
+    water = uniform_flow(plan.tow.water_density_kg_m3, np.array([case.speed_m_s, 0.0, 0.0]))
+    return Problem.of(bag.net, water=water, weight=bag.net.order == 1, catch=catch_of(bag, plan, case))
+
+
+def catch_of(bag: Bag, plan: Plan, case: Case) -> Catch:
+    """The catch of a case in the rows and bands of a bag."""
     pressure_law = pressure_law_of(plan)
-    density = plan.tow.water_density_kg_m3
-    normal, tangential = plan.drag.coefficients
-    kind, value = {
-        "filled_meshes": (arrays.FILLED_MESHES, case.catch_value),
-        "front_from_codline_m": (arrays.FRONT_FROM_CODLINE, case.catch_value),
-        "volume_m3": (arrays.VOLUME, case.catch_value),
-        "mass_kg": (arrays.VOLUME, case.catch_value / plan.catch_density_kg_m3),
+    kind, size = {
+        "filled_meshes": (FILLED_MESHES, case.catch_value),
+        "front_from_codline_m": (FRONT_FROM_CODLINE, case.catch_value),
+        "volume_m3": (VOLUME, case.catch_value),
+        "mass_kg": (VOLUME, case.catch_value / plan.catch_density_kg_m3),
     }[case.catch_kind]
-    dead = wet_weight(net, density) if net.order == 1 else np.zeros_like(net.positions)
-    loading = Loading(
-        dead=dead,
-        speed=float(case.speed_m_s),
-        density=float(density),
-        drag_law=arrays.LE_BRIS_1999 if plan.drag.law == "le-bris-1999" else arrays.BESSONNEAU_1997,
-        normal=float(normal),
-        tangential=float(tangential),
-        stagnation_pressure=0.5 * density * case.speed_m_s**2,
+    rings = bag.node_row[bag.node_row >= 0]
+    return Catch(
+        bar_band=bag.bar_band,
+        facet_band=bag.facet_band,
+        band_meshes=bag.band_meshes,
+        node_row=bag.node_row,
+        row_size=np.bincount(rings, minlength=bag.bands + 1).astype(np.float64),
+        kind=kind,
+        size=float(size),
+        stagnation_pressure=0.5 * plan.tow.water_density_kg_m3 * case.speed_m_s**2,
         angles=np.ascontiguousarray(pressure_law.angles_rad),
         coefficients=np.ascontiguousarray(pressure_law.coefficients),
-        catch_kind=kind,
-        catch_value=float(value),
     )
-    return Problem(net, structure_of(net), loading)
 
 
 def pressure_law_of(plan: Plan) -> PressureLaw:
@@ -52,22 +55,16 @@ def pressure_law_of(plan: Plan) -> PressureLaw:
     """
     if plan.catch.pressure == "uniform":
         return uniform_law(plan.catch.coefficient)
+    if plan.sphere_cp_path is None:
+        return sphere_law()
+    return _law_of_curve(plan.sphere_cp_path)
+
+
+def _law_of_curve(path: Path) -> PressureLaw:
+    table = read_table(path, names=("theta_deg", "cp"))
+    theta_deg, cp = table.numbers("theta_deg"), table.numbers("cp")
     try:
-        return sphere_law(plan.sphere_cp_path)
-    except ValueError as error:
-        raise InputError(
-            file=plan.source,
-            key="catch.sphere_cp_csv",
-            value=plan.catch.sphere_cp_csv,
-            allowed=f"a CSV with the columns theta_deg, cp from 0 to 180 degrees ({error})",
-        ) from error
-
-
-def wet_weight(net: Net, water_density: float) -> Floats:
-    """Nodal forces in N of the twine's weight in water, half of a bar's to each end, (n, 3)."""
-    volume = 0.25 * np.pi * net.bar_solid_diameter**2 * net.bar_length
-    lighter = np.nan_to_num(net.bar_density - water_density)
-    half = -0.5 * GRAVITY_M_S2 * lighter * volume
-    force = np.zeros_like(net.positions)
-    np.add.at(force[:, 2], net.bars.ravel(), np.repeat(half, 2))
-    return force
+        return sphere_law_through(theta_deg, cp)
+    except ValueError:
+        allowed = "angles that rise from 0 to 180 degrees"
+        raise InputError(table.where, "theta_deg", None, allowed, "does not run over the whole sphere") from None

@@ -9,9 +9,11 @@ import numpy as np
 
 from catch_models.filling import enclosed_volume
 from catch_models.pressure import PressureLaw
+from codend.bag.bag import Bag, mesh_corners, real_tensions
 from codend.mechanics import bars, bending, drag, pressure
+from codend.mechanics.catch_front import band_geometry
 from codend.mechanics.problem import Problem
-from codend.net.net import Floats, Net, mesh_corners, real_tensions, rotate, twine_bars
+from codend.net.net import Floats, rotate
 from codend.solvers.outcome import Solution
 
 WANTED_OPENING_DEG = 30.0
@@ -83,20 +85,20 @@ def opening_force(bar_tension_n: Floats, opening_deg: Floats, wanted_deg: float 
     return np.asarray(along * (np.tan(np.radians(wanted_deg) / 2.0) - np.tan(half)))
 
 
-def mesh_openings(net: Net, corners: Floats) -> tuple[Floats, Floats]:
-    """Opening angles in degrees (k,) and outward normals (k, 3) of the meshes of a net, by their ``mesh_corners``.
+def mesh_openings(bag: Bag, corners: Floats) -> tuple[Floats, Floats]:
+    """Opening angles in degrees (k,) and outward normals (k, 3) of the meshes of a bag, by their ``mesh_corners``.
 
     The opening is 2 atan(transverse / longitudinal diagonal), both taken over the twine only, without the knots. In
     meshes that are folded over their widest part by a strap, the longitudinal one is taken along the netting: their
     twines are as far apart as if it lay flat. A square mesh has its width over its length instead: 90 degrees open.
     """
-    square = net.of_square_mesh
+    square = bag.mesh_is_square
     side = corners[:, :, 1] - corners[:, :, 0]
     fore, aft = 0.5 * (side[:, 0] - side[:, 3]), 0.5 * (side[:, 1] - side[:, 2])
     longitudinal = np.where(square[:, None], 0.5 * (side[:, 1] - side[:, 3]), fore + aft)
     diagonal = 0.5 * (side[:, 0] - side[:, 1] - side[:, 2] + side[:, 3])
     transverse = np.where(square[:, None], 0.5 * (side[:, 0] - side[:, 2]), diagonal)
-    folded = np.isin(net.mesh_row, net.node_row[net.bars[net.straps, 0]]) & ~square
+    folded = np.isin(bag.mesh_row, bag.node_row[bag.net.bars[bag.straps, 0]]) & ~square
     normal = np.cross(transverse, longitudinal)
     with np.errstate(invalid="ignore"):
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
@@ -106,76 +108,74 @@ def mesh_openings(net: Net, corners: Floats) -> tuple[Floats, Floats]:
     return np.degrees(opening), normal
 
 
-def measure_meshes(problem: Problem, solution: Solution) -> Meshes:
+def measure_meshes(bag: Bag, problem: Problem, solution: Solution) -> Meshes:
     """Opening, tension, opening force and net pressure of every mesh of the model."""
-    net = problem.net
-    corners = mesh_corners(net, solution.positions)
-    opening, normal = mesh_openings(net, corners)
-    tension = _mean_over(solution.bar_tension, net.mesh_bars) / net.globalisation
-    behind = np.minimum(net.mesh_row, net.bands - 1)
-    ahead = np.where(net.of_square_mesh, behind, np.maximum(behind - 1, 0))
+    corners = mesh_corners(bag, solution.positions)
+    opening, normal = mesh_openings(bag, corners)
+    tension = _mean_over(solution.bar_tension, bag.mesh_bars) / bag.globalisation
+    behind = np.minimum(bag.mesh_row, bag.bands - 1)
+    ahead = np.where(bag.mesh_is_square, behind, np.maximum(behind - 1, 0))
     filled = 0.5 * (solution.share[ahead] + solution.share[behind])
     return Meshes(
         centre_m=corners.mean(axis=(1, 2)),
         opening_deg=opening,
         bar_tension_n=tension,
-        opening_force_n=np.where(net.of_square_mesh, np.nan, opening_force(tension, opening)),
+        opening_force_n=np.where(bag.mesh_is_square, np.nan, opening_force(tension, opening)),
         pressure_pa=filled * _pressure_at(problem, normal[:, 0], np.hypot(normal[:, 1], normal[:, 2])),
     )
 
 
-def ring_middles(net: Net, positions: Floats) -> Floats:
+def ring_middles(bag: Bag, positions: Floats) -> Floats:
     """Sideways positions of the middles of the rings of knots, (rows + 1, 2), m.
 
     The rings of a sector have their middles on the axis; those of a full net, which may sag, where their knots have.
     """
-    if net.order > 1:
-        return np.zeros((net.bands + 1, 2))
-    ring = np.flatnonzero(net.node_row >= 0)
-    return np.stack([_mean_by(net.node_row[ring], positions[ring, i], net.bands + 1) for i in (1, 2)], axis=1)
+    if bag.net.order > 1:
+        return np.zeros((bag.bands + 1, 2))
+    ring = np.flatnonzero(bag.node_row >= 0)
+    return np.stack([_mean_by(bag.node_row[ring], positions[ring, i], bag.bands + 1) for i in (1, 2)], axis=1)
 
 
-def ring_radii(net: Net, positions: Floats) -> Floats:
+def ring_radii(bag: Bag, positions: Floats) -> Floats:
     """Distances of the knots that belong to rings from the middle of their ring, m, in the order of their numbers."""
-    ring = np.flatnonzero(net.node_row >= 0)
-    across = positions[ring, 1:] - ring_middles(net, positions)[net.node_row[ring]]
+    ring = np.flatnonzero(bag.node_row >= 0)
+    across = positions[ring, 1:] - ring_middles(bag, positions)[bag.node_row[ring]]
     return np.hypot(across[:, 0], across[:, 1])
 
 
-def folded_share(net: Net, positions: Floats, rows: Rows, share: Floats) -> float:
+def folded_share(bag: Bag, positions: Floats, rows: Rows, share: Floats) -> float:
     """Share of the area of the facets on the catch that face inward, seen from the mean meridian of their band.
 
     Netting to spare can lie in folds, as twine gathered at a codline does. The pressure on the layers of a fold is
     right in sum, for one of three faces inward, but not layer by layer.
     """
-    on_catch = np.flatnonzero(share[net.facet_band] > 0.0)
-    band = net.facet_band[on_catch]
-    corners = rotate(positions[net.facets[on_catch]], net.facet_image[on_catch], net.order)
+    on_catch = np.flatnonzero(share[bag.facet_band] > 0.0)
+    band = bag.facet_band[on_catch]
+    corners = rotate(positions[bag.net.facets[on_catch]], bag.net.facet_image[on_catch], bag.net.order)
     area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    middle = ring_middles(net, positions)
+    middle = ring_middles(bag, positions)
     outward = corners[:, :, 1:].mean(axis=1) - 0.5 * (middle[band] + middle[band + 1])
     along, across = np.diff(rows.x_m)[band], np.diff(rows.radius_m)[band]
     facing = along * (outward * area[:, 1:]).sum(axis=1) - across * np.linalg.norm(outward, axis=1) * area[:, 0]
-    size = share[band] * net.facet_weight[on_catch] * np.linalg.norm(area, axis=1)
+    size = share[band] * bag.net.facet_weight[on_catch] * np.linalg.norm(area, axis=1)
     return float(size[facing < 0.0].sum() / size.sum())
 
 
-def measure_rows(problem: Problem, solution: Solution, meshes: Meshes) -> Rows:
+def measure_rows(bag: Bag, problem: Problem, solution: Solution, meshes: Meshes) -> Rows:
     """Means over every row of knots."""
-    net = problem.net
-    ring = np.flatnonzero(net.node_row >= 0)
-    x = _mean_by(net.node_row[ring], solution.positions[ring, 0], net.bands + 1)
-    r = _mean_by(net.node_row[ring], ring_radii(net, solution.positions), net.bands + 1)
-    twine = twine_bars(net)
-    by_band = _mean_by(net.bar_band[twine], real_tensions(net, solution.bar_tension)[twine], net.bands)
+    ring = np.flatnonzero(bag.node_row >= 0)
+    x = _mean_by(bag.node_row[ring], solution.positions[ring, 0], bag.bands + 1)
+    r = _mean_by(bag.node_row[ring], ring_radii(bag, solution.positions), bag.bands + 1)
+    twine = bag.bar_is_twine
+    by_band = _mean_by(bag.bar_band[twine], real_tensions(bag, solution.bar_tension)[twine], bag.bands)
     tension = 0.5 * (np.concatenate([by_band[:1], by_band]) + np.concatenate([by_band, by_band[-1:]]))
     filled = 0.5 * (np.concatenate([[0.0], solution.share]) + np.concatenate([solution.share, solution.share[-1:]]))
     return Rows(
         x_m=x,
         radius_m=r,
-        opening_deg=_mean_by(net.mesh_row, meshes.opening_deg, net.bands + 1),
+        opening_deg=_mean_by(bag.mesh_row, meshes.opening_deg, bag.bands + 1),
         bar_tension_n=tension,
-        opening_force_n=_mean_by(net.mesh_row, meshes.opening_force_n, net.bands + 1),
+        opening_force_n=_mean_by(bag.mesh_row, meshes.opening_force_n, bag.bands + 1),
         pressure_pa=filled * _pressure_at(problem, -np.gradient(r), np.abs(np.gradient(x))),
     )
 
@@ -184,12 +184,14 @@ def current_loads(problem: Problem, solution: Solution) -> tuple[Floats, Floats]
     """Forces of the current on the nodes, N: its drag on the twine, and the catch's pressure, each (n, 3)."""
     position = np.ascontiguousarray(solution.positions)
     on_twine, by_catch = np.zeros_like(position), np.zeros_like(position)
-    drag.add_drag(position, problem.structure, problem.loading, solution.share, on_twine)
-    pressure.add_pressure(position, problem.structure, problem.loading, solution.share, by_catch)
+    structure, loading = problem.structure, problem.loading
+    at_rest = np.zeros((0, 3))
+    drag.add_force(position, at_rest, structure, loading.water, loading.catch, solution.share, on_twine)
+    pressure.add_force(position, structure, loading.catch, solution.share, by_catch)
     return on_twine, by_catch
 
 
-def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
+def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows) -> Measures:
     """Drag, volume, sizes and openings of a solved net."""
     net, structure, loading = problem.net, problem.structure, problem.loading
     position, share = np.ascontiguousarray(solution.positions), solution.share
@@ -199,27 +201,27 @@ def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
     bars.bar_lengths(position, structure, length)
     density = np.divide(solution.bar_tension, length, out=np.zeros_like(length), where=length > 0.0)
     bars.add_bar_forces(position, structure, density, pull)
-    bending.add_bending(position, structure, pull)
+    bending.add_force(position, structure, pull)
     held = net.fixed[:, 0]
     at_entry = (pull + twine_load + catch_load + loading.dead)[held, 0].sum() * net.order
 
-    area, moment = np.empty(net.bands), np.empty(net.bands)
-    pressure.band_geometry(position, structure, area, moment)
+    area, moment = np.empty(bag.bands), np.empty(bag.bands)
+    band_geometry(position, structure, loading.catch, area, moment)
     front = solution.front_row
-    front_x = float(np.interp(front, np.arange(net.bands + 1), rows.x_m))
-    ahead = opening_rows_ahead(net, share)
+    front_x = float(np.interp(front, np.arange(bag.bands + 1), rows.x_m))
+    ahead = opening_rows_ahead(bag, share)
     has_mesh = np.flatnonzero(np.isfinite(rows.opening_deg))
-    tension, straps = real_tensions(net, solution.bar_tension), net.straps
+    tension, straps = real_tensions(bag, solution.bar_tension), bag.straps
     openings, forces = (
-        np.interp(ahead, net.mesh_place[has_mesh], values[has_mesh])
+        np.interp(ahead, bag.mesh_place[has_mesh], values[has_mesh])
         for values in (rows.opening_deg, rows.opening_force_n)
     )
     return Measures(
-        filled_meshes=float(share @ net.band_meshes),
+        filled_meshes=float(share @ bag.band_meshes),
         catch_volume_m3=enclosed_volume(rows.x_m, area, moment, share),
-        front_radius_m=float(np.interp(front, np.arange(net.bands + 1), rows.radius_m)),
+        front_radius_m=float(np.interp(front, np.arange(bag.bands + 1), rows.radius_m)),
         front_from_codline_m=float(rows.x_m[-1] - front_x),
-        max_radius_m=float(ring_radii(net, position).max()),
+        max_radius_m=float(ring_radii(bag, position).max()),
         length_m=float(rows.x_m[-1] - rows.x_m[0]),
         drag_n=float((twine_load + catch_load)[:, 0].sum() * net.order),
         catch_drag_n=float(catch_load[:, 0].sum() * net.order),
@@ -229,22 +231,22 @@ def measure(problem: Problem, solution: Solution, rows: Rows) -> Measures:
         opening_force_ahead_n=float(np.mean(forces)) if len(ahead) else float("nan"),
         max_bar_tension_n=float(np.delete(tension, straps).max()),
         max_strap_tension_n=float(tension[straps].max()) if len(straps) else float("nan"),
-        folded_share=folded_share(net, position, rows, share),
+        folded_share=folded_share(bag, position, rows, share),
     )
 
 
-def measure_all(problem: Problem, solution: Solution) -> tuple[Meshes, Rows, Measures]:
-    """Meshes, rows and sums of a solved net."""
-    meshes = measure_meshes(problem, solution)
-    rows = measure_rows(problem, solution, meshes)
-    return meshes, rows, measure(problem, solution, rows)
+def measure_all(bag: Bag, problem: Problem, solution: Solution) -> tuple[Meshes, Rows, Measures]:
+    """Meshes, rows and sums of a solved bag."""
+    meshes = measure_meshes(bag, problem, solution)
+    rows = measure_rows(bag, problem, solution, meshes)
+    return meshes, rows, measure(bag, problem, solution, rows)
 
 
-def opening_rows_ahead(net: Net, share: Floats) -> Floats:
+def opening_rows_ahead(bag: Bag, share: Floats) -> Floats:
     """Middles of the five real mesh rows just ahead of the front, or as many as there are, in meshes from the entry."""
-    end = float((1.0 - share) @ net.band_meshes)
+    end = float((1.0 - share) @ bag.band_meshes)
     # rows are half a mesh apart, in square mesh a whole one
-    row_place, step = net.row_place, net.band_meshes / net.globalisation
+    row_place, step = bag.row_place, bag.band_meshes / bag.globalisation
     middles: list[float] = []
     while len(middles) < ROWS_AHEAD and end >= 1.0 - 1e-9:
         middles.append(end - 0.5)
@@ -254,9 +256,9 @@ def opening_rows_ahead(net: Net, share: Floats) -> Floats:
 
 def _pressure_at(problem: Problem, x: Floats, across: Floats) -> Floats:
     """Net pressure in the catch, Pa, on netting whose normals have the parts ``x`` along the flow and ``across`` it."""
-    loading = problem.loading
-    law = PressureLaw("", loading.angles, loading.coefficients)
-    return np.asarray(loading.stagnation_pressure * law(np.arctan2(across, -x)))
+    catch = problem.loading.catch
+    law = PressureLaw("", catch.angles, catch.coefficients)
+    return np.asarray(catch.stagnation_pressure * law(np.arctan2(across, -x)))
 
 
 def _mean_over(values: Floats, index: np.ndarray) -> Floats:

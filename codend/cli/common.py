@@ -1,14 +1,18 @@
 """What the commands share: exit statuses, options of KEY=VALUE, and folders they write into."""
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import wraps
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 from codend.errors import InputError
+
+if TYPE_CHECKING:
+    from codend.io.table_form import TableForm
 
 NO_MEANS, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 1, 2, 3, 130
 """Exit statuses; 0 is success, 1 want of memory or of an output that can be written."""
@@ -52,6 +56,46 @@ set_option = click.option(
     metavar="KEY=VALUE ...",
     help="Change the plan, such as --set netting.0.bar_mm=25 tow.speed_m_s=[1.0,1.5]. May be repeated.",
 )
+
+
+def table_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Options that say how a table is laid out; the command gets them as ``form``, a ``TableForm``."""
+
+    @click.option("--separator", metavar="MARK", help="Between the table's columns: , ; | or tab, if it is unsure.")
+    @click.option("--decimal", metavar="MARK", help="In the table's numbers: . or , if it is unsure.")
+    @click.option("--encoding", metavar="NAME", help="Of the table, such as latin-1. Left out: UTF-8 or UTF-16.")
+    @wraps(command)
+    def with_form(*args: Any, separator: str | None, decimal: str | None, encoding: str | None, **rest: Any) -> Any:
+        from codend.io.table_form import TableForm
+
+        return command(*args, form=TableForm.said(separator, decimal, encoding), **rest)
+
+    return with_form
+
+
+def haul_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Options that say what a table of hauls holds; the command gets them as ``reading``, a ``HaulReading``."""
+
+    @table_options
+    @click.option("--length-unit", metavar="UNIT", help="Of the lengths: mm or cm. Left out: as the column is called.")
+    @click.option(
+        "--length-is", metavar="PLACE", help="What lengths are of their classes: midpoint, the default, or lower end."
+    )
+    @click.option("--only", multiple=True, metavar="COLUMN=VALUE", help="Read these rows alone. May be repeated.")
+    @wraps(command)
+    def with_reading(
+        *args: Any,
+        form: "TableForm",
+        length_unit: str | None,
+        length_is: str | None,
+        only: tuple[str, ...],
+        **rest: Any,
+    ) -> Any:
+        from codend.selectivity.fits.haul_table import HaulReading
+
+        return command(*args, reading=HaulReading(form, length_unit, length_is, only), **rest)
+
+    return with_reading
 
 
 def check_writable(folder: Path, files: Iterable[str] = ()) -> None:

@@ -23,6 +23,7 @@ from codend.cli.common import (
     check_writable,
     out_option,
     set_option,
+    table_options,
     written_into,
 )
 from codend.cli.console import shown_progress, text_table
@@ -33,6 +34,7 @@ from codend.cli.sweep import sweep
 from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
+    from codend.io.table_form import TableForm
     from codend.studies.comparison import Comparison
     from codend.studies.kept_cases import KeptCases
     from codend.studies.study import Study
@@ -54,7 +56,7 @@ MOST_ROD_MM = 1000.0
 
 
 class _OneLineErrors(click.Group):
-    """A group whose commands return an exit status, and which reports what a user can mend on one line."""
+    """A group whose commands return an exit status, and which reports what a user can mend, a line each."""
 
     def invoke(self, ctx: click.Context) -> Any:
         try:
@@ -75,9 +77,9 @@ class _OneLineErrors(click.Group):
         except Stopped as error:
             _end(error.format_message(), error.status)
         except click.ClickException as error:
-            _end(error.format_message(), BAD_INPUT)
+            _end(" ".join(error.format_message().split()), BAD_INPUT)
         except InputError as error:
-            _end(str(error), BAD_INPUT)
+            _end("\n".join(error.lines), BAD_INPUT)
         except MemoryError:
             _end("too little memory", NO_MEANS)
         except BrokenExecutor:
@@ -103,7 +105,8 @@ def _make_haste() -> None:
 
 
 def _end(message: str, status: int) -> NoReturn:
-    say(f"codend: {' '.join(message.split())}")
+    for line in message.splitlines():
+        say(f"codend: {' '.join(line.split())}")
     raise SystemExit(status)
 
 
@@ -141,19 +144,23 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     from codend.plan.plan import load_plan
 
     checked = load_plan(plan, changes)
+    from codend.bag.loads import pressure_law_of
     from codend.equilibrium.fidelity import choose
-    from codend.report.html import cautions
+    from codend.report.html import cautions, sea_water
     from codend.report.page import files_of, write_report
     from codend.studies.kept_cases import KeptCases
     from codend.studies.run_record import unfinished
     from codend.studies.study import solve
 
+    pressure_law_of(checked)  # a Cp curve that cannot be used is refused before anything is said
     check_writable(folder, files_of(checked))
 
     with shown_progress() as progress:
         progress(0, len(checked.cases()), "choosing the model")
         choice = choose(checked)
     click.echo(choice.why)
+    if checked.water_is_assumed:
+        click.echo(sea_water(checked))
     if (before := unfinished(folder)) is not None:
         click.echo(f"{folder} held {before} of a run that did not end; this one takes its place", err=True)
     with shown_progress() as progress, written_into(folder), KeptCases(checked, choice, folder) as kept:
@@ -216,6 +223,7 @@ def _rod_mm(_: click.Context, option: click.Parameter, text: str | None) -> floa
 @main.command()
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.argument("table", metavar="TABLE.csv", type=click.Path(path_type=Path))
+@table_options
 @click.option(
     "--hoop-rod-mm",
     callback=_rod_mm,
@@ -223,7 +231,7 @@ def _rod_mm(_: click.Context, option: click.Parameter, text: str | None) -> floa
     help="Thickness you assume for the hoop's rod: its drag is computed and added, where TABLE.csv has an empty "
     "hoop_drag_n column.",
 )
-def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
+def compare(folder: Path, table: Path, hoop_rod_mm: float | None, form: "TableForm") -> None:
     """Set the results of a run in DIR beside a flume table.
 
     Rows are matched on the catch and speed columns the table has, interpolated in catch size and never extrapolated.
@@ -245,7 +253,7 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None) -> None:
     if hoop_rod_mm is not None:
         plan = load_plan(folder / "plan.toml")
         hoop = Hoop(plan.entry.radius_m, hoop_rod_mm / 1000.0, plan.tow.water_density_kg_m3)
-    comparison = compare_with(read_run_table(results), read_flume_table(table), results, hoop)
+    comparison = compare_with(read_run_table(results), read_flume_table(table, form), results, hoop)
     with written_into(folder, COMPARISON_FILES):
         points, summary, picture = (folder / name for name in COMPARISON_FILES)
         write_table(comparison.points, points)

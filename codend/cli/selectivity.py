@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from codend.cli.common import NOT_CONVERGED, check_writable, out_option, written_into
+from codend.cli.common import NOT_CONVERGED, check_writable, haul_options, out_option, written_into
 from codend.cli.console import shown_progress, text_table
 from codend.errors import OPTIONS, InputError
 
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     help="Numbers of the species to estimate from the field data: contact, spread (of sizes), shape, attempts, "
     "rotation_deg.",
 )
+@haul_options
 def selectivity(
     folder: Path,
     files: tuple[str, ...],
@@ -83,6 +84,8 @@ def selectivity(
     together = set_beside(found, trial, names, estimate_split=choices["split"] == "estimated") if trial else []
     with written_into(folder):
         written = write_selectivity(found, folder, together)
+    for note in trial.data.notes if trial else ():
+        click.echo(note)
     table = selectivity_table(found)
     columns = ["species", "speed_m_s", "catch_volume_m3", "opening_ahead_deg", "l50_cm", "sr_cm"]
     columns += ["l50_logit_cm", "l50_lower_95_cm", "l50_upper_95_cm"]
@@ -142,6 +145,7 @@ def species() -> None:
 @click.option("--covariate", "covariates", multiple=True, metavar="NAME", help="A column; may be repeated.")
 @click.option("--bootstrap", "replicates", default=0, show_default=True, help="Replicates of the double bootstrap.")
 @click.option("--seed", default=0, show_default=True, help="Of the bootstrap.")
+@haul_options
 @out_option
 def fit(data: str, design: str, folder: Path, replicates: int, **choices: Any) -> int:
     """Fit retention curves to a covered-codend or paired-gear trial; writes fit.csv and diagnostics.csv into DIR."""
@@ -153,6 +157,8 @@ def fit(data: str, design: str, folder: Path, replicates: int, **choices: Any) -
     with written_into(folder, ("fit.csv", "diagnostics.csv")):
         write_table(fit_table(fitted), folder / "fit.csv")
         write_table(diagnostics_table(fitted), folder / "diagnostics.csv")
+    for note in fitted.data.notes:
+        click.echo(note)
     _print_fit(fitted)
     return 0 if fitted.converged else NOT_CONVERGED
 
@@ -172,6 +178,11 @@ def _print_fit(fitted: "FieldFit") -> None:
         click.echo(f"{len(fitted.hauls)} hauls: {fitted.between_hauls.message}")
     if fitted.bootstrap is not None and fitted.bootstrap.n_failed:
         click.echo(f"{fitted.bootstrap.n_failed} of {fitted.bootstrap.n_replicates} bootstrap refits did not converge")
-    for one in (fitted.pooled, *fitted.hauls):
-        if not one.converged:
-            click.echo(f"{one.group} was not fitted: {one.outcome.value}", err=True)
+    failed = [haul for haul in fitted.hauls if not haul.converged]
+    if not fitted.converged:
+        nor = f" (nor were {len(failed)} of {len(fitted.hauls)} hauls)" if failed else ""
+        click.echo(f"pooled was not fitted: {fitted.pooled.outcome.value}{nor}", err=True)
+        return
+    for outcome in dict.fromkeys(haul.outcome for haul in failed):
+        names = ", ".join(haul.group for haul in failed if haul.outcome is outcome)
+        click.echo(f"not fitted alone: {names}: {outcome.value}", err=True)

@@ -73,7 +73,7 @@ def estimate(
     polished = newton.solve(problem, finest, solution, NEARBY, prepared=prepared)
     if not polished.report.outcome.converged:
         return Errors.unknown()
-    exact = measure_all(problem, polished)[2]
+    exact = measure_all(scene.bag, problem, polished)[2]
     solver = _distance(measures, exact)
     merged = np.zeros(len(_QUANTITIES))
     if scene.globalisation > 1:
@@ -83,7 +83,7 @@ def estimate(
     share = (unseen_weight_n + borne_by_merged_n) / measures.drag_n
     weight = WEIGHT_LEFT_OUT @ [share, share**2]
     errors = SAFETY * (solver + merged) + (NOISE + weight) * sizes
-    if share > HEAVIEST_SQUARE and problem.net.square_mesh.any():
+    if share > HEAVIEST_SQUARE and scene.bag.band_is_square.any():
         errors = np.full(len(_QUANTITIES), np.nan)
     drag, volume, radius, opening = map(float, errors)
     return Errors(drag, volume, radius, opening, _change_with_suction(problem, polished, prepared, exact.drag_n))
@@ -96,8 +96,9 @@ def sector_measures(plan: Plan, case: Case, globalisation: int) -> Measures:
     common divisor make a sector of the whole net, which bears its weight and cannot be merged.
     """
     quickly = plan.model_copy(update={"model": plan.model.model_copy(update={"method": "auto"})})
-    problem, solution = equilibrium.solve(equilibrium.scene_of(quickly, globalisation, 1), case, (), None)
-    return measure_all(problem, solution)[2] if solution.report.outcome.converged else Measures.unknown()
+    scene = equilibrium.scene_of(quickly, globalisation, 1)
+    problem, solution = equilibrium.solve(scene, case, (), None)
+    return measure_all(scene.bag, problem, solution)[2] if solution.report.outcome.converged else Measures.unknown()
 
 
 def _distance(first: Measures, second: Measures) -> np.ndarray:
@@ -106,9 +107,10 @@ def _distance(first: Measures, second: Measures) -> np.ndarray:
 
 def _change_with_suction(problem: Problem, solution: Solution, prepared: newton.Prepared, drag_n: float) -> float:
     """1 - Cp becomes 1 - 1.1 Cp; inside the catch the water stays at stagnation pressure."""
-    coefficients = (1.0 + MORE_SUCTION) * problem.loading.coefficients
+    catch = problem.loading.catch
+    coefficients = (1.0 + MORE_SUCTION) * catch.coefficients
     coefficients[3] -= MORE_SUCTION
-    changed = replace(problem, loading=problem.loading._replace(coefficients=coefficients))
+    changed = replace(problem, loading=problem.loading._replace(catch=catch._replace(coefficients=coefficients)))
     moved = newton.solve(changed, 1e-8, solution, NEARBY, prepared=prepared)
     if not moved.report.outcome.converged:
         return float("nan")

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from codend.bag.build import build_net
-from codend.bag.loads import wet_weight
+from codend.bag.build import build_bag
 from codend.equilibrium.accuracy import HEAVIEST_SQUARE, WEIGHT_LEFT_OUT, sector_measures
+from codend.mechanics.weight import wet_weight
 from codend.net.net import Net
 from codend.plan.plan import Plan
 
@@ -46,7 +46,7 @@ def choose(plan: Plan) -> Choice:
     and of the real net, but none where the weight is so large that such sectors, which know none, tell nothing.
     """
     asked, g = plan.model.fidelity, plan.model.globalisation
-    sector = build_net(plan, sectors=1)
+    sector = build_bag(plan, sectors=1).net
     # twine that floats counts like twine that sinks: in different sections they bend the bag all the same
     weight = sector.order * float(np.abs(wet_weight(sector, plan.tow.water_density_kg_m3)).sum())
     drag = _least_drag(plan) if weight > 0.0 and asked in ("auto", "sector", "meridian") else math.inf

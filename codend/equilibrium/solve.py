@@ -7,14 +7,15 @@ from time import perf_counter
 
 import numpy as np
 
-from codend.bag.build import build_net
+from codend.bag.bag import Bag
+from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.bag.meridian.plan_case import equilibrium_guess, first_guess, tensions_on
 from codend.bag.meridian.problem import MeridianShape
 from codend.errors import InputError
-from codend.mechanics.arrays import structure_of
 from codend.mechanics.problem import Problem
-from codend.net.net import Net, rotate
+from codend.mechanics.structure import structure_of
+from codend.net.net import rotate
 from codend.plan.plan import Case, Plan
 from codend.solvers import dynamic_relaxation, interior_point, newton, rigid_bars
 from codend.solvers.continuation import in_steps, predict, with_catch
@@ -45,17 +46,17 @@ Attempt = tuple[str, Callable[[], Solution | None]]
 
 @dataclass(frozen=True)
 class Scene:
-    """A net with what is kept from one of its equilibria to the next."""
+    """A bag with what is kept from one of its equilibria to the next."""
 
     plan: Plan
-    net: Net
+    bag: Bag
     sectors: int | None
     globalisation: int
 
     @cached_property
     def prepared(self) -> newton.Prepared:
         """The unknowns numbered, and room for Newton's method to work in; made when first asked for."""
-        return newton.prepare(structure_of(self.net))
+        return newton.prepare(structure_of(self.bag.net), self.bag.bands)
 
 
 def scene_of(plan: Plan, globalisation: int, sectors: int | None) -> Scene:
@@ -68,7 +69,7 @@ def scene_of(plan: Plan, globalisation: int, sectors: int | None) -> Scene:
     if plan.model.method == "rigid-bars" and stretching:
         allowed = 'left out with model.method = "rigid-bars": rigid bars do not stretch'
         raise InputError(file=plan.source, key="netting.axial_stiffness_n", value=stretching[0], allowed=allowed)
-    return Scene(plan, build_net(plan, globalisation=globalisation, sectors=sectors), sectors, globalisation)
+    return Scene(plan, build_bag(plan, globalisation=globalisation, sectors=sectors), sectors, globalisation)
 
 
 def solve(
@@ -86,7 +87,7 @@ def solve(
     that go slack. The report of what is returned tells every attempt; its time is that of all of them, the guesses
     included.
     """
-    problem = problem_of(scene.net, scene.plan, case)
+    problem = problem_of(scene.bag, scene.plan, case)
     attempts: list[str] = []
     spent = 0.0
     for start, attempt in _attempts(scene, problem, case, known, progress):
@@ -111,7 +112,7 @@ def _attempts(
 
     by_meshes = case.catch_kind == "filled_meshes"
     # where better starts are left, none is followed for long; weight may hide below the tolerance of single nodes
-    brief = by_meshes and len(scene.net.corners) == 0
+    brief = by_meshes and len(scene.bag.net.corners) == 0
     first_settings = replace(BRIEF if brief else DIRECT, least_iterations=int(problem.loading.dead.any()))
 
     def from_crude() -> Solution:
@@ -136,7 +137,7 @@ def _attempts(
             return None
         return _later(_from_limp(problem, start, partial(from_start, settings=settings)), guess_ms)
 
-    half = 0.5 * float(scene.net.band_meshes.sum())
+    half = 0.5 * float(scene.bag.band_meshes.sum())
 
     def from_half() -> Solution:
         larger = interior_point.solve(with_catch(problem, half), tolerance, None, progress, prepared=scene.prepared)
@@ -149,7 +150,7 @@ def _attempts(
         known_part = solve(sector, case, (), None)[1]
         if not known_part.report.outcome.converged:
             return None
-        start = all_round_start(sector.net, known_part.positions, known_part.bar_tension, sector.net.order)
+        start = all_round_start(sector.bag, known_part.positions, known_part.bar_tension, sector.bag.net.order)
         return _later(from_start(problem, start, first_settings), known_part.report.solve_ms)
 
     if method in ("auto", "newton"):
@@ -172,7 +173,7 @@ def _attempts(
         if others:
             catch, solution = min(others, key=lambda pair: abs(pair[0] - case.catch_value))
             # a catch given by its mass is a volume to the net
-            known_catch = catch * problem.loading.catch_value / case.catch_value
+            known_catch = catch * problem.loading.catch.size / case.catch_value
             yield "the nearest equilibrium, in steps", lambda: in_steps(problem, (known_catch, solution), from_start)
         yield "a crude bag, relaxed", from_crude
         if by_meshes and case.catch_value < half:
@@ -245,17 +246,17 @@ def _laid_out(scene: Scene, shape: MeridianShape | None) -> Solution | None:
         return None
     g = scene.globalisation
     rows = (shape.x_m[::g], shape.radius_m[::g])
-    sector = build_net(scene.plan, globalisation=g, sectors=1, rows=rows)
+    sector = build_bag(scene.plan, globalisation=g, sectors=1, rows=rows)
     tension = g * tensions_on(sector, shape, g)
-    return all_round_start(sector, sector.positions, tension, sector.order // scene.net.order)
+    return all_round_start(sector, sector.net.positions, tension, sector.net.order // scene.bag.net.order)
 
 
-def all_round_start(sector: Net, positions: np.ndarray, tension: np.ndarray, sectors: int) -> Solution:
+def all_round_start(sector: Bag, positions: np.ndarray, tension: np.ndarray, sectors: int) -> Solution:
     """A start for a net of so many sectors, from the shape and tensions of one without hinges.
 
     Nodes and bars of the wider net are numbered row by row, and those that differ by whole sectors one after the other.
     """
-    turned = rotate(positions[:-1, None], np.arange(sectors)[None], sector.order).reshape(-1, 3)
+    turned = rotate(positions[:-1, None], np.arange(sectors)[None], sector.net.order).reshape(-1, 3)
     return Solution(
         np.concatenate([turned, positions[-1:]]), np.repeat(tension, sectors), np.zeros(sector.bands), START
     )

@@ -35,9 +35,13 @@ RESULT_COLUMNS = [
 STRAP_COLUMNS = ["max_strap_tension_n"]
 """Further columns of plans with straps."""
 
+SECTION = "section"
+PLACE = [SECTION, "meshes_from_entry"]
+"""Name or number of the section, and the place in real meshes, however many are merged: of a row of knots in
+``profile.csv``, of the middle of a mesh in ``meshes.csv``."""
 OF_MESHES = ["opening_deg", "bar_tension_n", "opening_force_n", "pressure_pa"]
-PROFILE_COLUMNS = ["case", "row", "x_m", "radius_m", *OF_MESHES]
-MESH_COLUMNS = ["case", "row", "mesh", "x_m", "y_m", "z_m", *OF_MESHES]
+PROFILE_COLUMNS = ["case", "row", *PLACE, "x_m", "radius_m", *OF_MESHES]
+MESH_COLUMNS = ["case", "row", "mesh", *PLACE, "x_m", "y_m", "z_m", *OF_MESHES]
 
 OPENING_FORCE_COLUMNS = [
     "case",

@@ -17,6 +17,8 @@ TRIAL_TABLES = ("together.csv", "together_l50.csv", "calibration.csv", "calibrat
 """What ``codend selectivity`` writes beside ``SELECTIVITY_TABLES`` when it is given a trial."""
 SELECTIVITY_TABLES = ("selectivity.csv", "retention.csv", "sensitivity.csv")
 
+_FORMULA = ("=", "+", "-", "@")
+
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
@@ -33,7 +35,16 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 
 def table_text(table: "pd.DataFrame") -> str:
-    """A table as CSV; a number nobody computed (nan, or the infinite residual of no answer) is an empty cell."""
+    """A table as CSV; a number nobody computed (nan, or the infinite residual of no answer) is an empty cell.
+
+    Texts that a spreadsheet would take for formulas get an apostrophe ahead, by which it knows them for texts.
+    """
+    import pandas as pd
+
+    table = table.rename(columns=_no_formula)
+    for place, dtype in enumerate(table.dtypes):
+        if not pd.api.types.is_numeric_dtype(dtype):
+            table.isetitem(place, [_no_formula(cell) for cell in table.iloc[:, place]])
     return table.replace([np.inf, -np.inf], np.nan).to_csv(
         index=False, na_rep="", float_format="%.12g", lineterminator="\n"
     )
@@ -48,3 +59,13 @@ def write_text(text: str, path: Path) -> None:
     """Write a text in UTF-8; of names that no text can hold (bytes that are not UTF-8) a question mark stays."""
     with whole_file(path) as temporary:
         temporary.write_bytes(text.encode(errors="replace"))
+
+
+def as_named(cell: object) -> object:
+    """A text read back from a table, without the apostrophe it was given."""
+    bare = cell[1:] if isinstance(cell, str) and cell.startswith("'") else cell
+    return bare if _no_formula(bare) == cell else cell
+
+
+def _no_formula(cell: object) -> object:
+    return f"'{cell}" if isinstance(cell, str) and cell.lstrip().startswith(_FORMULA) else cell

@@ -7,18 +7,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from codend.errors import InputError
-from codend.io.columns import MESH_COLUMNS, PROFILE_COLUMNS, RESULT_COLUMNS, STRAP_COLUMNS
+from codend.io.columns import MESH_COLUMNS, PLACE, PROFILE_COLUMNS, RESULT_COLUMNS, SECTION, STRAP_COLUMNS
+from codend.io.files import as_named
 from codend.io.input_table import InputTable, read_table
 
 if TYPE_CHECKING:
     import pandas as pd
 
+MOST_MB: Final = 2000
+"""Of a table of a run: a case of a net of 100 000 knots is 15 MB of ``meshes.csv``."""
 WORDS: Final[dict[str, dict[str, object]]] = {
     "converged": {"True": True, "False": False, "TRUE": True, "FALSE": False},
     "fidelity": {name: name for name in ("meridian", "sector", "globalised", "full")},
 }
 """Columns of words, and what the words stand for, as spreadsheets may have spelled them."""
-NUMBERS: Final = {*RESULT_COLUMNS, *STRAP_COLUMNS, *PROFILE_COLUMNS, *MESH_COLUMNS} - {*WORDS, "method"}
+NUMBERS: Final = {*RESULT_COLUMNS, *STRAP_COLUMNS, *PROFILE_COLUMNS, *MESH_COLUMNS} - {*WORDS, "method", SECTION}
 """Columns of numbers; what users have added may be any text."""
 
 
@@ -27,14 +30,17 @@ def read_run_table(path: str | Path, filled: Sequence[str] = ()) -> pd.DataFrame
 
     Args:
         path: of the table.
-        filled: columns that must be there, with a number in every row.
+        filled: columns that must be there, with a number or, in that of words, a word in every row.
 
     Raises:
         InputError: as in ``read_table``, a column is missing, or a cell is of another type or empty.
     """
     import pandas as pd
 
-    table = read_table(path)
+    table = read_table(path, most_mb=MOST_MB)
+    for name in PLACE:
+        if name in filled and name not in table.frame.columns:  # older versions wrote none
+            raise InputError(path, name, None, "tables that this version wrote: run the plan again", "is missing")
     table.require(filled)
     columns = {}
     for name in table.frame.columns:
@@ -42,9 +48,12 @@ def read_run_table(path: str | Path, filled: Sequence[str] = ()) -> pd.DataFrame
         if name in WORDS:
             table.check(name, cells.isin(WORDS[name]).to_numpy(), ", ".join(WORDS[name]))
             columns[name] = cells.map(WORDS[name])
+        elif name == SECTION:
+            table.check(name, cells.notna().to_numpy() | (name not in filled), "the name or number of a section")
+            columns[name] = cells.map(as_named)
         elif name in NUMBERS:
             table.numbers(name, may_be_empty=name not in filled)
-            columns[name] = pd.to_numeric(cells)
+            columns[name] = pd.to_numeric(table.with_points(name))
         else:
             columns[name] = cells
     return pd.DataFrame(columns, table.frame.index)

@@ -1,25 +1,10 @@
-"""The loads of a net together, and what the tension of its bars leaves out of balance of them."""
+"""What the tension of the bars leaves out of balance of the loads: a kernel."""
 
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics.arrays import Loading, Structure
-from codend.mechanics.bending import add_bending
-from codend.mechanics.drag import add_drag
-from codend.mechanics.pressure import add_pressure
+from codend.mechanics.structure import Structure
 from codend.net.net import Floats
-
-
-@njit(cache=True)
-def add_loads(position: Floats, structure: Structure, loading: Loading, share: Floats, force: Floats) -> None:
-    """Add dead loads, stiff twine, twine drag and catch pressure to the nodal forces: all but the tension."""
-    dead = loading.dead
-    for node in range(len(force)):
-        for i in range(3):
-            force[node, i] += dead[node, i]
-    add_bending(position, structure, force)
-    add_drag(position, structure, loading, share, force)
-    add_pressure(position, structure, loading, share, force)
 
 
 @njit(cache=True)

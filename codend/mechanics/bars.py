@@ -1,4 +1,4 @@
-"""Tension in the bars: kernels.
+"""Tension in the bars: law, force and tangent, kernels.
 
 A taut bar obeys the law  1/l0 - 1/l = q / EA,  with l0 its length without load, l its length and q = T / l its force
 density: T = EA (l - l0) / l0, and l = l0 where the bar is inextensible. A slack bar carries nothing. Both come out of
@@ -13,8 +13,9 @@ multiplier: c is then taken as infinite, which gives the elastic law itself.
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics.arrays import Structure
 from codend.mechanics.images import add_turned_back, turned
+from codend.mechanics.structure import Structure
+from codend.mechanics.tangent import Pattern, add_bar_blocks
 from codend.net.net import Floats
 
 
@@ -81,3 +82,26 @@ def length_error(structure: Structure, length: Floats, density: Floats) -> float
             error = length[bar] / rest - 1.0
         worst = max(worst, error)
     return worst
+
+
+@njit(cache=True, error_model="numpy")
+def add_bar_tangent(
+    position: Floats, structure: Structure, pattern: Pattern, density: Floats, hardening: Floats, blocks: Floats
+) -> None:
+    """Add the bars' part: the derivative of their pull q d is q I + k d d^T, with k = (dq/dl) / l.
+
+    ``density`` holds q, N/m, and ``hardening`` k, N/m3, each (m,); k is 0 for bars that are slack or whose q is held.
+    """
+    h = np.empty((3, 3))
+    firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
+    slots = pattern.bar_slot
+    for bar in range(len(firsts)):
+        q, k = density[bar], hardening[bar]
+        if q == 0.0 and k == 0.0:
+            continue
+        image = images[bar]
+        dx, dy, dz = bar_vector(position, firsts[bar], seconds[bar], image, rotations)
+        h[0, 0], h[0, 1], h[0, 2] = q + k * dx * dx, k * dx * dy, k * dx * dz
+        h[1, 0], h[1, 1], h[1, 2] = h[0, 1], q + k * dy * dy, k * dy * dz
+        h[2, 0], h[2, 1], h[2, 2] = h[0, 2], h[1, 2], q + k * dz * dz
+        add_bar_blocks(blocks, slots, bar, h, -1.0, image, rotations)

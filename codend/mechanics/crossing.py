@@ -8,8 +8,9 @@ of the band: when the rings of knots at its ends are turned against each other b
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics.arrays import Structure
 from codend.mechanics.images import turned
+from codend.mechanics.pressure import Catch
+from codend.mechanics.structure import Structure
 from codend.net.net import Floats
 
 THROUGH = 1e-6
@@ -17,14 +18,14 @@ THROUGH = 1e-6
 
 
 @njit(cache=True)
-def passed_through_itself(position: Floats, structure: Structure) -> bool:
+def passed_through_itself(position: Floats, structure: Structure, catch: Catch) -> bool:
     """Whether any band of a net has passed through itself; bars that lie in a ring do not count.
 
     The rings of a sector have their middles on the axis, those of a full net where their knots have theirs.
     """
     firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
-    bands, rows, lengths = structure.bar_band, structure.node_row, structure.length
-    count = len(structure.band_meshes)
+    bands, rows, lengths = catch.bar_band, catch.node_row, structure.length
+    count = len(catch.band_meshes)
     middles, meeting, bars = np.zeros((count, 4)), np.zeros(count), np.zeros(count)
     shortest = np.inf
     for middling in (True, False):

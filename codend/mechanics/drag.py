@@ -1,105 +1,202 @@
-"""Drag of the twine (Landweber-Richtmyer): kernels."""
+"""Drag of the bars in the water that passes them: force and tangent, kernels. The laws are in ``drag_laws``.
+
+Half of a bar's drag goes to each of its ends. With d the bar's vector, l its length, t = d / l, V the velocity of the
+water past its middle, Vt = V . t and Vn = V - Vt t, the load on each end is S l F, with
+
+    F = A Vn + C Vt t,   S = rho w / 4 times the share of the bar that is outside the catch, w its width
+
+A and C are functions of |Vn| and |Vt|. A change of d turns the bar by dt = (dd - t t.dd) / l, which changes these by
+d|Vn| = -Vt n.dt, dVt = Vn.dt (n = Vn / |Vn|), dVn = -(Vn.dt) t - Vt dt. A rope meets the water with its own length in
+place of l, in the direction of its ends, however slack it hangs between them.
+"""
 
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics.arrays import LE_BRIS_1999, Loading, Structure
 from codend.mechanics.bars import bar_vector
+from codend.mechanics.drag_laws import drag_factors
 from codend.mechanics.images import add_turned_back, turned
+from codend.mechanics.pressure import Catch
+from codend.mechanics.structure import Structure
+from codend.mechanics.tangent import Pattern, add_bar_blocks
+from codend.mechanics.water import Water, flow_at
 from codend.net.net import Floats
 
 
-@njit(cache=True)
-def drag_vector(
-    law: int, normal: float, tangential: float, vx: float, vy: float, vz: float, tx: float, ty: float, tz: float
+@njit(cache=True, error_model="numpy")
+def bar_drag(
+    law: int,
+    normal: float,
+    tangential: float,
+    reynolds: float,
+    vx: float,
+    vy: float,
+    vz: float,
+    tx: float,
+    ty: float,
+    tz: float,
 ) -> tuple[float, float, float]:
-    """Drag of a bar along the unit vector t in water that passes it at the velocity v, over 1/2 rho d l, m2/s2.
-
-    With V = Vn + Vt, Vt = (V . t) t (Le Bris et al. 1999, equations 4 and 5; Bessonneau and Marichal 1997, equations 2
-    and 3):
-
-        LB99  normal Cd |Vn| Vn,  tangential f Cd |Vt| Vt
-        BM97  normal Cd |V| Vn,   tangential Cf |V| Vt
-    """
+    """F of a bar along the unit vector t in water that passes it with the velocity V, m2/s2."""
     along = vx * tx + vy * ty + vz * tz
     nx, ny, nz = vx - along * tx, vy - along * ty, vz - along * tz
-    if law == LE_BRIS_1999:
-        across = normal * np.sqrt(nx * nx + ny * ny + nz * nz)
-        along *= normal * tangential * abs(along)
-    else:
-        speed = np.sqrt(vx * vx + vy * vy + vz * vz)
-        across = normal * speed
-        along *= tangential * speed
-    return across * nx + along * tx, across * ny + along * ty, across * nz + along * tz
+    a, c, _, _, _, _ = drag_factors(law, normal, tangential, np.sqrt(nx * nx + ny * ny + nz * nz), abs(along), reynolds)
+    along *= c
+    return a * nx + along * tx, a * ny + along * ty, a * nz + along * tz
 
 
-@njit(cache=True)
-def add_drag(position: Floats, structure: Structure, loading: Loading, share: Floats, force: Floats) -> None:
-    """Add the drag of every bar to the nodal forces, half to each end; bars within the catch carry none.
+@njit(cache=True, error_model="numpy")
+def add_force(
+    position: Floats,
+    velocity: Floats,
+    structure: Structure,
+    water: Water,
+    catch: Catch,
+    share: Floats,
+    force: Floats,
+) -> None:
+    """Add the drag of every bar to the nodal forces, N.
 
-    The netting stands still in a current of ``speed`` along x. A strap meets it with its own length, in the direction
-    of its ends, however slack it hangs between them.
+    Bars within the catch carry none of the current's drag. ``velocity`` is that of the nodes, (n, 3), or empty, (0, 3),
+    for a net at rest. Where a net moves the water within the catch goes with it, so there a bar meets only the flow of
+    its own motion.
     """
-    law, normal, tangential = loading.drag_law, loading.normal, loading.tangential
-    density, speed = loading.density, loading.speed
-    if normal == 0.0 and tangential == 0.0:
-        return
     firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
-    bands, widths = structure.bar_band, structure.drag_diameter
+    bands, widths, diameters = catch.bar_band, structure.drag_diameter, structure.diameter
+    laws, normals, tangentials = structure.drag_law, structure.normal_drag, structure.tangential_drag
+    density, viscosity, ropes, rests = water.density, water.viscosity, structure.is_rope, structure.length
+    moves = len(velocity) > 0
+    uniform = len(water.height) == 1
+    vx, vy, vz, _, _, _ = flow_at(water, 0.0)
     for bar in range(len(firsts)):
         exposed = 1.0 - share[bands[bar]]
-        if widths[bar] == 0.0 or exposed == 0.0:
+        if widths[bar] == 0.0 or (exposed == 0.0 and not moves):
             continue
         first, second, image = firsts[bar], seconds[bar], images[bar]
         dx, dy, dz = bar_vector(position, first, second, image, rotations)
         length = np.sqrt(dx * dx + dy * dy + dz * dz)
         if length == 0.0:
             continue
-        wetted = structure.length[bar] if structure.strap[bar] else length
-        half = 0.25 * exposed * density * widths[bar] * wetted
-        x, y, z = drag_vector(law, normal, tangential, speed, 0.0, 0.0, dx / length, dy / length, dz / length)
-        force[first, 0] += half * x
-        force[first, 1] += half * y
-        force[first, 2] += half * z
-        add_turned_back(force, second, half * x, half * y, half * z, image, rotations)
-
-
-@njit(cache=True)
-def add_moving_drag(
-    position: Floats, velocity: Floats, structure: Structure, loading: Loading, share: Floats, force: Floats
-) -> None:
-    """Add the drag of bars that move, half to each end: the velocity is that of the water past the bar's middle.
-
-    Within the catch the water goes with the net, so there a bar meets only the flow of its own motion; at rest this is
-    ``add_drag``.
-    """
-    law, normal, tangential = loading.drag_law, loading.normal, loading.tangential
-    density, speed = loading.density, loading.speed
-    if normal == 0.0 and tangential == 0.0:
-        return
-    firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
-    bands, widths = structure.bar_band, structure.drag_diameter
-    for bar in range(len(firsts)):
-        first, second, image = firsts[bar], seconds[bar], images[bar]
-        dx, dy, dz = bar_vector(position, first, second, image, rotations)
-        length = np.sqrt(dx * dx + dy * dy + dz * dz)
-        if widths[bar] == 0.0 or length == 0.0:
-            continue
         tx, ty, tz = dx / length, dy / length, dz / length
-        y, z = turned(velocity[second, 1], velocity[second, 2], image, rotations)
-        vx = -0.5 * (velocity[first, 0] + velocity[second, 0])
-        vy, vz = -0.5 * (velocity[first, 1] + y), -0.5 * (velocity[first, 2] + z)
-        filled = share[bands[bar]]
-        wetted = structure.length[bar] if structure.strap[bar] else length
-        half = 0.25 * density * widths[bar] * wetted
-        x, y, z = 0.0, 0.0, 0.0
-        if filled < 1.0:
-            x, y, z = drag_vector(law, normal, tangential, speed + vx, vy, vz, tx, ty, tz)
-            x, y, z = half * (1.0 - filled) * x, half * (1.0 - filled) * y, half * (1.0 - filled) * z
-        if filled > 0.0:
-            ix, iy, iz = drag_vector(law, normal, tangential, vx, vy, vz, tx, ty, tz)
-            x, y, z = x + half * filled * ix, y + half * filled * iy, z + half * filled * iz
+        law, normal, tangential, reynolds = laws[bar], normals[bar], tangentials[bar], diameters[bar] / viscosity
+        if not uniform:
+            vx, vy, vz, _, _, _ = flow_at(water, position[first, 2] + 0.5 * dz)
+        half = 0.25 * density * widths[bar] * (rests[bar] if ropes[bar] else length)
+        if moves:
+            y, z = turned(velocity[second, 1], velocity[second, 2], image, rotations)
+            ux = 0.5 * (velocity[first, 0] + velocity[second, 0])
+            uy, uz = 0.5 * (velocity[first, 1] + y), 0.5 * (velocity[first, 2] + z)
+            x, y, z = bar_drag(law, normal, tangential, reynolds, vx - ux, vy - uy, vz - uz, tx, ty, tz)
+            ix, iy, iz = bar_drag(law, normal, tangential, reynolds, -ux, -uy, -uz, tx, ty, tz)
+            within = 1.0 - exposed
+            x, y, z = exposed * x + within * ix, exposed * y + within * iy, exposed * z + within * iz
+        else:
+            x, y, z = bar_drag(law, normal, tangential, reynolds, vx, vy, vz, tx, ty, tz)
+            half *= exposed
+        x, y, z = half * x, half * y, half * z
         force[first, 0] += x
         force[first, 1] += y
         force[first, 2] += z
         add_turned_back(force, second, x, y, z, image, rotations)
+
+
+@njit(cache=True, error_model="numpy")
+def add_tangent(
+    position: Floats,
+    structure: Structure,
+    water: Water,
+    catch: Catch,
+    pattern: Pattern,
+    share: Floats,
+    blocks: Floats,
+) -> None:
+    """Add the derivative of the drag of a net at rest to the tangent."""
+    firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
+    bands, widths, diameters = catch.bar_band, structure.drag_diameter, structure.diameter
+    laws, normals, tangentials = structure.drag_law, structure.normal_drag, structure.tangential_drag
+    density, viscosity, ropes, rests = water.density, water.viscosity, structure.is_rope, structure.length
+    uniform, slots = len(water.height) == 1, pattern.bar_slot
+    vx, vy, vz, _, _, _ = flow_at(water, 0.0)
+    h, u, t = np.empty((3, 3)), np.empty(3), np.empty(3)
+    for bar in range(len(firsts)):
+        exposed = 1.0 - share[bands[bar]]
+        if widths[bar] == 0.0 or exposed == 0.0:
+            continue
+        first, image = firsts[bar], images[bar]
+        dx, dy, dz = bar_vector(position, first, seconds[bar], image, rotations)
+        length = np.sqrt(dx * dx + dy * dy + dz * dz)
+        if length == 0.0:
+            continue
+        t[0], t[1], t[2] = dx / length, dy / length, dz / length
+        if not uniform:
+            vx, vy, vz, _, _, _ = flow_at(water, position[first, 2] + 0.5 * dz)
+        along = vx * t[0] + vy * t[1] + vz * t[2]
+        u[0], u[1], u[2] = vx - along * t[0], vy - along * t[1], vz - along * t[2]
+        across = np.sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2])
+        a, c, a_across, a_along, c_across, c_along = drag_factors(
+            laws[bar], normals[bar], tangentials[bar], across, abs(along), diameters[bar] / viscosity
+        )
+        scale = 0.25 * density * widths[bar] * exposed
+        own = rests[bar] / length if ropes[bar] else 1.0
+        # d(S l F) = S l' dF + S F dl, the latter not of a rope; dF = ((A' - C') and so on along Vn and t) Vn.dd / l
+        if along < 0.0:
+            a_along, c_along = -a_along, -c_along
+        per_across = 1.0 / across if across > 0.0 else 0.0
+        by_turn_u = a_along - along * a_across * per_across
+        by_turn_t = -a + c + along * (c_along - along * c_across * per_across)
+        both = c * along
+        turn = along * (c - a)
+        for i in range(3):
+            along_u, along_t = own * scale * (by_turn_u * u[i] + by_turn_t * t[i]), -own * scale * turn * t[i]
+            if not ropes[bar]:
+                along_t += scale * (a * u[i] + both * t[i])
+            for j in range(3):
+                h[i, j] = along_u * u[j] + along_t * t[j]
+            h[i, i] += own * scale * turn
+        add_bar_blocks(blocks, slots, bar, h, 1.0, image, rotations)
+        if not uniform:
+            _add_shear(position, structure, water, pattern, bar, scale * own * length, h, blocks)
+
+
+@njit(cache=True, error_model="numpy")
+def _add_shear(
+    position: Floats,
+    structure: Structure,
+    water: Water,
+    pattern: Pattern,
+    bar: int,
+    scale: float,
+    h: Floats,
+    blocks: Floats,
+) -> None:
+    """Add what a bar's drag changes by as its middle meets another flow at another height; only in full nets.
+
+    With dV = V' dz the change of F is  A dVn + C dVt t + (A' d|Vn| + A. d|Vt|) Vn + (C' d|Vn| + C. d|Vt|) Vt t.
+    """
+    first, second = structure.first[bar], structure.second[bar]
+    dx, dy, dz = bar_vector(position, first, second, 0, structure.rotations)
+    length = np.sqrt(dx * dx + dy * dy + dz * dz)
+    vx, vy, vz, sx, sy, sz = flow_at(water, position[first, 2] + 0.5 * dz)
+    tx, ty, tz = dx / length, dy / length, dz / length
+    along, along_z = vx * tx + vy * ty + vz * tz, sx * tx + sy * ty + sz * tz
+    nx, ny, nz = vx - along * tx, vy - along * ty, vz - along * tz
+    mx, my, mz = sx - along_z * tx, sy - along_z * ty, sz - along_z * tz
+    across = np.sqrt(nx * nx + ny * ny + nz * nz)
+    across_z = (nx * mx + ny * my + nz * mz) / across if across > 0.0 else 0.0
+    speed_z = along_z if along >= 0.0 else -along_z
+    a, c, a_across, a_along, c_across, c_along = drag_factors(
+        structure.drag_law[bar],
+        structure.normal_drag[bar],
+        structure.tangential_drag[bar],
+        across,
+        abs(along),
+        structure.diameter[bar] / water.viscosity,
+    )
+    a_z = a_across * across_z + a_along * speed_z
+    friction_z = (c_across * across_z + c_along * speed_z) * along + c * along_z
+    slots = pattern.bar_slot
+    for row in range(2):
+        for column in range(2):
+            slot = slots[bar, 2 * row + column]
+            blocks[slot, 0, 2] -= 0.5 * scale * (a * mx + a_z * nx + friction_z * tx)
+            blocks[slot, 1, 2] -= 0.5 * scale * (a * my + a_z * ny + friction_z * ty)
+            blocks[slot, 2, 2] -= 0.5 * scale * (a * mz + a_z * nz + friction_z * tz)

@@ -10,10 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics.arrays import Loading, Structure
-from codend.mechanics.balance import add_loads, out_of_balance
+from codend.mechanics.balance import out_of_balance
 from codend.mechanics.bars import add_bar_forces, bar_vector
-from codend.mechanics.pressure import fill
+from codend.mechanics.catch_front import fill
+from codend.mechanics.loads import Loading, add_force
+from codend.mechanics.structure import Structure
 from codend.net.net import Floats
 
 LENGTH_WEIGHT = 10.0
@@ -37,8 +38,8 @@ class State(NamedTuple):
     """Merit, residual, axial imbalance, length error, 1 if the catch fits."""
 
 
-def empty_state(structure: Structure) -> State:
-    """Arrays for a state of a net."""
+def empty_state(structure: Structure, bands: int) -> State:
+    """Arrays for a state of a net with a catch that fills so many bands."""
     nodes, bars = len(structure.free), len(structure.first)
     at_nodes, at_bars = (nodes, 3), (bars,)
     return State(
@@ -46,7 +47,7 @@ def empty_state(structure: Structure) -> State:
         np.zeros(at_bars),
         np.zeros(at_bars),
         np.zeros(at_bars),
-        np.zeros(len(structure.band_meshes)),
+        np.zeros(bands),
         np.zeros(at_nodes),
         np.zeros(at_nodes),
         np.zeros(5),
@@ -90,9 +91,9 @@ def measure(
         error = abs(gap) * length
         worst = max(worst, error)
         merit += (weight * error) ** 2
-    fits = fill(position, structure, loading, state.share)
+    fits = fill(position, structure, loading.catch, state.share)
     load[:] = 0.0
-    add_loads(position, structure, loading, state.share, load)
+    add_force(position, structure, loading, state.share, load)
     for node in range(len(force)):
         for i in range(3):
             force[node, i] = load[node, i]

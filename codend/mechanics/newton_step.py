@@ -12,15 +12,14 @@ from typing import NamedTuple
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics.arrays import Loading, Structure
-from codend.mechanics.bars import bar_vector
+from codend.mechanics.bars import add_bar_tangent, bar_vector
 from codend.mechanics.broyden import PastSteps, no_steps
+from codend.mechanics.catch_front import front_band, load_by_share, share_gradient
 from codend.mechanics.images import add_turned_back
+from codend.mechanics.loads import Loading, add_tangent
 from codend.mechanics.newton_state import State, measure
-from codend.mechanics.tangent import Pattern, add_bar_tangent
-from codend.mechanics.tangent_bending import add_bending_tangent
-from codend.mechanics.tangent_front import front_band, load_by_share, share_gradient
-from codend.mechanics.tangent_loads import add_drag_tangent, add_pressure_tangent
+from codend.mechanics.structure import Structure
+from codend.mechanics.tangent import Pattern
 from codend.net.net import Floats
 
 STIFFEST = 1e8
@@ -114,20 +113,18 @@ def linearise(
             hardening[bar] = 1.0 / (compliance * lengths[bar] ** 3)
     right_side(structure, state, state, step)
     add_bar_tangent(position, structure, pattern, density, hardening, blocks)
-    add_bending_tangent(position, structure, pattern, blocks)
-    add_drag_tangent(position, structure, loading, pattern, state.share, blocks)
-    add_pressure_tangent(position, structure, loading, pattern, state.share, blocks)
+    add_tangent(position, structure, loading, pattern, state.share, blocks)
     if shift > 0.0:
         for bar in range(len(density)):
             stiffness = shift * tension / rests[bar]
             for i in range(3):
                 blocks[diagonal[firsts[bar]], i, i] += stiffness
                 blocks[diagonal[seconds[bar]], i, i] += stiffness
-    band = front_band(loading, state.share)
+    band = front_band(loading.catch, state.share)
     if band < 0:
         return 1
-    share_gradient(position, structure, loading, state.share, band, step.gradient)
-    load_by_share(position, structure, loading, band, step.right[1])
+    share_gradient(position, structure, loading.catch, state.share, band, step.gradient)
+    load_by_share(position, structure, loading.water, loading.catch, band, step.right[1])
     return 2
 
 

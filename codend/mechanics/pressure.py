@@ -1,12 +1,43 @@
-"""Pressure of the catch on the facets, and how far the catch fills the net: kernels."""
+"""Pressure of the catch on the facets: force, tangent and bound, kernels.
+
+How far the catch fills the net is in ``catch_front``.
+"""
+
+from typing import NamedTuple
 
 import numpy as np
 
-from catch_models.filling import fill_by_meshes, fill_to_plane, fill_to_volume
 from codend.compiled import njit
-from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, Loading, Structure
 from codend.mechanics.images import add_turned_back, turned
+from codend.mechanics.structure import Structure
+from codend.mechanics.tangent import Pattern
 from codend.net.net import Floats, Ints
+
+FILLED_MESHES, FRONT_FROM_CODLINE, VOLUME = range(3)
+
+
+class Catch(NamedTuple):
+    """How the catch fills the net from its last band on, and how it presses."""
+
+    bar_band: Ints
+    """Band a bar lies in, (m,)."""
+    facet_band: Ints
+    """Band a facet lies in, (f,)."""
+    band_meshes: Floats
+    """Meshes that a band is long, (bands,)."""
+    node_row: Ints
+    """Row whose ring polygon the node belongs to, -1 for none, (n,)."""
+    row_size: Floats
+    """Nodes in the ring polygon of each row, (bands + 1,)."""
+    kind: int
+    """What its size is given by."""
+    size: float
+    """Filled meshes, distance of the front from the codline in m, or volume in m3."""
+    stagnation_pressure: float
+    angles: Floats
+    """Breaks of the pressure law in theta, rad, (k + 1,)."""
+    coefficients: Floats
+    """Piecewise cubic net pressure coefficient, (4, k)."""
 
 
 @njit(cache=True)
@@ -54,17 +85,17 @@ def is_uniform(angles: Floats, coefficients: Floats) -> bool:
 
 
 @njit(cache=True)
-def add_pressure(position: Floats, structure: Structure, loading: Loading, share: Floats, force: Floats) -> None:
+def add_force(position: Floats, structure: Structure, catch: Catch, share: Floats, force: Floats) -> None:
     """Add the catch's pressure on every facet to the nodal forces, a third to each corner.
 
     Facet load = share of the facet within the catch x q (1 - Cp(theta)) x area vector, theta between the upstream
     direction and the outward normal (Le Bris et al. 1999, section 5). Nothing acts at the front, which is open.
     """
-    angles, coefficients = loading.angles, loading.coefficients
+    angles, coefficients = catch.angles, catch.coefficients
     uniform = is_uniform(angles, coefficients)
     facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
-    bands, weights = structure.facet_band, structure.facet_weight
-    third_of_stagnation = loading.stagnation_pressure / 3.0
+    bands, weights = catch.facet_band, structure.facet_weight
+    third_of_stagnation = catch.stagnation_pressure / 3.0
     for facet in range(len(bands)):
         filled = share[bands[facet]]
         if filled == 0.0:
@@ -80,41 +111,102 @@ def add_pressure(position: Floats, structure: Structure, loading: Loading, share
             add_turned_back(force, facets[facet, corner], x, y, z, images[facet, corner], rotations)
 
 
-@njit(cache=True)
-def row_positions(position: Floats, structure: Structure, row_x: Floats) -> None:
-    """Write the mean axial position of every row's ring of nodes, (rows + 1,)."""
-    row_x[:] = 0.0
-    rows, sizes = structure.node_row, structure.row_size
-    for node in range(len(rows)):
-        row = rows[node]
-        if row >= 0:
-            row_x[row] += position[node, 0] / sizes[row]
+@njit(cache=True, error_model="numpy")
+def take_from_facet_blocks(
+    blocks: Floats, slots: Ints, facet: int, moved: int, h: Floats, images: Ints, rotations: Floats
+) -> None:
+    """Take off the blocks of a facet's three corners whose loads all change by h with the move of one of them."""
+    middle = (rotations.shape[0] - 1) // 2
+    e, t = rotations[middle + images[facet, moved], 0], rotations[middle + images[facet, moved], 1]
+    for i in range(3):
+        y, z = h[i, 1], h[i, 2]
+        h[i, 1], h[i, 2] = e * y + t * z, e * z - t * y
+    for corner in range(3):
+        slot, image = slots[facet, corner, moved], images[facet, corner]
+        c, s = rotations[middle + image, 0], rotations[middle + image, 1]
+        for j in range(3):
+            blocks[slot, 0, j] -= h[0, j]
+            blocks[slot, 1, j] -= c * h[1, j] + s * h[2, j]
+            blocks[slot, 2, j] -= c * h[2, j] - s * h[1, j]
 
 
-@njit(cache=True)
-def band_geometry(position: Floats, structure: Structure, band_area: Floats, band_moment: Floats) -> None:
-    """Write area projected on the axis (m2) and its integral of x (m3) for every band, all round."""
-    band_area[:] = 0.0
-    band_moment[:] = 0.0
+@njit(cache=True, error_model="numpy")
+def add_tangent(
+    position: Floats, structure: Structure, catch: Catch, pattern: Pattern, share: Floats, blocks: Floats
+) -> None:
+    """Add the catch's pressure's part; it follows the facets' areas, senses and angles to the flow.
+
+    The load P = k C(theta) A of a facet with area vector A = (a x b + b x c + c x a) / 2 changes by
+    dP = k (C I + C' A (dtheta/dA)^T) dA, with dtheta/dA = (e_x - n_x n) / (|A| sin theta), a unit vector over |A|, and
+    dA = da x (b - c) / 2 for a move of corner a. On the axis of the flow, where that unit vector has no direction, the
+    law's slope counts as 0.
+    """
+    angles, coefficients = catch.angles, catch.coefficients
+    uniform = is_uniform(angles, coefficients)
     facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
-    bands, weights = structure.facet_band, structure.facet_weight
+    bands, weights, slots = catch.facet_band, structure.facet_weight, pattern.facet_slot
+    stagnation = catch.stagnation_pressure
+    h, b = np.empty((3, 3)), np.empty((3, 3))
     for facet in range(len(bands)):
+        filled = share[bands[facet]]
+        if filled == 0.0:
+            continue
         corners = corners_of_facet(position, facets, images, rotations, facet)
-        area = area_vector(corners)[0] * weights[facet] * structure.order
-        band = bands[facet]
-        band_area[band] += area
-        band_moment[band] += area * (corners[0] + corners[3] + corners[6]) / 3.0
+        ax, ay, az, bx, by, bz, cx, cy, cz = corners
+        x, y, z = area_vector(corners)
+        third = filled * weights[facet] * stagnation / 3.0
+        b[:] = 0.0
+        coefficient = coefficients[3, 0]
+        if not uniform:
+            area, across = np.sqrt(x * x + y * y + z * z), np.sqrt(y * y + z * z)
+            if area == 0.0:
+                continue
+            coefficient, slope = law_and_slope(x, across, angles, coefficients)
+            if across > 0.0:
+                # (e_x - n_x n) / sin theta = (sin theta, -n_x n_y / sin theta, -n_x n_z / sin theta)
+                slope *= third / (area * area)
+                sx, sy, sz = slope * across, -slope * x * y / across, -slope * x * z / across
+                b[0, 0], b[0, 1], b[0, 2] = x * sx, x * sy, x * sz
+                b[1, 0], b[1, 1], b[1, 2] = y * sx, y * sy, y * sz
+                b[2, 0], b[2, 1], b[2, 2] = z * sx, z * sy, z * sz
+        for i in range(3):
+            b[i, i] += third * coefficient
+        for moved in range(3):
+            if moved == 0:
+                ex, ey, ez = bx - cx, by - cy, bz - cz
+            elif moved == 1:
+                ex, ey, ez = cx - ax, cy - ay, cz - az
+            else:
+                ex, ey, ez = ax - bx, ay - by, az - bz
+            ex, ey, ez = 0.5 * ex, 0.5 * ey, 0.5 * ez
+            # b times the matrix that turns a move dx into dx x e
+            for i in range(3):
+                h[i, 0] = b[i, 2] * ey - b[i, 1] * ez
+                h[i, 1] = b[i, 0] * ez - b[i, 2] * ex
+                h[i, 2] = b[i, 1] * ex - b[i, 0] * ey
+            take_from_facet_blocks(blocks, slots, facet, moved, h, images, rotations)
 
 
 @njit(cache=True)
-def fill(position: Floats, structure: Structure, loading: Loading, share: Floats) -> bool:
-    """Write the share of every band that lies in the catch; False if the catch does not fit into the net."""
-    if loading.catch_kind == FILLED_MESHES:
-        return fill_by_meshes(structure.band_meshes, loading.catch_value, share)
-    row_x = np.empty(len(share) + 1)
-    row_positions(position, structure, row_x)
-    if loading.catch_kind == FRONT_FROM_CODLINE:
-        return fill_to_plane(row_x, loading.catch_value, share)
-    band_area, band_moment = np.empty(len(share)), np.empty(len(share))
-    band_geometry(position, structure, band_area, band_moment)
-    return fill_to_volume(row_x, band_area, band_moment, loading.catch_value, share)
+def add_bound(position: Floats, structure: Structure, catch: Catch, share: Floats, bound: Floats) -> None:
+    """Add a bound on the pressure's part of each node's row of the stiffness, N/m: p times perimeter / 6 a facet."""
+    pressure = catch.stagnation_pressure * np.max(np.abs(catch.coefficients[3]))
+    facets, bands, weights, order = structure.facets, catch.facet_band, structure.facet_weight, structure.order
+    for facet in range(len(bands)):
+        filled = share[bands[facet]]
+        if filled == 0.0:
+            continue
+        perimeter = 0.0
+        for corner in range(3):
+            a, b = facets[facet, corner], facets[facet, (corner + 1) % 3]
+            # images turn both ends alike or by one sector; the axial and radial parts bound the edge well enough
+            ra = np.sqrt(position[a, 1] ** 2 + position[a, 2] ** 2)
+            rb = np.sqrt(position[b, 1] ** 2 + position[b, 2] ** 2)
+            if order > 1.0:
+                chord = 2.0 * np.sin(np.pi / order) * max(ra, rb)
+            else:
+                chord = abs(position[a, 1] - position[b, 1]) + abs(position[a, 2] - position[b, 2])
+            perimeter += abs(position[a, 0] - position[b, 0]) + abs(ra - rb) + chord
+        least = filled * weights[facet] * pressure * perimeter / 6.0
+        for corner in range(3):
+            bound[facets[facet, corner]] += least

@@ -2,8 +2,15 @@
 
 from dataclasses import dataclass
 
-from codend.mechanics.arrays import Loading, Structure
-from codend.net.net import Net
+import numpy as np
+
+from codend.mechanics.loads import Loading
+from codend.mechanics.points import points_of
+from codend.mechanics.pressure import FILLED_MESHES, Catch
+from codend.mechanics.structure import Structure, structure_of
+from codend.mechanics.water import Water, uniform_flow
+from codend.mechanics.weight import wet_weight
+from codend.net.net import Floats, Net
 
 
 @dataclass(frozen=True)
@@ -13,3 +20,53 @@ class Problem:
     net: Net
     structure: Structure
     loading: Loading
+
+    @property
+    def bands(self) -> int:
+        """Bands of the net that a catch may fill."""
+        return len(self.loading.catch.band_meshes)
+
+    @classmethod
+    def of(
+        cls,
+        net: Net,
+        *,
+        nodal_force_n: Floats | None = None,
+        water: Water | None = None,
+        weight: bool = True,
+        catch: Catch | None = None,
+    ) -> "Problem":
+        """A net under its own loads.
+
+        Args:
+            net: the net.
+            nodal_force_n: forces that are the same wherever the nodes go, (n, 3); none by default.
+            water: the water and its flow, see ``uniform_flow``; sea water at rest by default.
+            weight: whether bars and points have their weight in water.
+            catch: what presses on the facets; nothing by default.
+        """
+        water = uniform_flow(SEA_WATER_KG_M3, np.zeros(3)) if water is None else water
+        dead = wet_weight(net, water.density) if weight else np.zeros_like(net.positions)
+        if nodal_force_n is not None:
+            dead = dead + nodal_force_n
+        loading = Loading(dead, water, points_of(net), no_catch(net) if catch is None else catch)
+        return cls(net, structure_of(net), loading)
+
+
+SEA_WATER_KG_M3 = 1025.0
+
+
+def no_catch(net: Net) -> Catch:
+    """A catch that fills nothing: the net is one band, empty."""
+    return Catch(
+        bar_band=np.zeros(len(net.bars), dtype=np.int32),
+        facet_band=np.zeros(len(net.facets), dtype=np.int32),
+        band_meshes=np.ones(1),
+        node_row=np.full(len(net.positions), -1, dtype=np.int32),
+        row_size=np.zeros(2),
+        kind=FILLED_MESHES,
+        size=0.0,
+        stagnation_pressure=0.0,
+        angles=np.array([0.0, np.pi]),
+        coefficients=np.zeros((4, 1)),
+    )

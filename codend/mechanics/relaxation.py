@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics.arrays import Loading, Structure
-from codend.mechanics.balance import add_loads, out_of_balance
+from codend.mechanics.balance import out_of_balance
 from codend.mechanics.bars import bar_vector
-from codend.mechanics.bending import add_bending_bound
+from codend.mechanics.catch_front import fill
 from codend.mechanics.images import add_turned_back
-from codend.mechanics.pressure import fill
+from codend.mechanics.loads import Loading, add_bound, add_force
+from codend.mechanics.structure import Structure
 from codend.net.net import Floats, Ints
 
 REFRESH = 25
@@ -61,8 +61,8 @@ class Workspace(NamedTuple):
     """The part of pressure and stiff twine in that, set at every rest, (n,)."""
 
 
-def workspace(structure: Structure, position: Floats) -> Workspace:
-    """Arrays for a relaxation that starts from ``position``."""
+def workspace(structure: Structure, bands: int, position: Floats) -> Workspace:
+    """Arrays for a relaxation that starts from ``position``, with a catch that fills so many bands."""
     nodes, bars = len(structure.free), len(structure.first)
     order = np.argsort(structure.first, kind="stable")
     state = np.zeros((nodes, WIDTH))
@@ -79,7 +79,7 @@ def workspace(structure: Structure, position: Floats) -> Workspace:
         gain=np.zeros(bars),
         density=np.zeros(bars),
         length=np.zeros(bars),
-        share=np.zeros(len(structure.band_meshes)),
+        share=np.zeros(bands),
         force=np.zeros((nodes, 3)),
         position=np.zeros((nodes, 3)),
         stiffness=np.zeros(nodes),
@@ -92,9 +92,9 @@ def refresh(work: Workspace, structure: Structure, loading: Loading, mass_factor
     """Set loads, tensions, masses and law afresh; return residual, axial imbalance and whether the catch fits."""
     state, force, position, stiffness = work.state, work.force, work.position, work.stiffness
     position[:] = state[:, X : X + 3]
-    fits = fill(position, structure, loading, work.share)
+    fits = fill(position, structure, loading.catch, work.share)
     force[:] = 0.0
-    add_loads(position, structure, loading, work.share, force)
+    add_force(position, structure, loading, work.share, force)
     state[:, LOAD : LOAD + 3] = force
     state[:, FORCE : FORCE + 3] = force
 
@@ -131,34 +131,6 @@ def refresh(work: Workspace, structure: Structure, loading: Loading, mass_factor
             state[node, MOBILITY + i] = mobility * free[node, i]
     residual, imbalance = out_of_balance(structure, force, state[:, LOAD : LOAD + 3])
     return residual, imbalance, fits
-
-
-@njit(cache=True)
-def set_pressure_bound(
-    position: Floats, structure: Structure, loading: Loading, share: Floats, stiffness: Floats
-) -> None:
-    """Write a bound on the pressure's part of each node's row of the stiffness: p times perimeter / 6 a facet."""
-    stiffness[:] = 0.0
-    pressure = loading.stagnation_pressure * np.max(np.abs(loading.coefficients[3]))
-    facets, bands, weights, order = structure.facets, structure.facet_band, structure.facet_weight, structure.order
-    for facet in range(len(bands)):
-        filled = share[bands[facet]]
-        if filled == 0.0:
-            continue
-        perimeter = 0.0
-        for corner in range(3):
-            a, b = facets[facet, corner], facets[facet, (corner + 1) % 3]
-            # images turn both ends alike or by one sector; the axial and radial parts bound the edge well enough
-            ra = np.sqrt(position[a, 1] ** 2 + position[a, 2] ** 2)
-            rb = np.sqrt(position[b, 1] ** 2 + position[b, 2] ** 2)
-            if order > 1.0:
-                chord = 2.0 * np.sin(np.pi / order) * max(ra, rb)
-            else:
-                chord = abs(position[a, 1] - position[b, 1]) + abs(position[a, 2] - position[b, 2])
-            perimeter += abs(position[a, 0] - position[b, 0]) + abs(ra - rb) + chord
-        bound = filled * weights[facet] * pressure * perimeter / 6.0
-        for corner in range(3):
-            stiffness[facets[facet, corner]] += bound
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
@@ -275,9 +247,9 @@ def relax(
     """
     state = work.state
     work.position[:] = state[:, X : X + 3]
-    fill(work.position, structure, loading, work.share)
-    set_pressure_bound(work.position, structure, loading, work.share, work.load_bound)
-    add_bending_bound(work.position, structure, work.load_bound)
+    fill(work.position, structure, loading.catch, work.share)
+    work.load_bound[:] = 0.0
+    add_bound(work.position, structure, loading, work.share, work.load_bound)
     residual, imbalance, fits = refresh(work, structure, loading, mass_factor)
     steps, stops, since_rest = 0, 0, 0
     energy, last_energy, energy_before = 0.0, 0.0, 0.0
@@ -294,8 +266,8 @@ def relax(
         if steps >= steps_allowed:
             return STEPS_SPENT, steps, stops, residual, imbalance
         if at_rest:
-            set_pressure_bound(work.position, structure, loading, work.share, work.load_bound)
-            add_bending_bound(work.position, structure, work.load_bound)
+            work.load_bound[:] = 0.0
+            add_bound(work.position, structure, loading, work.share, work.load_bound)
             energy = start_from_rest(work, back)
             last_energy, energy_before, since_rest = energy, energy, 0
         at_rest = False
@@ -324,5 +296,5 @@ def relax(
             last_x[:] = state[:, X : X + 3]
             last_force[:] = work.force
         # a soft strap is longer by far in a net that holds its shape without it
-        if np.any((work.length > 3.0 * structure.length) & ~structure.strap):
+        if np.any((work.length > 3.0 * structure.length) & ~structure.is_rope):
             return OVERSTRETCHED, steps, stops, residual, imbalance

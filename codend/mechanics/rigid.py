@@ -16,9 +16,11 @@ from typing import NamedTuple
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics.arrays import Loading, Structure
 from codend.mechanics.bars import bar_vector
+from codend.mechanics.drag_laws import drag_factors
 from codend.mechanics.images import add_turned_back
+from codend.mechanics.loads import Loading
+from codend.mechanics.structure import Structure
 from codend.net.net import Floats, Ints
 
 SLIGHT_GIVE = 1e-10
@@ -200,15 +202,17 @@ def stable_time_step(
     dt (w + c / m) <= 2, as far as loads and tensions stand still. ``room`` is space to work in, (n, 2).
     """
     firsts, seconds = structure.first, structure.second
-    lengths, widths = structure.length, structure.drag_diameter
-    coefficient = loading.normal
-    tangential = loading.tangential * (loading.normal if loading.drag_law == 0 else 1.0)
-    fastest = 0.0
+    lengths, widths, diameters = structure.length, structure.drag_diameter, structure.diameter
+    laws, normals, tangentials = structure.drag_law, structure.normal_drag, structure.tangential_drag
+    water = loading.water
+    fastest, flow = 0.0, 0.0
     for node in range(len(velocity)):
         room[node, 0] = load_bound[node]
         room[node, 1] = 0.0
         fastest = max(fastest, velocity[node, 0] ** 2 + velocity[node, 1] ** 2 + velocity[node, 2] ** 2)
-    passing = loading.speed + np.sqrt(fastest)
+    for layer in range(len(water.height)):
+        flow = max(flow, water.flow[layer, 0] ** 2 + water.flow[layer, 1] ** 2 + water.flow[layer, 2] ** 2)
+    passing = np.sqrt(flow) + np.sqrt(fastest)
     slowing = 0.0
     for bar in range(len(firsts)):
         stiffness = 2.0 * abs(density[bar])
@@ -216,9 +220,13 @@ def stable_time_step(
         room[seconds[bar], 0] += stiffness
         room[firsts[bar], 1] += 0.5 * mass[bar]
         room[seconds[bar], 1] += 0.5 * mass[bar]
-        drag = loading.density * widths[bar] * lengths[bar] * passing
-        if drag > 0.0:
-            slowing = max(slowing, drag * coefficient / (mass[bar] + added[bar]), drag * tangential / mass[bar])
+        wetted = water.density * widths[bar] * lengths[bar]
+        if wetted > 0.0:
+            law, normal, tangential = laws[bar], normals[bar], tangentials[bar]
+            reynolds = diameters[bar] / water.viscosity
+            a, across, _, _, _, _ = drag_factors(law, normal, tangential, passing, 0.0, reynolds)
+            _, c, _, _, _, _ = drag_factors(law, normal, tangential, 0.0, passing, reynolds)
+            slowing = max(slowing, wetted * a / (mass[bar] + added[bar]), wetted * max(across, c) / mass[bar])
     swinging = 0.0
     free = structure.free
     for node in range(len(velocity)):

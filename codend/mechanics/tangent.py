@@ -1,4 +1,4 @@
-"""Exact tangent of the nodal forces: where its blocks lie, and the bars' part. Loads follow in ``tangent_loads``.
+"""Exact tangent of the nodal forces: where its blocks lie, and how loads add to them.
 
 The tangent is kept as 3 x 3 blocks -dF_i/dx_j for every pair of nodes (i, j) that share a bar, a facet or a corner.
 These name images of nodes: with R the rotation of an image, a force acts on the node itself as R^T f, and a move of
@@ -10,8 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics.arrays import Structure
-from codend.mechanics.bars import bar_vector
+from codend.mechanics.structure import Structure
 from codend.net.net import Floats, Ints
 
 
@@ -120,26 +119,3 @@ def add_bar_blocks(
         x, y, z = sense * x, sense * y, sense * z
         _add_turned_row(blocks, aft_fore, i, x, y, z, 1.0, 0.0)
         _add_turned_row(blocks, aft_aft, i, -x, -y, -z, c, s)
-
-
-@njit(cache=True, error_model="numpy")
-def add_bar_tangent(
-    position: Floats, structure: Structure, pattern: Pattern, density: Floats, hardening: Floats, blocks: Floats
-) -> None:
-    """Add the bars' part: the derivative of their pull q d is q I + k d d^T, with k = (dq/dl) / l.
-
-    ``density`` holds q, N/m, and ``hardening`` k, N/m3, each (m,); k is 0 for bars that are slack or whose q is held.
-    """
-    h = np.empty((3, 3))
-    firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
-    slots = pattern.bar_slot
-    for bar in range(len(firsts)):
-        q, k = density[bar], hardening[bar]
-        if q == 0.0 and k == 0.0:
-            continue
-        image = images[bar]
-        dx, dy, dz = bar_vector(position, firsts[bar], seconds[bar], image, rotations)
-        h[0, 0], h[0, 1], h[0, 2] = q + k * dx * dx, k * dx * dy, k * dx * dz
-        h[1, 0], h[1, 1], h[1, 2] = h[0, 1], q + k * dy * dy, k * dy * dz
-        h[2, 0], h[2, 1], h[2, 2] = h[0, 2], h[1, 2], q + k * dz * dz
-        add_bar_blocks(blocks, slots, bar, h, -1.0, image, rotations)

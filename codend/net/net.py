@@ -1,14 +1,15 @@
-"""A net: nodes joined by straight bars, covered by facets, held by supports. Knows nothing about codends.
+"""A net: nodes joined by straight bars, covered by facets, held by supports.
 
-A net may stand for one rotational sector of a structure that is the same all round: the end of a bar, the corner of a
-facet or of a mesh then names a node and the *image* it sits in, the number of sectors by which that node is turned
-about the x axis. A full net is the same thing with one sector and image 0 everywhere.
+A net may stand for one rotational sector of a structure that is the same all round: the end of a bar or the corner of a
+facet then names a node and the *image* it sits in, the number of sectors by which that node is turned about the x axis.
+A full net is the same thing with one sector and image 0 everywhere.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -16,11 +17,7 @@ Ints = NDArray[np.int32]
 
 @dataclass(frozen=True)
 class Net:
-    """Arrays of nodes, bars, facets and meshes, and what holds them; SI units throughout.
-
-    x points aft along the flow, y sideways, z up. Rows count rings of nodes from the entry, row 0, to the codline; band
-    j is the netting between rows j and j + 1.
-    """
+    """Arrays of nodes, bars, facets and corners, and what holds them; SI units, x along the flow, z up."""
 
     positions: Floats
     """Shape in which the solver starts, (n, 3)."""
@@ -28,8 +25,6 @@ class Net:
     """Number of equal sectors all round, 1 for a full net."""
     fixed: NDArray[np.bool_]
     """Coordinates that are held, (n, 3)."""
-    node_row: Ints
-    """Row whose ring polygon the node belongs to, -1 for a node between two rings, (n,)."""
 
     bars: Ints
     """First and second node of a bar, (m, 2)."""
@@ -45,8 +40,16 @@ class Net:
     """Diameter of the round section of the same volume, (m,)."""
     bar_density: Floats
     """Density of the bar's material in kg/m3, nan where it is as dense as the water, (m,)."""
-    bar_band: Ints
-    """Band a bar lies in, (m,)."""
+    bar_diameter: Floats
+    """Real diameter of the twine or rope, on which a drag law may depend, (m,)."""
+    bar_drag_law: Ints
+    """Law of its drag, a place in ``drag_laws.DRAG_LAWS``, (m,)."""
+    bar_normal_drag: Floats
+    """First coefficient of that law, (m,)."""
+    bar_tangential_drag: Floats
+    """Second coefficient, (m,)."""
+    bar_is_rope: NDArray[np.bool_]
+    """Whether a bar is a rope, which meets the flow with its own length however slack it hangs, (m,)."""
 
     facets: Ints
     """Corners of the triangles that cover the net, seen anticlockwise from outside, (f, 3)."""
@@ -54,20 +57,6 @@ class Net:
     """Images of the corners, (f, 3)."""
     facet_weight: Floats
     """1, or 1/2 where a quadrangle is covered by both of its divisions into two triangles, (f,)."""
-    facet_band: Ints
-    """Band a facet lies in, (f,)."""
-
-    mesh_sides: Ints
-    """First and second node of the four twine sides of a mesh, walking round it: fore to right, right to aft, aft to
-    left, left to fore, (k, 4, 2)."""
-    mesh_side_image: Ints
-    """Images of those nodes, (k, 4, 2)."""
-    mesh_bars: Ints
-    """Bars of those sides, -1 where a side is held and no bar, (k, 4)."""
-    mesh_row: Ints
-    """Row that counts a mesh, at its widest part or, of a square mesh, ahead of it, (k,)."""
-    band_meshes: Floats
-    """Meshes that a band is long, (bands,)."""
 
     corners: Ints
     """Middle, first and second node of the corners between two twines at a knot that resist opening, (c, 3)."""
@@ -78,38 +67,110 @@ class Net:
     corner_rest: Floats
     """Angle between the two twines at rest, rad, (c,)."""
 
-    globalisation: int = 1
-    """Real meshes merged into one, each way."""
-    straps: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
-    """Bars that are ropes round the netting, (s,)."""
-    strap_share: Floats = field(default_factory=lambda: np.zeros(0))
-    """Tension of the real rope over that of its bar, (s,)."""
+    point_node: Ints
+    """Node of a point: a weight, a float, a door, (p,)."""
+    point_mass: Floats
+    """kg, (p,)."""
+    point_wet_weight: Floats
+    """Weight in water, downward, N, (p,)."""
+    point_drag_area: Floats
+    """Drag area Cd A, m2, (p,)."""
+    point_lift_area: Floats
+    """Lift area Cl A, m2, (p,)."""
+    point_lift_towards: Floats
+    """Direction of its lift, of which the part across the flow counts, (p, 3)."""
 
-    @property
-    def bands(self) -> int:
-        """Number of bands of netting from the entry to the codline."""
-        return len(self.band_meshes)
+    @classmethod
+    def from_bars(
+        cls,
+        positions: ArrayLike,
+        bars: ArrayLike,
+        held: ArrayLike,
+        *,
+        length_m: ArrayLike | None = None,
+        stiffness_n: ArrayLike = np.inf,
+        diameter_m: ArrayLike = 0.0,
+        density_kg_m3: ArrayLike = np.nan,
+        drag: tuple[int, float, float] = (0, 0.0, 0.0),
+        is_rope: bool = False,
+        facets: ArrayLike | None = None,
+    ) -> "Net":
+        """A net from its nodes and bars; numbers that hold for all bars may be given once.
 
-    @property
-    def row_place(self) -> Floats:
-        """Place of every row of knots, in meshes from the entry, (bands + 1,)."""
-        return np.concatenate([[0.0], np.cumsum(self.band_meshes)])
+        Args:
+            positions: nodes in the shape in which a solver starts, (n, 3), m.
+            bars: first and second node of every bar, (m, 2).
+            held: nodes that are held, (n,), or coordinates of them, (n, 3).
+            length_m: lengths without load, (m,); as in ``positions`` by default.
+            stiffness_n: EA; inextensible by default.
+            diameter_m: of the round bars, for drag, mass and weight; none of these by default.
+            density_kg_m3: of their material; that of the water by default.
+            drag: law and coefficients, as ``drag_laws.drag`` gives them; no drag by default.
+            is_rope: see ``bar_is_rope``.
+            facets: corners of triangles, seen anticlockwise from outside, (f, 3); none by default.
 
-    @property
-    def square_mesh(self) -> NDArray[np.bool_]:
-        """Whether a band is of square mesh, which is a whole mesh long: its meshes lie in it, (bands,)."""
-        return self.band_meshes == self.globalisation
+        Raises:
+            ValueError: a node that is named is none, or a number is out of range.
+        """
+        nodes = np.array(positions, dtype=float).reshape(-1, 3)
+        ends = np.array(bars, dtype=np.int32).reshape(-1, 2)
+        corners = np.zeros((0, 3), dtype=np.int32) if facets is None else np.array(facets, dtype=np.int32)
+        named = np.concatenate([ends.ravel(), corners.ravel()])
+        if len(named) and not 0 <= named.min() <= named.max() < len(nodes):
+            raise ValueError(f"bars and facets join nodes 0 to {len(nodes) - 1}, not {named.min()} to {named.max()}")
+        fixed = np.array(held, dtype=bool)
+        if fixed.shape not in ((len(nodes),), (len(nodes), 3)):
+            raise ValueError(f"held must be given for {len(nodes)} nodes, or their three coordinates")
 
-    @property
-    def of_square_mesh(self) -> NDArray[np.bool_]:
-        """Whether a mesh is square, (k,)."""
-        return np.append(self.square_mesh, False)[self.mesh_row]
+        def of_bars(value: ArrayLike, kind: type = float) -> NDArray:
+            return np.array(np.broadcast_to(np.asarray(value, dtype=kind), (len(ends),)))
 
-    @property
-    def mesh_place(self) -> Floats:
-        """Middle of the meshes that a row counts, in meshes from the entry, (bands + 1,)."""
-        behind = np.append(0.5 * self.band_meshes * self.square_mesh, 0.0)
-        return self.row_place + behind
+        apart = np.linalg.norm(nodes[ends[:, 1]] - nodes[ends[:, 0]], axis=1)
+        length = of_bars(apart if length_m is None else length_m)
+        stiffness, diameter = of_bars(stiffness_n), of_bars(diameter_m)
+        if not (np.all(length > 0.0) and np.all(stiffness > 0.0) and np.all(diameter >= 0.0)):
+            raise ValueError("lengths and stiffnesses must be above 0, diameters not below")
+        law, normal, tangential = drag
+        return cls(
+            positions=nodes,
+            order=1,
+            fixed=np.array(np.broadcast_to(fixed.reshape(len(nodes), -1), (len(nodes), 3))),
+            bars=ends,
+            bar_image=of_bars(0, np.int32),
+            bar_length=length,
+            bar_flexibility=1.0 / stiffness,
+            bar_drag_diameter=diameter,
+            bar_solid_diameter=diameter,
+            bar_density=of_bars(density_kg_m3),
+            bar_diameter=diameter,
+            bar_drag_law=of_bars(law, np.int32),
+            bar_normal_drag=of_bars(normal),
+            bar_tangential_drag=of_bars(tangential),
+            bar_is_rope=of_bars(is_rope, bool),
+            facets=corners,
+            facet_image=np.zeros_like(corners),
+            facet_weight=np.ones(len(corners)),
+            **NO_CORNERS,
+            **NO_POINTS,
+        )
+
+
+NO_CORNERS: dict[str, Any] = {
+    "corners": np.zeros((0, 3), dtype=np.int32),
+    "corner_image": np.zeros((0, 3), dtype=np.int32),
+    "corner_stiffness": np.zeros(0),
+    "corner_rest": np.zeros(0),
+}
+NO_POINTS: dict[str, Any] = {
+    "point_node": np.zeros(0, dtype=np.int32),
+    "point_mass": np.zeros(0),
+    "point_wet_weight": np.zeros(0),
+    "point_drag_area": np.zeros(0),
+    "point_lift_area": np.zeros(0),
+    "point_lift_towards": np.zeros((0, 3)),
+}
+BAR_ARRAYS = [field.name for field in fields(Net) if field.name.startswith("bar")]
+"""Fields of a net that have a row a bar."""
 
 
 def rotate(points: Floats, image: NDArray[np.integer] | int, order: int) -> Floats:
@@ -131,52 +192,37 @@ def facet_corners(net: Net, positions: Floats) -> Floats:
     return rotate(positions[net.facets], net.facet_image, net.order)
 
 
-def mesh_corners(net: Net, positions: Floats) -> Floats:
-    """End positions of the four sides of every mesh, (k, 4, 2, 3): mesh, side, end, coordinate."""
-    return rotate(positions[net.mesh_sides], net.mesh_side_image, net.order)
+def with_bars(net: Net, bars: Ints, image: NDArray[np.integer] | int, **values: float) -> Net:
+    """The net with more bars after its own: their ends (b, 2), images, and other fields of bars, 0 where left out."""
+    given = {"bar_image": image, **values}
+
+    def extended(name: str) -> NDArray:
+        own = getattr(net, name)
+        return np.append(own, np.broadcast_to(np.asarray(given.get(name, 0), dtype=own.dtype), len(bars)))
+
+    others: dict[str, Any] = {name: extended(name) for name in BAR_ARRAYS if name != "bars"}
+    return replace(net, bars=np.concatenate([net.bars, bars.astype(np.int32)]), **others)
 
 
-def twine_bars(net: Net) -> NDArray[np.bool_]:
-    """Whether a bar is twine of the netting: no knot and no strap, (m,)."""
-    twine = net.bar_drag_diameter > 0.0
-    twine[net.straps] = False
-    return twine
-
-
-def real_tensions(net: Net, bar_tension: Floats) -> Floats:
-    """Tension of the real bars and ropes that the bars of a net stand for, N, (m,)."""
-    real = bar_tension / net.globalisation
-    real[net.straps] = net.strap_share * bar_tension[net.straps]
-    return real
-
-
-def with_bars(
+def with_point(
     net: Net,
-    bars: Ints,
-    image: NDArray[np.integer] | int,
+    node: int,
     *,
-    length: float,
-    flexibility: float,
-    drag_diameter: float,
-    solid_diameter: float,
-    density: float,
-    band: int,
+    mass_kg: float = 0.0,
+    wet_weight_n: float = 0.0,
+    drag_area_m2: float = 0.0,
+    lift_area_m2: float = 0.0,
+    lift_towards: ArrayLike = (0.0, 0.0, 1.0),
 ) -> Net:
-    """The net with more bars after its own, all alike: their ends (b, 2) and images, and the rest as in ``Net``."""
-
-    def extended(values: np.ndarray, value: float | NDArray[np.integer]) -> np.ndarray:
-        return np.append(values, np.broadcast_to(np.asarray(value, dtype=values.dtype), len(bars)))
-
+    """The net with a weight, a float or a door at a node; a float has a wet weight below 0."""
     return replace(
         net,
-        bars=np.concatenate([net.bars, bars.astype(np.int32)]),
-        bar_image=extended(net.bar_image, image),
-        bar_length=extended(net.bar_length, length),
-        bar_flexibility=extended(net.bar_flexibility, flexibility),
-        bar_drag_diameter=extended(net.bar_drag_diameter, drag_diameter),
-        bar_solid_diameter=extended(net.bar_solid_diameter, solid_diameter),
-        bar_density=extended(net.bar_density, density),
-        bar_band=extended(net.bar_band, band),
+        point_node=np.append(net.point_node, np.int32(node)),
+        point_mass=np.append(net.point_mass, mass_kg),
+        point_wet_weight=np.append(net.point_wet_weight, wet_weight_n),
+        point_drag_area=np.append(net.point_drag_area, drag_area_m2),
+        point_lift_area=np.append(net.point_lift_area, lift_area_m2),
+        point_lift_towards=np.concatenate([net.point_lift_towards, np.array([lift_towards], dtype=float)]),
     )
 
 
@@ -196,50 +242,25 @@ def split_bars(net: Net, which: NDArray[np.bool_]) -> Net:
     length = net.bar_length.copy()
     length[chosen] *= 0.5
 
-    def extended(values: NDArray) -> NDArray:
-        return np.concatenate([values, values[chosen]])
-
+    parted: dict[str, Any] = {}
+    for name in BAR_ARRAYS:
+        values = getattr(net, name)
+        parted[name] = np.concatenate([values, values[chosen]])
+    parted |= {
+        "bars": np.concatenate([first_half, second_half]),
+        "bar_image": np.concatenate([first_image, net.bar_image[chosen]]),
+        "bar_length": np.concatenate([length, length[chosen]]),
+    }
     return replace(
         net,
         positions=np.concatenate([net.positions, middle]),
         fixed=np.concatenate([net.fixed, np.zeros((len(chosen), 3), dtype=bool)]),
-        node_row=np.concatenate([net.node_row, np.full(len(chosen), -1, dtype=np.int32)]),
-        bars=np.concatenate([first_half, second_half]),
-        bar_image=np.concatenate([first_image, net.bar_image[chosen]]),
-        bar_length=extended(length),
-        bar_flexibility=extended(net.bar_flexibility),
-        bar_drag_diameter=extended(net.bar_drag_diameter),
-        bar_solid_diameter=extended(net.bar_solid_diameter),
-        bar_density=extended(net.bar_density),
-        bar_band=extended(net.bar_band),
+        **parted,
     )
 
 
-@dataclass(frozen=True)
-class WholeNet:
-    """The sectors of a net set side by side all round: for pictures, files and sums over the whole net."""
-
-    positions: Floats
-    """All nodes, (order * n, 3); nodes on the axis occur once a sector."""
-    bars: Ints
-    """(order * m, 2); bar i of sector s is number s * m + i."""
-    meshes: Ints
-    """Ends of the four sides of a mesh, (order * k, 8), walking round it; corners may repeat."""
-
-
-def all_round(net: Net, positions: Floats) -> WholeNet:
-    """Repeat one sector all round; per-bar and per-mesh values are repeated with ``numpy.tile(values, net.order)``."""
-    sector = np.arange(net.order)
-    nodes = len(positions)
-    whole = rotate(np.broadcast_to(positions, (net.order, nodes, 3)), sector[:, None], net.order)
-
-    def numbered(node: Ints, image: Ints) -> Ints:
-        turned = (image[None] + sector.reshape((-1,) + (1,) * node.ndim)) % net.order
-        return (turned * nodes + node[None]).reshape(-1, *node.shape[1:]).astype(np.int32)
-
-    bar_images = np.stack([np.zeros_like(net.bar_image), net.bar_image], axis=1)
-    return WholeNet(
-        positions=whole.reshape(-1, 3),
-        bars=numbered(net.bars, bar_images),
-        meshes=numbered(net.mesh_sides, net.mesh_side_image).reshape(-1, 8),
-    )
+def numbered_all_round(net: Net, node: Ints, image: Ints) -> Ints:
+    """Nodes of all sectors set side by side, sector by sector, (order * k, ...), from those of one and their images."""
+    sector = np.arange(net.order).reshape((-1,) + (1,) * node.ndim)
+    turned = (image[None] + sector) % net.order
+    return (turned * len(net.positions) + node[None]).reshape(-1, *node.shape[1:]).astype(np.int32)

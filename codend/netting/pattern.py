@@ -2,21 +2,19 @@
 
 import numpy as np
 
-from codend.net.net import Net
-from codend.netting.knots import LEFT, RIGHT, Knots, placed_knots
-from codend.netting.parts import Counts, Parts, RowShape, assembled
+from codend.netting.knots import LEFT, RIGHT, Knots
+from codend.netting.parts import Counts, Parts
 
 
-def net_of(knots: Knots, shape: RowShape) -> Net:
-    """Net of all sections, in the shape in which a solver starts."""
+def parts_of(knots: Knots) -> Parts:
+    """Bars, facets, meshes and corners of all sections."""
     parts = Parts(knots.codline)
     _add_diamond_bands(parts, knots)
     _add_square_bands(parts, knots)
     _add_knots(parts, knots)
     _add_corners(parts, knots)
     _add_diamond_meshes(parts, knots)
-    positions, node_row = placed_knots(knots, shape)
-    return assembled(parts, knots.lattice, positions, node_row, entry=np.arange(knots.fore_start[1]))
+    return parts
 
 
 def _half_mesh_away(knots: Knots, row: Counts, counted: Counts) -> tuple[Counts, Counts]:

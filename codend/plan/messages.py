@@ -1,17 +1,20 @@
-"""From what pydantic says about a plan to one ``InputError``: the key, the value found and what is allowed there."""
+"""From what pydantic says about a plan to ``InputError``s: the key, the value found and what is allowed there."""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Final, Literal, Union, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel
 
 from codend.errors import InputError
+
+MEANT: Final = {"t0": "diamond", "rhombic": "diamond", "t45": "square"}
+"""Words of the trade for what plans call otherwise: netting unturned, turned by 45 degrees."""
 
 
 class Contradiction(ValueError):
@@ -22,32 +25,78 @@ class Contradiction(ValueError):
         self.key = key
         self.allowed = allowed
         self.problem = problem
+        self.others: tuple[Contradiction, ...] = ()
+
+    @staticmethod
+    def raise_first(found: Iterable[Contradiction]) -> None:
+        """Raise the first contradiction, with the others beside it, if there is one."""
+        if all_of_them := list(found):
+            all_of_them[0].others = tuple(all_of_them[1:])
+            raise all_of_them[0]
 
 
-def input_error(
-    error: ValidationError, plan: type[BaseModel], data: Mapping[str, object], file: str | Path
-) -> InputError:
-    """The first thing wrong with ``data`` as an ``InputError``; unknown keys go first, they explain missing ones."""
-    details = error.errors(include_url=False, include_input=False)
-    first = next((detail for detail in details if detail["type"] == "extra_forbidden"), details[0])
-    location = first["loc"]
-    if first["type"] == "extra_forbidden":
+def input_errors(
+    detail: Mapping[str, Any], plan: type[BaseModel], data: Mapping[str, object], file: str | Path
+) -> list[InputError]:
+    """One detail of what pydantic found wrong with ``data``; several where a check over several keys found more."""
+    location = detail["loc"]
+    if detail["type"] == "extra_forbidden":
         model = _annotation_at(plan, location[:-1])
         value = _value_at(data, location)[1]
-        closest = difflib.get_close_matches(str(location[-1]), model.model_fields, n=1)
-        hint = f" (did you mean {closest[0]}?)" if closest else ""
         allowed = f"one of {', '.join(model.model_fields)}"
-        return InputError(file, _dotted(location), value, allowed, f"is not a known key{hint}")
-    if first["type"] == "missing":
+        problem = f"is not a known key{_key_hint(plan, location)}"
+        return [InputError(file, _dotted(location), value, allowed, problem)]
+    if detail["type"] == "missing":
         allowed = describe(_annotation_at(plan, location))
-        return InputError(file, _dotted(location), None, allowed, "is missing")
-    cause = first.get("ctx", {}).get("error")
+        return [InputError(file, _dotted(location), None, allowed, "is missing")]
+    cause = detail.get("ctx", {}).get("error")
     if isinstance(cause, Contradiction):
-        location = (*location, *cause.key.split("."))
-        depth, value = _value_at(data, location)
-        return InputError(file, _dotted(location[:depth]), value, cause.allowed, cause.problem)
+        found = []
+        for one in (cause, *cause.others):
+            there = (*location, *one.key.split("."))
+            depth, value = _value_at(data, there)
+            found.append(InputError(file, _dotted(there[:depth]), value, one.allowed, one.problem))
+        return found
     depth, value = _value_at(data, location)
-    return InputError(file, _dotted(location[:depth]), value, describe(_annotation_at(plan, location[:depth])))
+    allowed = describe(_annotation_at(plan, location[:depth]))
+    meant = meant_value(plan, location, value)
+    problem = "is not allowed" + (f' (did you mean "{meant}"?)' if meant else "")
+    return [InputError(file, _dotted(location[:depth]), value, allowed, problem)]
+
+
+def meant_key(plan: type[BaseModel], location: Sequence[str | int]) -> str | None:
+    """The key of the same table that is spelt most like an unknown one; None if none is."""
+    fields = _annotation_at(plan, location[:-1]).model_fields
+    return next(iter(difflib.get_close_matches(str(location[-1]).lower(), fields, n=1)), None)
+
+
+def meant_value(plan: type[BaseModel], location: Sequence[str | int], value: object) -> str | None:
+    """The word that is allowed at a place and is spelt most like, or means, the one that stands there."""
+    if not isinstance(value, str):
+        return None
+    choices, word = _choices(_annotation_at(plan, location)), value.strip().lower()
+    if (meant := MEANT.get(word)) in choices:
+        return meant
+    return next(iter(difflib.get_close_matches(word, choices, n=1)), None)
+
+
+def _choices(annotation: Any) -> list[str]:
+    """Words that an annotation allows; none where it allows other things."""
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin is Literal:
+        return [choice for choice in arguments if isinstance(choice, str)]
+    if origin is Annotated:
+        return _choices(arguments[0])
+    return [word for part in arguments for word in _choices(part)] if origin in (Union, UnionType) else []
+
+
+def _key_hint(plan: type[BaseModel], location: Sequence[str | int]) -> str:
+    if meant := meant_key(plan, location):
+        return f" (did you mean {meant}?)"
+    fields = {name: field.annotation for name, field in plan.model_fields.items()}
+    tables = {name: get_args(found)[0] if get_origin(found) is tuple else found for name, found in fields.items()}
+    homes = [name for name, found in tables.items() if location[-1] in getattr(found, "model_fields", ())]
+    return f" (it is one of {' and of '.join(homes)})" if homes else ""
 
 
 def describe(annotation: Any) -> str:

@@ -5,22 +5,38 @@ All checks are made by ``plan_from_dict``, wherever the plan came from, and end 
 
 import math
 import os
-import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Final, Self
 
 from annotated_types import MinLen
-from pydantic import PrivateAttr, ValidationError, model_validator
+from pydantic import PrivateAttr, model_validator
 
-from codend.errors import InputError
+from codend.errors import InputError, all_at_once
 from codend.io.names import as_name
-from codend.io.text import read_text
-from codend.plan.messages import Contradiction, input_error
+from codend.io.toml import read_toml
+from codend.plan.messages import Contradiction
+from codend.plan.mistakes import checked
 from codend.plan.overrides import CatchKind, apply_overrides
 from codend.plan.reach import least_radius_m
 from codend.plan.tables import Catch, Drag, Entry, Model, Netting, Strap, Table, Text, Tow
+
+MOST_CASES: Final = 10_000
+"""Some minutes of solving; a list that makes more is a slip."""
+_STAND_INS: Final = {
+    "title": "plan",
+    "tow": {"speed_m_s": 1.0},
+    "drag": None,
+    "model": None,
+    "netting.twine_mm": 1e-6,
+    **{f"netting.{key}": None for key in ("name", "twines", "twine_density_kg_m3", "axial_stiffness_n")},
+    **{f"netting.{key}": None for key in ("bending_stiffness_n_m2", "rest_opening_deg")},
+    "strap.length_m": 1.0,
+    **{f"strap.{key}": None for key in ("axial_stiffness_n", "diameter_mm")},
+    **{f"catch.{key}": None for key in ("coefficient", "sphere_cp_csv")},
+}
+"""Good values for those that have no say in whether the netting closes and holds its catch and straps."""
 
 
 @dataclass(frozen=True)
@@ -50,24 +66,44 @@ class Plan(Table):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        Contradiction.raise_first(self._contradictions())
+        return self
+
+    def _contradictions(self) -> Iterator[Contradiction]:
+        yield from self._names_given_twice()
         first = self.netting[0]
         limit_m = first.stretched_radius_m
         if self.entry.radius_m > limit_m or (self.entry.radius_m == limit_m and first.mesh != "square"):
-            raise Contradiction(
+            yield Contradiction(
                 "entry.radius_m", f"below {limit_m:.4g} m, that of the first section's meshes pulled fully open"
             )
-        self._check_catch_fits()
-        self._check_straps()
-        self._check_closes()
+        cases = len(self.tow.speed_m_s) * len(self.catch.sizes)
+        if cases > MOST_CASES:
+            key = "tow.speed_m_s" if len(self.tow.speed_m_s) > len(self.catch.sizes) else f"catch.{self.catch.kind}"
+            yield Contradiction(key, f"at most {MOST_CASES} cases, speeds times catches", f"makes {cases} cases")
+        yield from self._catches_that_do_not_fit()
+        yield from self._straps_out_of_place()
+        # laid even flat across the entry
+        gap_m = least_radius_m(self.netting, self.entry.radius_m, 0)
+        if gap_m > 0.0:
+            allowed = f"more: laid flat the netting ends {gap_m:.3g} m short of the axis, where the codline gathers it"
+            yield Contradiction(f"netting.{len(self.netting) - 1}.meshes_long", allowed)
         if self.model.globalisation not in (divisors := self.globalisations):
             allowed = ", ".join(map(str, divisors))
             and_straps = ", and of the rows from every strap to the codline" if self.strap else ""
             reason = f"divisors of all meshes_round and meshes_long{and_straps}"
-            raise Contradiction("model.globalisation", f"{allowed} ({reason})")
-        return self
+            yield Contradiction("model.globalisation", f"{allowed} ({reason})")
 
-    def _check_catch_fits(self) -> None:
-        """Refuse a catch beyond what the netting could hold whatever its shape: errors of unit, mostly."""
+    def _names_given_twice(self) -> Iterator[Contradiction]:
+        """Names of sections that tables could not tell apart."""
+        names = self.section_names
+        for index, part in enumerate(self.netting):
+            if part.name is not None and names.count(part.name) > 1:
+                allowed = "a name that no other section has, nor its number where it has no name"
+                yield Contradiction(f"netting.{index}.name", allowed)
+
+    def _catches_that_do_not_fit(self) -> Iterator[Contradiction]:
+        """Catches beyond what the netting could hold whatever its shape: errors of unit, mostly."""
         hold_m3 = sum(math.pi * part.stretched_radius_m**2 * part.stretched_length_m for part in self.netting)
         most = {
             "filled_meshes": (float(sum(part.meshes_long for part in self.netting)), "the sum of meshes_long"),
@@ -81,26 +117,19 @@ class Plan(Table):
         limit, reason = most[self.catch.kind]
         for index, size in enumerate(self.catch.sizes):
             if size > limit:
-                raise Contradiction(f"catch.{self.catch.kind}.{index}", f"above 0, at most {limit:.6g}, {reason}")
+                yield Contradiction(f"catch.{self.catch.kind}.{index}", f"above 0, at most {limit:.6g}, {reason}")
 
-    def _check_straps(self) -> None:
-        """Refuse straps that lie on no row of knots, or two on one."""
+    def _straps_out_of_place(self) -> Iterator[Contradiction]:
+        """Straps that lie on no row of knots, or two on one."""
         meshes_long = sum(part.meshes_long for part in self.netting)
         for index, strap in enumerate(self.strap):
             key = f"strap.{index}.meshes_from_codline"
             if strap.meshes_from_codline >= meshes_long:
-                raise Contradiction(key, f"below {meshes_long}, the sum of meshes_long")
-            if self.rows_to_codline(strap.meshes_from_codline) is None:
-                raise Contradiction(key, "a row of knots: whole meshes, or half ones in diamond and T90 netting")
-            if strap.meshes_from_codline in [other.meshes_from_codline for other in self.strap[:index]]:
-                raise Contradiction(key, "a row that has no other strap")
-
-    def _check_closes(self) -> None:
-        """Refuse netting too short to be gathered at the axis, even laid flat across the entry."""
-        gap_m = least_radius_m(self.netting, self.entry.radius_m, 0)
-        if gap_m > 0.0:
-            allowed = f"more: laid flat the netting ends {gap_m:.3g} m short of the axis, where the codline gathers it"
-            raise Contradiction(f"netting.{len(self.netting) - 1}.meshes_long", allowed)
+                yield Contradiction(key, f"below {meshes_long}, the sum of meshes_long")
+            elif self.rows_to_codline(strap.meshes_from_codline) is None:
+                yield Contradiction(key, "a row of knots: whole meshes, or half ones in diamond and T90 netting")
+            elif strap.meshes_from_codline in [other.meshes_from_codline for other in self.strap[:index]]:
+                yield Contradiction(key, "a row that has no other strap")
 
     def rows_to_codline(self, meshes: float) -> int | None:
         """Rows from the codline to a place that many meshes ahead of it; None where no row of knots lies there."""
@@ -120,6 +149,16 @@ class Plan(Table):
         return tuple(count for count in rows if count is not None)
 
     @property
+    def section_names(self) -> tuple[str, ...]:
+        """What tables call the sections: their names, or their numbers, counted from 1 at the entry."""
+        return tuple(part.name or str(number) for number, part in enumerate(self.netting, start=1))
+
+    def sections_of_bands(self, globalisation: int = 1) -> tuple[int, ...]:
+        """Number of the section, from 0, of each band between two rows of knots, from the entry to the codline."""
+        rows = (part.rows_per_mesh * part.meshes_long // globalisation for part in self.netting)
+        return tuple(number for number, count in enumerate(rows) for _ in range(count))
+
+    @property
     def source(self) -> Path:
         """The file the plan came from."""
         return self._source
@@ -128,6 +167,11 @@ class Plan(Table):
     def catch_density_kg_m3(self) -> float:
         """Density of the catch: its own, or the water's when the plan gives none."""
         return self.catch.density_kg_m3 or self.tow.water_density_kg_m3
+
+    @property
+    def water_is_assumed(self) -> bool:
+        """Whether the plan leaves the water's density out."""
+        return "water_density_kg_m3" not in self.tow.model_fields_set
 
     @property
     def sphere_cp_path(self) -> Path | None:
@@ -161,35 +205,28 @@ def load_plan(path: str | Path, overrides: Sequence[str] = ()) -> Plan:
     Raises:
         InputError: no such file, not TOML, or anything ``plan_from_dict`` refuses.
     """
-    return plan_from_dict(_read_toml(path), path, overrides)
-
-
-def _read_toml(path: str | Path) -> dict[str, Any]:
-    text = read_text(path, "TOML plan")
-    try:
-        return tomllib.loads(text)
-    except RecursionError:
-        raise InputError(path, "", None, "a TOML plan", "is not a plan: arrays or tables nested too deep") from None
-    except ValueError as error:
-        lines = len(text.splitlines())
-        problem = str(error).replace("at end of document", f"at line {lines}, the end")
-        raise InputError(path, "", None, "a TOML plan", f"is not TOML: {problem}") from None
+    return plan_from_dict(read_toml(path, "TOML plan"), path, overrides)
 
 
 def plan_from_dict(data: Mapping[str, Any], source: str | Path = "plan", overrides: Sequence[str] = ()) -> Plan:
     """Check tables as ``tomllib`` returns them, after ``overrides`` (see ``apply_overrides`` for their rules).
 
     Raises:
-        InputError: an unknown, missing, mistyped, out-of-range or contradictory key; a Cp curve that is no file.
+        InputError: unknown, missing, mistyped, out-of-range or contradictory keys, a Cp curve that is no file: the
+            first of them, with ``lines`` for all.
     """
     changed = apply_overrides(data, overrides, source)
+    found: list[InputError] = []
     try:
-        plan = Plan.model_validate(changed)
-    except ValidationError as error:
-        raise input_error(error, Plan, changed, source) from None
-    plan._source = Path(source)
+        plan = checked(Plan, changed, source, _STAND_INS)
+    except InputError as error:
+        found += [error, *error.others]
+    key, catch = "catch.sphere_cp_csv", changed.get("catch")
+    curve = catch.get("sphere_cp_csv") if isinstance(catch, Mapping) else None
     # os.path.isfile, unlike Path.is_file, is False and not an error for names no file can have
-    if plan.sphere_cp_path is not None and not os.path.isfile(plan.sphere_cp_path):
-        value = plan.catch.sphere_cp_csv
-        raise InputError(source, "catch.sphere_cp_csv", value, "a CSV file, its path relative to the plan's folder")
+    if isinstance(curve, str) and not os.path.isfile(Path(source).parent / curve) and key not in {e.key for e in found}:
+        found.append(InputError(source, key, curve, "a CSV file, its path relative to the plan's folder"))
+    if found:
+        raise all_at_once(found) from None
+    plan._source = Path(source)
     return plan

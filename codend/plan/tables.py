@@ -18,7 +18,10 @@ Whole = Annotated[int, Strict()]
 Text = Annotated[str, MinLen(1)]
 Several = (MinLen(1), BeforeValidator(lambda found: found if isinstance(found, list | tuple) else (found,)))
 
-DRAG_COEFFICIENTS = {"le-bris-1999": (1.36, 0.07), "bessonneau-1997": (1.2, 0.1)}
+SEA_WATER_KG_M3 = 1025.0
+"""Assumed where a plan says nothing of its water: sea water, as it is commonly reckoned."""
+
+DRAG_COEFFICIENTS = {"le-bris-1999": (1.36, 0.07), "bessonneau-1997": (1.2, 0.1), "choo-casarella-1971": (1.0, 1.0)}
 """Normal and tangential coefficients each drag law takes when the plan names none (LB99 4.2; BM97 2.1.2)."""
 
 
@@ -33,7 +36,7 @@ class Tow(Table):
 
     speed_m_s: Annotated[tuple[Annotated[Number, Ge(1e-4), Le(10)], ...], *Several]
     """As slow as the methods are mapped in ``validation.stability``; slower is a slip, not a tow."""
-    water_density_kg_m3: Annotated[Number, Ge(900), Le(1300)]
+    water_density_kg_m3: Annotated[Number, Ge(900), Le(1300)] = SEA_WATER_KG_M3
 
 
 class Entry(Table):
@@ -52,6 +55,8 @@ class Netting(Table):
     mesh: Literal["diamond", "t90", "square"]
     meshes_round: Annotated[Whole, Ge(3), Le(10_000)]
     meshes_long: Annotated[Whole, Ge(1), Le(10_000)]
+    name: Text | None = None
+    """What tables call the section; None: its number."""
     bar_mm: Annotated[Number, Gt(0), Le(10_000)] | None = None
     mesh_mm: Annotated[Number, Gt(0), Le(20_000)] | None = None
     knot_mm: Annotated[Number, Ge(0), Le(1000)] = 0.0
@@ -69,6 +74,8 @@ class Netting(Table):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         _exactly_one(self, MESH_SIZES)
+        if self.name is not None and not (self.name.isprintable() and self.name == self.name.strip()):
+            raise Contradiction("name", "a text of one line that neither begins nor ends with a blank")
         if self.mesh == "square" and self.knot_mm > 0:
             raise Contradiction("knot_mm", "0 for square mesh")
         if self.bar_m <= 0:
@@ -202,10 +209,11 @@ class Drag(Table):
     Coefficients a plan names stay when an override changes the law, and ``tangential`` then means another thing.
     """
 
-    law: Literal["le-bris-1999", "bessonneau-1997"] = "le-bris-1999"
+    law: Literal["le-bris-1999", "bessonneau-1997", "choo-casarella-1971"] = "le-bris-1999"
     normal: Annotated[Number, Ge(0), Le(10)]
     tangential: Annotated[Number, Ge(0), Le(10)]
-    """f, a fraction of ``normal``, in le-bris-1999; Cf, a coefficient of its own, in bessonneau-1997."""
+    """f, a fraction of ``normal``, in le-bris-1999; Cf, a coefficient of its own, in bessonneau-1997; in
+    choo-casarella-1971 both numbers are factors on the law's coefficients, which depend on the Reynolds number."""
 
     @model_validator(mode="before")
     @classmethod

@@ -78,6 +78,8 @@ def notes(study: Study) -> list[str]:
     if failed := _named([result for result in study.cases if not result.converged], study):
         found.append(f"Not solved, and without numbers: {failed}. What was tried stands below.")
     found += cautions(study)
+    if study.plan.water_is_assumed:
+        found.append(f"{sea_water(study.plan)}.")
     catch = study.plan.catch
     if catch.pressure == "uniform":
         found.append(f"The catch presses with {catch.coefficient:g} times the stagnation pressure on all its netting.")
@@ -98,6 +100,11 @@ def notes(study: Study) -> list[str]:
     if any(section.twine_density_kg_m3 is None for section in study.plan.netting):
         found.append("Twine whose density the plan does not give is taken as neutrally buoyant.")
     return found
+
+
+def sea_water(plan: Plan) -> str:
+    """That the water's density is assumed, and which it is."""
+    return f"Sea water of {plan.tow.water_density_kg_m3:g} kg/m3 is assumed: the plan gives no tow.water_density_kg_m3"
 
 
 def cautions(study: Study) -> list[str]:

@@ -45,7 +45,7 @@ def shown_case(study: Study) -> CaseResult:
 def _net_caption(study: Study) -> str:
     shown = shown_case(study)
     catch = catch_text(shown.measures.catch_volume_m3, study.plan.catch_density_kg_m3)
-    globalisation = shown.net.globalisation
+    globalisation = shown.bag.globalisation
     merged = f" One mesh drawn stands for {globalisation} x {globalisation} real ones." if globalisation > 1 else ""
     return (
         f"The net with {catch} of catch at {number_text(shown.case.speed_m_s)} m/s (case {shown.case.number}), "
@@ -89,11 +89,12 @@ def files_of(plan: Plan) -> list[str]:
 def write_report(study: Study, folder: Path, progress: StudyProgress | None = None) -> list[Path]:
     """Write tables, VTK files, plots and the page of a study into a folder, which is made when it is not there.
 
-    ``plan.toml``, the plan as it was solved; ``results.csv`` and ``profile.csv``; ``meshes.csv`` for nets without
-    symmetry; ``net_<case>.vtu`` for every solved case; ``plots/*.png`` when a case was solved; ``report.html``. Each
-    file appears whole or not at all. What an earlier study left goes first, its page before all else, and so does what
-    ``codend selectivity`` and ``codend compare`` made of it; ``run.json``, with digests of the tables, comes after
-    these, and the page comes last and bears its name: whatever ends the writing, a page is of the tables beside it.
+    ``plan.toml``, the plan as it was solved; ``results.csv`` and ``profile.csv``; ``meshes.csv`` for models more than
+    one mesh wide; ``net_<case>.vtu`` for every solved case; ``plots/*.png`` when a case was solved; ``report.html``.
+    Each file appears whole or not at all. What an earlier study left goes first, its page before
+    all else, and so does what ``codend selectivity`` and ``codend compare`` made of it; ``run.json``, with digests of
+    the tables, comes after these, and the page comes last and bears its name: whatever ends the writing, a page is of
+    the tables beside it.
 
     Args:
         study: what to write; its cases that were not solved are listed as such, without numbers.

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.net.net import Floats, Net, WholeNet, all_round
+from codend.bag.bag import Bag, WholeBag, all_round
+from codend.net.net import Floats
 from codend.report.polygons import joined_on_axis, mesh_polygons
 from codend.report.style import INK, new_figure, number_text
 from codend.studies.case_result import CaseResult
@@ -41,7 +42,7 @@ def net_picture(result: CaseResult) -> "Figure":
 
     if result.meshes is None:
         raise ValueError(f"case {result.case.number} was not solved: there is no shape to draw")
-    sectors = all_round(result.net, result.positions)
+    sectors = all_round(result.bag, result.positions)
     whole = joined_on_axis(sectors)
     flat = whole.positions @ _screen_axes()
     span = np.ptp(flat[:, :2], axis=0)
@@ -57,7 +58,7 @@ def net_picture(result: CaseResult) -> "Figure":
     in_catch = np.tile(result.meshes.pressure_pa > 0.0, result.net.order)
     front = result.solution.front_row
     entry_ring, front_ring, *straps = (
-        _ring(result, sectors, row) @ _screen_axes() for row in (0, round(front), *_strap_rows(result.net))
+        _ring(result, sectors, row) @ _screen_axes() for row in (0, round(front), *_strap_rows(result.bag))
     )
     _draw_meshes(axes, whole, flat, colours.to_rgba(opening), in_catch, front_ring)
     axes.plot(entry_ring[:, 0], entry_ring[:, 1], color=INK, linewidth=1.8)
@@ -84,7 +85,7 @@ def _screen_axes() -> Floats:
 
 
 def _draw_meshes(
-    axes: "Axes", whole: WholeNet, flat: Floats, colour: Floats, in_catch: NDArray[np.bool_], front_ring: Floats
+    axes: "Axes", whole: WholeBag, flat: Floats, colour: Floats, in_catch: NDArray[np.bool_], front_ring: Floats
 ) -> None:
     """Add the meshes to the axes, the farthest first, shaded by how they face a light above the onlooker's shoulder.
 
@@ -132,16 +133,16 @@ def _draw_meshes(
     axes.add_collection(drawn, autolim=False)
 
 
-def _ring(result: CaseResult, sectors: WholeNet, row: int) -> Floats:
+def _ring(result: CaseResult, sectors: WholeBag, row: int) -> Floats:
     """Nodes of a row of knots in order round the axis, the first one again at the end, (k + 1, 3)."""
-    ring = sectors.positions[np.tile(result.net.node_row, result.net.order) == row]
+    ring = sectors.positions[np.tile(result.bag.node_row, result.net.order) == row]
     y, z = ring[:, 1] - ring[:, 1].mean(), ring[:, 2] - ring[:, 2].mean()
     return ring[np.append(order := np.argsort(np.arctan2(z, y)), order[0])]
 
 
-def _strap_rows(net: Net) -> list[int]:
+def _strap_rows(bag: Bag) -> list[int]:
     """Rows of knots that have a strap, from the entry."""
-    return sorted(set(net.node_row[net.bars[net.straps, 0]].tolist()))
+    return sorted(set(bag.node_row[bag.net.bars[bag.straps, 0]].tolist()))
 
 
 def _draw_ring(axes: "Axes", ring: Floats, width: float) -> None:

@@ -41,13 +41,13 @@ class Curve:
     @property
     def meshes_from_entry(self) -> Floats:
         """Place of every row, (rows + 1,)."""
-        return self.result.net.row_place
+        return self.result.bag.row_place
 
     def of_meshes(self, values: Floats) -> Floats:
         """Values of the rows of meshes where the rows of knots are; those of square mesh lie between two."""
-        has_mesh, net = np.isfinite(self.rows.opening_deg), self.result.net
-        places = net.mesh_place[has_mesh]
-        return np.interp(net.row_place, places, values[has_mesh], left=np.nan, right=np.nan)
+        has_mesh, bag = np.isfinite(self.rows.opening_deg), self.result.bag
+        places = bag.mesh_place[has_mesh]
+        return np.interp(bag.row_place, places, values[has_mesh], left=np.nan, right=np.nan)
 
     def at_front(self, values: Floats) -> float:
         """Value of a quantity of the rows at the catch's front."""

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from codend.bag.bag import all_round
 from codend.io.files import whole_file
-from codend.net.net import all_round
 from codend.report.polygons import joined_on_axis, mesh_polygons
 from codend.studies.case_result import CaseResult
 
@@ -38,7 +38,7 @@ def net_mesh(result: CaseResult) -> "meshio.Mesh":
     if result.meshes is None:
         raise ValueError(f"case {result.case.number} was not solved: there is no shape to write")
     net = result.net
-    whole = joined_on_axis(all_round(net, result.positions))
+    whole = joined_on_axis(all_round(result.bag, result.positions))
     polygons = mesh_polygons(whole)
     of_meshes = {
         "tension_n": result.meshes.bar_tension_n,

@@ -14,7 +14,7 @@ equations 4 and 5; Bessonneau and Marichal 1997, equations 2 and 3), projected a
     C_L = (kn - kt) cos(beta/2) sin(phi) cos B
 
     kn = Cd sin B,  kt = f Cd |cos B|   (Le Bris)
-    kn = Cd,        kt = Cf             (Bessonneau)
+    kn = Cd,        kt = Cf             (Bessonneau; others in ``mechanics.drag_laws``)
 
 Lift is counted towards the side of the panel's upstream edge. The sides are taken as alone in the flow: that holds for
 small solidity, and at small incidence, where sides lie in the wake of others, the drag is overrated (Le Bris et al.
@@ -22,13 +22,13 @@ small solidity, and at small incidence, where sides lie in the wake of others, t
 """
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from codend.mechanics.drag_laws import drag, drag_factors_of
+
 Floats = NDArray[np.float64]
-DragLaw = Literal["le-bris-1999", "bessonneau-1997"]
 
 _START = (1.2, 0.1)
 """Where the fit starts; its answer does not depend on it."""
@@ -41,7 +41,8 @@ def panel_coefficients(
     opening_deg: ArrayLike,
     normal: float,
     tangential: float,
-    drag_law: DragLaw = "le-bris-1999",
+    drag_law: str = "le-bris-1999",
+    reynolds: float = np.nan,
 ) -> tuple[Floats, Floats]:
     """Coefficients of lift and drag over 1/2 rho (4 l d) V^2 of a panel, each of the shape the angles have together.
 
@@ -51,19 +52,19 @@ def panel_coefficients(
         normal: Cd.
         tangential: f, or Cf of Bessonneau's law.
         drag_law: which law of twine drag.
+        reynolds: of the twine at the speed of the flow, V d / nu, where the law depends on it.
 
     Raises:
-        ValueError: no such drag law.
+        ValueError: no such drag law, or it needs the Reynolds number.
     """
     phi, half = np.radians(incidence_deg), 0.5 * np.radians(opening_deg)
-    cosine = np.cos(half) * np.cos(phi)
-    sine = np.sqrt(1.0 - cosine**2)
-    if drag_law == "le-bris-1999":
-        across, along = normal * sine, tangential * normal * np.abs(cosine)
-    elif drag_law == "bessonneau-1997":
-        across, along = normal * np.ones_like(sine), tangential * np.ones_like(sine)
-    else:
-        raise ValueError(f"unknown drag law {drag_law!r}")
+    cosine = np.asarray(np.cos(half) * np.cos(phi))
+    sine = np.asarray(np.sqrt(1.0 - cosine**2))
+    law, _, _ = drag(drag_law, normal, tangential)
+    factors = drag_factors_of(law, normal, tangential, sine.ravel(), np.abs(cosine).ravel(), reynolds)
+    across, along = (factor.reshape(sine.shape) for factor in factors[:2])
+    if np.isnan(across).any() and not np.isnan(sine).any():
+        raise ValueError(f"{drag_law} needs the Reynolds number of the twine")
     lift = (across - along) * np.cos(half) * np.sin(phi) * cosine
     return np.asarray(lift), np.asarray(across * sine**2 + along * cosine**2)
 
@@ -93,7 +94,8 @@ def fit_panel(
     opening_deg: ArrayLike,
     lift: ArrayLike,
     drag: ArrayLike,
-    drag_law: DragLaw = "le-bris-1999",
+    drag_law: str = "le-bris-1999",
+    reynolds: float = np.nan,
 ) -> PanelFit:
     """Drag coefficients of twine by least squares on measured lift and drag of panels, all given the same weight.
 
@@ -103,6 +105,7 @@ def fit_panel(
         lift: measured coefficient over 1/2 rho (4 l d) V^2, (n,); nan where it was not measured.
         drag: the same of drag, (n,).
         drag_law: which law of twine drag.
+        reynolds: of the twine at the speed of the flow, where the law depends on it.
 
     Returns:
         The coefficients and their standard errors, from the Jacobian and the scatter about the fit.
@@ -121,7 +124,7 @@ def fit_panel(
 
     def difference(unknown: Floats) -> Floats:
         normal, tangential = unknown
-        found = panel_coefficients(incidence, opening, normal, tangential, drag_law)
+        found = panel_coefficients(incidence, opening, normal, tangential, drag_law, reynolds)
         return (np.concatenate([np.ravel(part) for part in found]) - measured)[known]
 
     fit = least_squares(difference, _START, xtol=1e-12, ftol=1e-12, gtol=1e-12)

@@ -39,7 +39,7 @@ def predict(known: Sequence[tuple[float, Solution]], value: float) -> Solution:
 
 def with_catch(problem: Problem, value: float) -> Problem:
     """The same net with another size of the catch, in the unit of its kind of catch."""
-    return replace(problem, loading=problem.loading._replace(catch_value=float(value)))
+    return replace(problem, loading=problem.loading._replace(catch=problem.loading.catch._replace(size=float(value))))
 
 
 def in_steps(
@@ -58,7 +58,7 @@ def in_steps(
     Raises:
         ValueError: the catch that is known is the problem's own: there is no path to it.
     """
-    goal = problem.loading.catch_value
+    goal = problem.loading.catch.size
     if goal == known[0]:
         raise ValueError(f"the equilibrium known is for the same catch, {goal}")
     path = [known]

@@ -10,9 +10,9 @@ from time import perf_counter
 import numpy as np
 
 from codend.mechanics import relaxation
-from codend.mechanics.balance import add_loads
 from codend.mechanics.bars import augmented_law, bar_lengths, length_error
 from codend.mechanics.crossing import passed_through_itself
+from codend.mechanics.loads import add_force
 from codend.mechanics.problem import Problem
 from codend.mechanics.relaxation import Workspace
 from codend.net.net import Floats
@@ -71,10 +71,12 @@ def solve(
     penalty, mass_factor = settings.penalty, settings.mass_factor
     steps = 0
     for _ in range(settings.restarts + 1):
-        work = relaxation.workspace(problem.structure, problem.net.positions if start is None else start.positions)
+        work = relaxation.workspace(
+            problem.structure, problem.bands, problem.net.positions if start is None else start.positions
+        )
         run = _Run(problem, work, settings, penalty, mass_factor, settings.steps_allowed - steps, progress)
         outcome = run.to_equilibrium(tolerance, start)
-        if outcome.balanced and passed_through_itself(work.position, problem.structure):
+        if outcome.balanced and passed_through_itself(work.position, problem.structure, problem.loading.catch):
             outcome = Outcome.PASSED_THROUGH
         steps += run.steps
         damping = "viscous" if settings.viscous else "kinetic"
@@ -106,7 +108,7 @@ def solve(
 
 def compile_kernels(problem: Problem) -> None:
     """Have the kernels compiled or read from the cache, so that the time of a solve is that of the solve alone."""
-    work = relaxation.workspace(problem.structure, problem.net.positions)
+    work = relaxation.workspace(problem.structure, problem.bands, problem.net.positions)
     relaxation.relax(work, problem.structure, problem.loading, 1.0, 1.0, False, 0)
 
 
@@ -122,7 +124,7 @@ def rough_shape(
     structure = problem.structure
     steps = 0
     while True:
-        work = relaxation.workspace(structure, problem.net.positions)
+        work = relaxation.workspace(structure, problem.bands, problem.net.positions)
         augmented_law(structure, penalty * reference_tension(problem), work.relief, work.gain)
         code, spent, _, residual, imbalance = relaxation.relax(
             work, structure, problem.loading, rough_residual, 1.5, False, steps_allowed
@@ -225,9 +227,9 @@ def reference_tension(problem: Problem) -> float:
     """Mean tension that the loads on the start shape ask for, N: their resultant over the bars of a band."""
     structure, loading = problem.structure, problem.loading
     force: Floats = np.zeros_like(problem.net.positions)
-    share = np.zeros_like(structure.band_meshes)
-    relaxation.fill(problem.net.positions, structure, loading, share)
-    add_loads(problem.net.positions, structure, loading, share, force)
+    share = np.zeros(problem.bands)
+    relaxation.fill(problem.net.positions, structure, loading.catch, share)
+    add_force(problem.net.positions, structure, loading, share, force)
     resultant = force.sum(axis=0) * [1.0, structure.order == 1.0, structure.order == 1.0]
-    bars_abreast = max(len(structure.first) / len(structure.band_meshes), 1.0)
+    bars_abreast = max(len(structure.first) / problem.bands, 1.0)
     return float(np.linalg.norm(resultant)) / bars_abreast

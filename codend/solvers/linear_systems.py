@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from codend.compiled import njit
-from codend.mechanics.arrays import Structure
+from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import Pattern
 from codend.net.net import Floats, Ints
 from codend.solvers import pardiso_system

@@ -13,7 +13,6 @@ from time import perf_counter
 import numpy as np
 
 from codend.mechanics import newton_step as kernels
-from codend.mechanics.arrays import Structure
 from codend.mechanics.bars import bar_lengths
 from codend.mechanics.broyden import correct, keep
 from codend.mechanics.compiling import compile_kernel
@@ -21,6 +20,7 @@ from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.newton_state import State, empty_state, measure
 from codend.mechanics.newton_step import Step
 from codend.mechanics.problem import Problem
+from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import Pattern, pattern_of
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension, rough_shape
 from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
@@ -86,13 +86,13 @@ class Prepared:
     step: Step
 
 
-def prepare(structure: Structure) -> Prepared:
-    """Number the unknowns of a structure, once for all its equilibria."""
+def prepare(structure: Structure, bands: int) -> Prepared:
+    """Number the unknowns of a structure, once for all its equilibria with a catch that fills so many bands."""
     pattern = pattern_of(structure)
     return Prepared(
         pattern=pattern,
         system=linear_system(structure, pattern),
-        states=(empty_state(structure), empty_state(structure), empty_state(structure)),
+        states=(empty_state(structure, bands), empty_state(structure, bands), empty_state(structure, bands)),
         step=kernels.empty_step(structure, pattern),
     )
 
@@ -116,7 +116,7 @@ def solve(
         prepared: what ``prepare`` returned for this structure, to save that work.
     """
     started = perf_counter()
-    prepared = prepare(problem.structure) if prepared is None else prepared
+    prepared = prepare(problem.structure, problem.bands) if prepared is None else prepared
     started += _seconds_to_compile(problem, prepared, settings)
     run = _Run(problem, prepared, settings, progress)
     attempts: list[str] = []
@@ -184,7 +184,7 @@ def _seconds_to_compile(problem: Problem, prepared: Prepared, settings: NewtonSe
     structure, loading, state, step = run.structure, run.loading, run.state, prepared.step
     solved = step.solved[:1]
     compile_kernel(measure, structure, loading, 1.0, 1.0, 0.0, state)
-    compile_kernel(passed_through_itself, state.position, structure)
+    compile_kernel(passed_through_itself, state.position, structure, loading.catch)
     if isinstance(system, BandedSystem):
         compile_kernel(advance_banded, system.arrays, *run.arguments(0.0, 0.0))
     else:
@@ -251,7 +251,7 @@ class _Run:
                     np.maximum(self.state.density, 0.0, out=self.state.density)
                     self._measure()
                     continue
-                if passed_through_itself(self.state.position, self.structure):
+                if passed_through_itself(self.state.position, self.structure, self.problem.loading.catch):
                     return Outcome.PASSED_THROUGH
                 return Outcome.CONVERGED if fits else Outcome.OVERFULL
             if self.iterations >= last:

@@ -10,10 +10,11 @@ import numpy as np
 from numba.extending import overload
 
 from codend.compiled import njit
-from codend.mechanics.arrays import Loading, Structure
 from codend.mechanics.broyden import MOST_STEPS, correct, keep
+from codend.mechanics.loads import Loading
 from codend.mechanics.newton_state import State
 from codend.mechanics.newton_step import Step, finish_step, linearise, simplified_move, take
+from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import Pattern
 from codend.net.net import Floats
 from codend.solvers.linear_systems import Band, LinearSystem, factorise_band, solve_band

@@ -18,13 +18,11 @@ import numpy as np
 from codend.mechanics import rigid
 from codend.mechanics.balance import out_of_balance
 from codend.mechanics.bars import add_bar_forces, bar_lengths, length_error
-from codend.mechanics.bending import add_bending, add_bending_bound
+from codend.mechanics.catch_front import fill
 from codend.mechanics.compiling import compile_kernel
 from codend.mechanics.crossing import passed_through_itself
-from codend.mechanics.drag import add_moving_drag
-from codend.mechanics.pressure import add_pressure, fill
+from codend.mechanics.loads import add_bound, add_moving_force
 from codend.mechanics.problem import Problem
-from codend.mechanics.relaxation import set_pressure_bound
 from codend.net.net import Floats
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE
 from codend.solvers.linear_systems import factorise_band, solve_band
@@ -144,17 +142,14 @@ def compile_kernels(problem: Problem) -> None:
     compile_kernel(rigid.stable_time_step, structure, loading, vectors, numbers, numbers, numbers, numbers, vectors)
     compile_kernel(factorise_band, numbers, integers.astype(np.int64), vectors)
     compile_kernel(solve_band, vectors, integers[:, None], tensors, tensors)
-    compile_kernel(fill, vectors, structure, loading, numbers)
-    compile_kernel(add_bending, vectors, structure, vectors)
-    compile_kernel(add_bending_bound, vectors, structure, numbers)
-    compile_kernel(add_moving_drag, vectors, vectors, structure, loading, numbers, vectors)
-    compile_kernel(add_pressure, vectors, structure, loading, numbers, vectors)
-    compile_kernel(set_pressure_bound, vectors, structure, loading, numbers, numbers)
+    compile_kernel(fill, vectors, structure, loading.catch, numbers)
+    compile_kernel(add_moving_force, vectors, vectors, structure, loading, numbers, vectors)
+    compile_kernel(add_bound, vectors, structure, loading, numbers, numbers)
     compile_kernel(add_bar_forces, vectors, structure, numbers, vectors)
     compile_kernel(bar_lengths, vectors, structure, numbers)
     compile_kernel(length_error, structure, numbers, numbers)
     compile_kernel(out_of_balance, structure, vectors, vectors)
-    compile_kernel(passed_through_itself, vectors, structure)
+    compile_kernel(passed_through_itself, vectors, structure, loading.catch)
 
 
 class _Run:
@@ -201,7 +196,7 @@ class _Run:
             last = self.steps == settings.steps_allowed
             if last or self.steps % LOOK == 0:
                 self.speed, peak_speed = peak_speed, 0.0
-                at_rest = filling == 1.0 and self.speed <= REST_SPEED * self.problem.loading.speed
+                at_rest = filling == 1.0 and self.speed <= REST_SPEED * self.problem.loading.water.fastest
                 outcome = self._look(tolerance) if at_rest or last else None
                 if self.progress is not None:
                     self.progress(METHOD, float(max(self.residual, self.imbalance)))
@@ -228,7 +223,7 @@ class _Run:
             self.tension = carried * length
             if max(self.residual, self.imbalance) > tolerance:
                 outcome = Outcome.COMPRESSED
-            elif passed_through_itself(motion.position, structure):
+            elif passed_through_itself(motion.position, structure, self.problem.loading.catch):
                 outcome = Outcome.PASSED_THROUGH
             elif self.length_error <= LENGTH_TOLERANCE:
                 outcome = Outcome.CONVERGED if motion.fits else Outcome.OVERFULL

@@ -13,11 +13,9 @@ import numpy as np
 
 from codend.mechanics import rigid
 from codend.mechanics.bars import bar_lengths
-from codend.mechanics.bending import add_bending, add_bending_bound
-from codend.mechanics.drag import add_moving_drag
-from codend.mechanics.pressure import add_pressure, fill
+from codend.mechanics.catch_front import fill
+from codend.mechanics.loads import add_bound, add_moving_force
 from codend.mechanics.problem import Problem
-from codend.mechanics.relaxation import set_pressure_bound
 from codend.net.net import Floats, Ints
 from codend.solvers.linear_systems import fitting_system, narrow_numbering
 
@@ -41,7 +39,7 @@ class RigidMotion:
     def __init__(
         self, problem: Problem, positions: Floats, velocities: Floats, *, project: bool = False, slack: bool = False
     ) -> None:
-        structure, net, water = problem.structure, problem.net, problem.loading.density
+        structure, net, water = problem.structure, problem.net, problem.loading.water.density
         self.problem, self.structure, self.loading = problem, structure, problem.loading
         self.project, self.slack = project, slack
         bars, nodes = len(structure.first), len(structure.free)
@@ -60,7 +58,7 @@ class RigidMotion:
         self.velocity = np.array(velocities, dtype=np.float64, order="C")
         self.density = np.zeros(bars)
         """Force density of the bars in the last step, N/m, (m,)."""
-        self.share = np.zeros(len(structure.band_meshes))
+        self.share = np.zeros(problem.bands)
         self.fits = True
         self.force = np.zeros((nodes, 3))
         self.taut = np.ones(bars, dtype=np.int32)
@@ -109,17 +107,15 @@ class RigidMotion:
 
     def set_loads(self, filling: float = 1.0) -> None:
         """Set forces (but for the tensions) and the share of each band in a catch of which ``filling`` is there."""
-        self.fits = fill(self.position, self.structure, self.loading, self.share)
+        self.fits = fill(self.position, self.structure, self.loading.catch, self.share)
         self.share *= filling
-        self.force[:] = self.loading.dead
-        add_bending(self.position, self.structure, self.force)
-        add_moving_drag(self.position, self.velocity, self.structure, self.loading, self.share, self.force)
-        add_pressure(self.position, self.structure, self.loading, self.share, self.force)
+        self.force[:] = 0.0
+        add_moving_force(self.position, self.velocity, self.structure, self.loading, self.share, self.force)
 
     def stable_time_step(self) -> float:
         """Largest time step in which the motion is stable under the last step's loads and tensions, s."""
-        set_pressure_bound(self.position, self.structure, self.loading, self.share, self._bound)
-        add_bending_bound(self.position, self.structure, self._bound)
+        self._bound[:] = 0.0
+        add_bound(self.position, self.structure, self.loading, self.share, self._bound)
         room = np.zeros((len(self._bound), 2))
         return float(
             rigid.stable_time_step(

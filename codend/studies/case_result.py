@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass
 
+from codend.bag.bag import Bag, real_tensions
 from codend.bag.measures import Measures, Meshes, Rows
 from codend.equilibrium.accuracy import Errors
 from codend.mechanics.problem import Problem
-from codend.net.net import Floats, Net, real_tensions
+from codend.net.net import Floats, Net
 from codend.plan.plan import Case
 from codend.solvers.outcome import Solution, SolverReport
 
@@ -15,6 +16,7 @@ class CaseResult:
     """One case of a study: what was asked, the equilibrium, and what was measured in it."""
 
     case: Case
+    bag: Bag
     problem: Problem
     solution: Solution
     measures: Measures
@@ -39,7 +41,7 @@ class CaseResult:
     @property
     def bar_tension_n(self) -> Floats:
         """Tension of the real bars and ropes, (m,)."""
-        return real_tensions(self.net, self.solution.bar_tension)
+        return real_tensions(self.bag, self.solution.bar_tension)
 
     @property
     def report(self) -> SolverReport:

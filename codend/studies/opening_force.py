@@ -13,13 +13,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from codend.bag.build import build_net
+from codend.bag.bag import Bag, around, mesh_corners
+from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import WANTED_OPENING_DEG, measure_meshes, mesh_openings, opening_force
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.accuracy import SAFETY
 from codend.errors import OPTIONS, InputError
-from codend.net.net import Floats, Ints, Net, mesh_corners, with_bars
+from codend.net.net import Floats, Ints, with_bars
 from codend.plan.plan import Case, Plan
 from codend.solvers import interior_point, newton
 from codend.solvers.outcome import Progress, Solution
@@ -112,27 +113,27 @@ def pull_mesh(
     if plan.model.bars_per_side > 1:
         raise InputError(plan.source, "model.bars_per_side", plan.model.bars_per_side, "1 where a mesh is pulled open")
     sector = equilibrium.scene_of(plan, 1, 1)
-    net = sector.net
+    bag = sector.bag
     problem, solution = equilibrium.solve(sector, case, (), progress)
     attempts, nothing = solution.report.attempts, float("nan")
     pull = Pull(case, nothing, nothing, nothing, wanted_deg, nothing, nothing, nothing, 1, 0, nothing, False, attempts)
     if not solution.report.outcome.converged:
         return pull
-    meshes = measure_meshes(problem, solution)
+    meshes = measure_meshes(bag, problem, solution)
     alone = opening_force(meshes.bar_tension_n, meshes.opening_deg, wanted_deg)
-    place = net.mesh_place[net.mesh_row]
-    ahead = place <= float((1.0 - solution.share) @ net.band_meshes)
+    place = bag.mesh_place[bag.mesh_row]
+    ahead = place <= float((1.0 - solution.share) @ bag.band_meshes)
     if meshes_from_entry is not None:
-        fits = np.where(net.of_square_mesh, -np.inf, -np.abs(place - meshes_from_entry))
-    elif np.any(ahead & ~net.of_square_mesh):
-        fits = np.where(ahead & ~net.of_square_mesh, alone, -np.inf)
+        fits = np.where(bag.mesh_is_square, -np.inf, -np.abs(place - meshes_from_entry))
+    elif np.any(ahead & ~bag.mesh_is_square):
+        fits = np.where(ahead & ~bag.mesh_is_square, alone, -np.inf)
     else:
         return replace(pull, attempts=(*attempts, "no mesh to pull lies ahead of the catch: say which is to be pulled"))
     mesh = int(np.argmax(fits))
-    row = int(net.mesh_row[mesh])
+    row = int(bag.mesh_row[mesh])
     pull = replace(
         pull,
-        filled_meshes=float(solution.share @ net.band_meshes),
+        filled_meshes=float(solution.share @ bag.band_meshes),
         meshes_from_entry=float(place[mesh]),
         opening_deg=float(meshes.opening_deg[mesh]),
         opening_force_alone_n=float(alone[mesh]),
@@ -146,10 +147,10 @@ def pull_mesh(
             converged=True,
         )
     found: list[Pull] = []
-    for sectors in _widths(net.order):
-        start = equilibrium.all_round_start(net, solution.positions, solution.bar_tension, sectors)
+    for sectors in _widths(bag.net.order):
+        start = equilibrium.all_round_start(bag, solution.positions, solution.bar_tension, sectors)
         pulled = _pulled(plan, sectors, row, start, pull, progress)
-        attempts += tuple(f"{sectors} of {net.order} sectors: {line}" for line in pulled.attempts)
+        attempts += tuple(f"{sectors} of {bag.net.order} sectors: {line}" for line in pulled.attempts)
         if pulled.converged:
             found.append(pulled)
         if len(found) > 2 and _changes(found).max() <= ENOUGH * found[-1].opening_force_in_net_n:
@@ -158,7 +159,7 @@ def pull_mesh(
         return replace(pulled, attempts=attempts)
     widest = found[-1]
     error = widest.opening_force_in_net_error_n
-    if widest.sectors < net.order:
+    if widest.sectors < bag.net.order:
         error += SAFETY * float(_changes(found).max(initial=0.0)) if len(found) > 1 else nothing
     return replace(widest, opening_force_in_net_error_n=error, attempts=attempts)
 
@@ -179,17 +180,19 @@ def _widths(order: int) -> Iterator[int]:
 
 def _pulled(plan: Plan, sectors: int, row: int, start: Solution, pull: Pull, progress: Progress | None) -> Pull:
     """The pull with so many sectors side by side: its force, not yet the error."""
-    net = replace(build_net(plan, sectors=sectors), positions=start.positions)
-    mesh = _middle_mesh(net, row)
-    right = np.unique([net.mesh_sides[mesh, 0, 1], net.mesh_sides[mesh, 1, 0]])
-    left = np.unique([net.mesh_sides[mesh, 2, 1], net.mesh_sides[mesh, 3, 0]])
+    bag = build_bag(plan, sectors=sectors)
+    bag = replace(bag, net=replace(bag.net, positions=start.positions))
+    net = bag.net
+    mesh = _middle_mesh(bag, row)
+    right = np.unique([bag.mesh_sides[mesh, 0, 1], bag.mesh_sides[mesh, 1, 0]])
+    left = np.unique([bag.mesh_sides[mesh, 2, 1], bag.mesh_sides[mesh, 3, 0]])
     abeam = net.positions[right].mean(axis=0) - net.positions[left].mean(axis=0)
     abeam /= np.linalg.norm(abeam)
-    side = float(net.bar_length[net.mesh_bars[mesh]].max())
+    side = float(net.bar_length[bag.mesh_bars[mesh]].max())
     hooks = len(right) + len(left)
     solution = replace(
         start,
-        positions=_with_hooks(net, right, left, abeam, HOOK * side, 0.0).positions,
+        positions=_with_hooks(bag, right, left, abeam, HOOK * side, 0.0).net.positions,
         bar_tension=np.append(start.bar_tension, np.zeros(hooks)),
     )
     wanted, opening = np.radians(pull.wanted_opening_deg), np.radians(pull.opening_deg)
@@ -198,9 +201,9 @@ def _pulled(plan: Plan, sectors: int, row: int, start: Solution, pull: Pull, pro
     attempts: list[str] = []
     prepared: newton.Prepared | None = None
     while len(attempts) < MOST_PULLS:
-        hooked = _with_hooks(net, right, left, abeam, HOOK * side, goal)
+        hooked = _with_hooks(bag, right, left, abeam, HOOK * side, goal)
         problem = problem_of(hooked, plan, pull.case)
-        prepared = newton.prepare(problem.structure) if prepared is None else prepared
+        prepared = newton.prepare(problem.structure, problem.bands) if prepared is None else prepared
         trial = interior_point.solve(problem, plan.model.tolerance, solution, progress, prepared=prepared)
         attempts.append(f"pulled by {2e3 * goal:.4g} mm: {'; '.join(trial.report.attempts)}")
         if not trial.report.outcome.converged:
@@ -234,14 +237,15 @@ def _pulled(plan: Plan, sectors: int, row: int, start: Solution, pull: Pull, pro
     )
 
 
-def _middle_mesh(net: Net, row: int) -> int:
+def _middle_mesh(bag: Bag, row: int) -> int:
     """The mesh of a row that lies in the middle of a sector, no side of it in another."""
-    inside = np.flatnonzero((net.mesh_row == row) & ~net.mesh_side_image.any(axis=(1, 2)))
+    inside = np.flatnonzero((bag.mesh_row == row) & ~bag.mesh_side_image.any(axis=(1, 2)))
     return int(inside[len(inside) // 2])
 
 
-def _with_hooks(net: Net, right: Ints, left: Ints, abeam: Floats, length: float, pulled: float) -> Net:
-    """The net with a hook at each of the knots, shortened by ``pulled``: straight, without stretch, drag or weight."""
+def _with_hooks(bag: Bag, right: Ints, left: Ints, abeam: Floats, length: float, pulled: float) -> Bag:
+    """The bag with a hook at each of the knots, shortened by ``pulled``: straight, without stretch, drag or weight."""
+    net = bag.net
     knots = np.concatenate([right, left])
     away = np.repeat([length, -length], [len(right), len(left)])
     hooks = len(knots)
@@ -250,16 +254,12 @@ def _with_hooks(net: Net, right: Ints, left: Ints, abeam: Floats, length: float,
         net,
         np.stack([knots, len(net.positions) + np.arange(hooks)], axis=1),
         0,
-        length=length - pulled,
-        flexibility=0.0,
-        drag_diameter=0.0,
-        solid_diameter=0.0,
-        density=np.nan,
-        band=0,
+        bar_length=length - pulled,
+        bar_density=np.nan,
     )
-    return replace(
+    anchored = replace(
         hooked,
         positions=np.concatenate([net.positions, anchors]),
         fixed=np.concatenate([net.fixed, np.ones((hooks, 3), dtype=bool)]),
-        node_row=np.append(net.node_row, np.full(hooks, -1, dtype=net.node_row.dtype)),
     )
+    return around(bag, anchored, band=0)

@@ -6,7 +6,8 @@ from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from codend.bag.build import build_net
+from codend.bag.bag import Bag
+from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import Measures, measure_all
 from codend.bag.meridian import plan_case
@@ -52,14 +53,14 @@ class Study:
         """``profile.csv``: a row a knot row of a case."""
         from codend.studies import tables
 
-        return tables.profile_table(self.cases)
+        return tables.profile_table(self.plan, self.cases)
 
     @cached_property
     def meshes(self) -> "pd.DataFrame":
-        """``meshes.csv``: a row a mesh of a case, for full nets; empty for sectors."""
+        """``meshes.csv``: a row a mesh of a case; empty where the model is one mesh wide."""
         from codend.studies import tables
 
-        return tables.mesh_table(self.cases)
+        return tables.mesh_table(self.plan, self.cases)
 
 
 def solve(
@@ -104,7 +105,7 @@ def solve(
         if progress is not None:
             progress(done, len(cases), f"case {case.number}")
         problem, solution = equilibrium.solve(scene, case, known, report)
-        result = _measured(case, problem, solution)
+        result = _measured(scene.bag, case, problem, solution)
         if result.converged:
             known.append((case, solution))
             pivots = newton.negative_pivots(problem, solution, scene.prepared)
@@ -118,11 +119,11 @@ def solve(
     return Study(plan, choice, tuple(results[case.number] for case in cases))
 
 
-def _measured(case: Case, problem: Problem, solution: Solution) -> CaseResult:
+def _measured(bag: Bag, case: Case, problem: Problem, solution: Solution) -> CaseResult:
     if not solution.report.outcome.converged:
-        return CaseResult(case, problem, solution, Measures.unknown(), Errors.unknown(), None, None, None)
-    meshes, rows, measures = measure_all(problem, solution)
-    return CaseResult(case, problem, solution, measures, Errors.unknown(), None, rows, meshes)
+        return CaseResult(case, bag, problem, solution, Measures.unknown(), Errors.unknown(), None, None, None)
+    meshes, rows, measures = measure_all(bag, problem, solution)
+    return CaseResult(case, bag, problem, solution, measures, Errors.unknown(), None, rows, meshes)
 
 
 def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) -> Iterator[CaseResult]:
@@ -148,11 +149,11 @@ def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) 
             solve_ms=1e3 * (perf_counter() - started),
             attempts=(f"meridian method, {shape.method}: {shape.outcome.value}",),
         )
-        net = build_net(plan, sectors=1, rows=(shape.x_m, shape.radius_m))
-        problem = problem_of(net, plan, case)
-        share = plan_case.share_of(shape, net.bands)
-        solution = Solution(net.positions, plan_case.tensions_on(net, shape), share, report)
-        result = _measured(case, problem, solution)
+        bag = build_bag(plan, sectors=1, rows=(shape.x_m, shape.radius_m))
+        problem = problem_of(bag, plan, case)
+        share = plan_case.share_of(shape, bag.bands)
+        solution = Solution(bag.net.positions, plan_case.tensions_on(bag, shape), share, report)
+        result = _measured(bag, case, problem, solution)
         if not result.converged:
             yield result
             continue

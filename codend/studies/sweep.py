@@ -1,5 +1,6 @@
 """Studies over many plans: every combination of chosen values, solved side by side and taken up where it stopped."""
 
+import math
 import os
 import re
 import signal
@@ -27,6 +28,8 @@ from codend.studies.study import solve
 SweepProgress = Callable[[int, int, str], None]
 """Told how many runs are done, of how many, and what was done last."""
 
+MOST_RUNS = 10_000
+"""Hours of solving, and a folder each; a list that makes more is a slip."""
 _VALUES = "KEY=[VALUE, VALUE, ...], such as netting.0.bar_mm=[20, 25, 30]"
 
 
@@ -73,6 +76,10 @@ def runs_of(path: str | Path, vary: Sequence[str], changes: Sequence[str] = ()) 
             if value in values[:i]:
                 raise InputError(OPTIONS, f"--vary {dotted}", values, "each value once", "has a value twice")
         axes[dotted] = values
+    count = math.prod(map(len, axes.values()))
+    if count > MOST_RUNS:
+        allowed = f"at most {MOST_RUNS} runs, every value with every other"
+        raise InputError(OPTIONS, f"--vary {', '.join(axes)}", None, allowed, f"makes {count} runs")
     runs = []
     for number, combination in enumerate(product(*axes.values()), start=1):
         values = dict(zip(axes, combination, strict=True))

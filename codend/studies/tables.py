@@ -5,6 +5,7 @@ from dataclasses import asdict
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from codend.io.columns import (
     MESH_COLUMNS,
@@ -52,29 +53,39 @@ def _result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, obje
     }
 
 
-def profile_table(cases: Sequence[CaseResult]) -> pd.DataFrame:
+def profile_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
     """A row a knot row of a solved case, row 0 at the entry."""
     parts = [
-        pd.DataFrame({"case": r.case.number, "row": np.arange(len(r.rows.x_m)), **asdict(r.rows)})
+        pd.DataFrame(
+            {
+                "case": r.case.number,
+                "row": np.arange(len(r.rows.x_m)),
+                "section": sections_of_rows(plan, r.bag.globalisation),
+                "meshes_from_entry": r.bag.row_place,
+                **asdict(r.rows),
+            }
+        )
         for r in cases
         if r.rows is not None
     ]
     return pd.concat(parts, ignore_index=True)[PROFILE_COLUMNS] if parts else pd.DataFrame(columns=PROFILE_COLUMNS)
 
 
-def mesh_table(cases: Sequence[CaseResult]) -> pd.DataFrame:
-    """A row a mesh of a solved case on a full net, with the position of the mesh's middle."""
+def mesh_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
+    """A row a mesh of a solved case, with its middle's position; none of a model that is one mesh wide."""
     parts = []
     for result in cases:
-        if result.meshes is None or result.net.order > 1:
+        row = result.bag.mesh_row
+        if result.meshes is None or np.bincount(row).max() == 1:
             continue
-        row = result.net.mesh_row
         parts.append(
             pd.DataFrame(
                 {
                     "case": result.case.number,
                     "row": row,
-                    "mesh": np.arange(len(row)) - np.searchsorted(row, row),
+                    "mesh": pd.Series(row).groupby(row).cumcount(),
+                    "section": sections_of_rows(plan, result.bag.globalisation)[row],
+                    "meshes_from_entry": result.bag.mesh_place[row],
                     "x_m": result.meshes.centre_m[:, 0],
                     "y_m": result.meshes.centre_m[:, 1],
                     "z_m": result.meshes.centre_m[:, 2],
@@ -86,3 +97,17 @@ def mesh_table(cases: Sequence[CaseResult]) -> pd.DataFrame:
             )
         )
     return pd.concat(parts, ignore_index=True)[MESH_COLUMNS] if parts else pd.DataFrame(columns=MESH_COLUMNS)
+
+
+def sections_of_rows(plan: Plan, globalisation: int) -> NDArray[np.object_]:
+    """What the section is called whose meshes a row counts, (rows + 1,).
+
+    At a joint that is the one with fewer meshes round, the one ahead where they have the same; but a square mesh lies
+    wholly behind the row that counts it.
+    """
+    band = np.array(plan.sections_of_bands(globalisation))
+    ahead, behind = np.append(band[:1], band), np.append(band, band[-1:])
+    square = np.array([section.mesh == "square" for section in plan.netting])
+    around = np.array([section.meshes_round for section in plan.netting])
+    counting = np.where(square[behind] | (around[behind] < around[ahead]), behind, ahead)
+    return np.array(plan.section_names, dtype=object)[counting]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from codend.bag.build import build_net
+from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import folded_share, measure_meshes, measure_rows
 from codend.cli.main import main
@@ -44,16 +44,17 @@ twine_mm = 4.0
 @pytest.mark.parametrize("sectors", [1, 2, None])
 def test_two_knots_of_a_ring_that_change_places_lay_their_meshes_in_folds(mesh, netting, sectors):
     plan = make_plan(24, 20, mesh=mesh, netting=netting)
-    problem = problem_of(build_net(plan, sectors=sectors), plan, plan.cases()[0])
+    bag = build_bag(plan, sectors=sectors)
+    problem = problem_of(bag, plan, plan.cases()[0])
     solution = newton.solve(problem, 1e-8)
-    net, rows = problem.net, measure_rows(problem, solution, measure_meshes(problem, solution))
+    rows = measure_rows(bag, problem, solution, measure_meshes(bag, problem, solution))
 
     def folded(positions):
-        return folded_share(net, positions, rows, solution.share)
+        return folded_share(bag, positions, rows, solution.share)
 
     assert folded(solution.positions) == 0.0
-    for row in (net.bands - 2, 2):
-        ring = np.flatnonzero(net.node_row == row)
+    for row in (bag.bands - 2, 2):
+        ring = np.flatnonzero(bag.node_row == row)
         y, z = solution.positions[ring, 1], solution.positions[ring, 2]
         first, second = ring[np.argsort(np.arctan2(z, y))[[0, -1]]]
         swapped = solution.positions.copy()

@@ -10,7 +10,8 @@ from scipy.optimize import brentq, root
 from catch_models.pressure import sphere_law, uniform_law
 from codend.bag.meridian import MeridianProblem, MeridianShape, solve, solve_meridian, uniform_pressure_shape
 from codend.bag.meridian.collocation import NewtonResult
-from codend.bag.meridian.shell import DRAG_LAWS, rates
+from codend.bag.meridian.shell import rates
+from codend.mechanics.drag_laws import DRAG_LAWS
 from codend.solvers.outcome import Outcome
 from codend.studies.study import solve as solve_plan
 from tests.plans import make_plan
@@ -279,7 +280,8 @@ def test_entry_reaction_balances_catch_load_and_twine_drag(name):
 
 @pytest.mark.parametrize("law", DRAG_LAWS)
 def test_row_drag_is_that_of_its_bars_in_space(law):
-    shell = replace(SHORT, drag_law=law, pressure_law=uniform_law(0.0)).shell()
+    problem = replace(SHORT, drag_law=law, pressure_law=uniform_law(0.0), speed_m_s=0.9, reynolds_per_speed=1e3)
+    shell = problem.shell()
     r, a, log_force = 0.6, -0.4, 0.3
     loaded, _ = rates(shell, np.array([[r], [a], [log_force]]), np.zeros(1))
     bare, _ = rates(replace(shell, drag_width=0.0), np.array([[r], [a], [log_force]]), np.zeros(1))
@@ -290,7 +292,11 @@ def test_row_drag_is_that_of_its_bars_in_space(law):
         flow_along = bar[0] * bar
         flow_across = np.array([1.0, 0.0, 0.0]) - flow_along
         cd, f = shell.normal, shell.tangential
-        if law == "le-bris-1999":
+        if law == "choo-casarella-1971":
+            number = 0.9e3 * np.linalg.norm(flow_across)
+            load += cd * (1.1 + 4.0 * number**-0.5) * np.linalg.norm(flow_across) * flow_across
+            load += f * 2.0 * np.pi / 0.9e3 * (0.55 * number**0.5 + 0.084 * number ** (2.0 / 3.0)) * flow_along
+        elif law == "le-bris-1999":
             load += cd * np.linalg.norm(flow_across) * flow_across + f * cd * np.linalg.norm(flow_along) * flow_along
         else:
             load += cd * flow_across + f * flow_along
@@ -305,7 +311,8 @@ def test_row_drag_is_that_of_its_bars_in_space(law):
 @pytest.mark.parametrize("mesh", ["diamond", "t90"])
 @pytest.mark.parametrize("stiffness", [None, 50.0])
 def test_jacobian_is_the_derivative_of_the_rates(law, mesh, stiffness):
-    shell = replace(SHORT, drag_law=law, mesh=mesh, knot_m=0.004, axial_stiffness_n=stiffness).shell()
+    section = {"mesh": mesh, "knot_m": 0.004, "axial_stiffness_n": stiffness}
+    shell = replace(SHORT, drag_law=law, speed_m_s=0.9, reynolds_per_speed=1e3, **section).shell()
     random = np.random.default_rng(2)
     state = np.stack([random.uniform(0.2, 0.8, 40), random.uniform(-1.5, 1.4, 40), random.uniform(-2.0, 1.0, 40)])
     in_catch = (random.random(40) < 0.5).astype(float)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from codend.bag.bag import mesh_corners
 from codend.bag.measures import measure_all, mesh_openings
 from codend.equilibrium import solve as equilibrium
-from codend.net.net import mesh_corners
 from codend.solvers.outcome import Outcome
 from codend.studies.study import solve
 from tests.plans import UNIFORM, make_plan, uniform_plan
@@ -28,8 +28,8 @@ def half_angles(result):
 
 
 def test_the_constant_of_the_meridional_pull_holds_from_entry_to_codline(uniform):
-    net, phi = uniform.net, half_angles(uniform)
-    tension = uniform.bar_tension_n[np.argsort(net.bar_band, kind="stable")][::2]
+    phi = half_angles(uniform)
+    tension = uniform.bar_tension_n[np.argsort(uniform.bag.bar_band, kind="stable")][::2]
     constant = (tension * np.cos(phi) ** 2)[:-6]  # the last rows are too few bars wide for the smooth limit
     assert constant == pytest.approx(constant.mean(), rel=1e-3)
 
@@ -38,7 +38,7 @@ def test_the_slope_in_the_catch_follows_radius_and_opening(uniform):
     rows = uniform.rows
     phi = half_angles(uniform)
     cos_a = np.diff(rows.x_m) / np.hypot(np.diff(rows.x_m), np.diff(rows.radius_m))
-    front = uniform.net.bands - 50
+    front = uniform.bag.bands - 50
     middle = 0.5 * (rows.radius_m[1:] + rows.radius_m[:-1])
     in_catch = (cos_a / (middle**2 * np.cos(phi)))[front + 1 : -8]
     assert in_catch == pytest.approx(in_catch.mean(), rel=2e-3)
@@ -48,7 +48,7 @@ def test_the_slope_in_the_catch_follows_radius_and_opening(uniform):
 
 def test_entry_reaction_is_pressure_times_the_polygon_of_the_front_row(uniform):
     net = uniform.net
-    radius = uniform.rows.radius_m[net.bands - 50]
+    radius = uniform.rows.radius_m[uniform.bag.bands - 50]
     polygon = 0.5 * net.order * radius**2 * np.sin(2 * np.pi / net.order)
     pressure = 1.4 * 500.0
     assert uniform.measures.catch_drag_n == pytest.approx(pressure * polygon, rel=1e-12)
@@ -124,10 +124,10 @@ def test_viscous_and_kinetic_damping_end_at_the_same_equilibrium():
 
 
 def test_openings_of_a_flat_panel_are_those_it_was_laid_with(uniform):
-    opening, normal = mesh_openings(uniform.net, mesh_corners(uniform.net, uniform.positions))
+    opening, normal = mesh_openings(uniform.bag, mesh_corners(uniform.bag, uniform.positions))
     assert np.linalg.norm(normal, axis=1) == pytest.approx(1.0)
     phi = np.radians(opening) / 2
-    spacing = np.pi * uniform.rows.radius_m[uniform.net.mesh_row] / uniform.net.order
+    spacing = np.pi * uniform.rows.radius_m[uniform.bag.mesh_row] / uniform.net.order
     assert 2 * uniform.net.bar_length[0] * np.sin(phi[:-2]) == pytest.approx(2 * spacing[:-2], rel=2e-3)
 
 
@@ -154,9 +154,10 @@ def test_two_sectors_side_by_side_have_the_equilibrium_of_one():
     plan = make_plan(24, 20)
     drags = []
     for sectors in (1, 2):
-        problem, solution = equilibrium.solve(equilibrium.scene_of(plan, 1, sectors), plan.cases()[0], (), None)
+        scene = equilibrium.scene_of(plan, 1, sectors)
+        problem, solution = equilibrium.solve(scene, plan.cases()[0], (), None)
         assert solution.report.outcome.converged
-        drags.append(measure_all(problem, solution)[2].drag_n)
+        drags.append(measure_all(scene.bag, problem, solution)[2].drag_n)
     assert drags[1] == pytest.approx(drags[0], rel=1e-6)
 
 
@@ -190,14 +191,15 @@ def test_a_catch_is_called_too_large_by_every_method_above_the_volume_of_the_ful
     def solved(method, catch):
         model = {"fidelity": "sector", "method": method, "tolerance": 1e-6}
         plan = make_plan(meshes_round, meshes_long, entry, catch=catch | pressure, model=model, **options)
-        return equilibrium.solve(equilibrium.scene_of(plan, 1, 1), plan.cases()[0], (), None)
+        scene = equilibrium.scene_of(plan, 1, 1)
+        return scene.bag, *equilibrium.solve(scene, plan.cases()[0], (), None)
 
     full_volume = measure_all(*solved("auto", {"filled_meshes": float(meshes_long)}))[2].catch_volume_m3
     methods = ["newton", "auto", "dynamic-relaxation"]
     if "axial_stiffness_n" not in options.get("netting", {}):
         methods.append("rigid-bars")
     for share in SHARES:
-        solutions = [solved(method, {"volume_m3": share * full_volume})[1] for method in methods]
+        solutions = [solved(method, {"volume_m3": share * full_volume})[2] for method in methods]
         expected = Outcome.CONVERGED if share < 1.0 else Outcome.OVERFULL
         for method, solution in zip(methods, solutions, strict=True):
             report = solution.report

@@ -5,11 +5,13 @@ from dataclasses import astuple, replace
 import numpy as np
 import pytest
 
-from codend.bag.build import build_net
-from codend.bag.loads import problem_of, wet_weight
+from codend.bag.bag import all_round
+from codend.bag.build import build_bag
+from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
 from codend.equilibrium import accuracy, fidelity
-from codend.net.net import all_round, rotate
+from codend.mechanics.weight import wet_weight
+from codend.net.net import rotate
 from codend.plan.plan import load_plan
 from codend.solvers import dynamic_relaxation, newton
 from codend.studies.study import solve
@@ -20,9 +22,9 @@ TIGHT = 1e-11
 
 
 def equilibrium(plan, **build):
-    net = build_net(plan, **build)
-    problem = problem_of(net, plan, plan.cases()[0])
-    return net, newton.solve(problem, TIGHT, dynamic_relaxation.solve(problem, 1e-6))
+    bag = build_bag(plan, **build)
+    problem = problem_of(bag, plan, plan.cases()[0])
+    return bag, newton.solve(problem, TIGHT, dynamic_relaxation.solve(problem, 1e-6))
 
 
 @pytest.mark.parametrize(
@@ -35,14 +37,14 @@ def equilibrium(plan, **build):
     ids=["T0", "T90", "T0 with knots"],
 )
 def test_full_net_and_sectors_of_any_size_have_the_same_equilibrium(plan):
-    full_net, full = equilibrium(plan)
+    full_bag, full = equilibrium(plan)
     radius = np.hypot(full.positions[:, 1], full.positions[:, 2]).max()
-    by_place = np.lexsort(full_net.positions.round(9).T)
+    by_place = np.lexsort(full_bag.net.positions.round(9).T)
     for sectors, azimuth in ((1, 0.0), (1, 0.3), (3, 0.0)):
-        net, sector = equilibrium(plan, sectors=sectors, azimuth_rad=azimuth)
+        bag, sector = equilibrium(plan, sectors=sectors, azimuth_rad=azimuth)
         assert sector.report.outcome.converged
-        whole = all_round(net, sector.positions)
-        start = all_round(net, net.positions).positions
+        whole = all_round(bag, sector.positions)
+        start = all_round(bag, bag.net.positions).positions
         # match the nodes by where they started
         start, whole_positions = rotate(start, -1, 2 * np.pi / azimuth) if azimuth else start, whole.positions
         if azimuth:
@@ -66,13 +68,13 @@ def test_full_net_and_sectors_of_any_size_have_the_same_equilibrium(plan):
 def test_every_mesh_of_a_sector_measures_as_those_it_stands_for_in_the_full_net(plan):
     measured = []
     for sectors in (1, None):
-        net = build_net(plan, sectors=sectors)
-        problem = problem_of(net, plan, plan.cases()[0])
-        meshes, rows, measures = measure_all(problem, newton.solve(problem, TIGHT))
+        bag = build_bag(plan, sectors=sectors)
+        problem = problem_of(bag, plan, plan.cases()[0])
+        meshes, rows, measures = measure_all(bag, problem, newton.solve(problem, TIGHT))
         by_mesh = [meshes.opening_deg, meshes.bar_tension_n, meshes.opening_force_n, meshes.pressure_pa]
-        repeated = np.stack([np.tile(values, net.order) for values in by_mesh])
+        repeated = np.stack([np.tile(values, bag.net.order) for values in by_mesh])
         # in a row and its sum over all meshes, so that no order within a row matters
-        row = np.tile(net.mesh_row, net.order)
+        row = np.tile(bag.mesh_row, bag.net.order)
         moments = [np.bincount(row, weights=values**power) for values in repeated for power in (1, 2)]
         measured.append(np.hstack([*moments, *astuple(rows), *astuple(measures)]))
     assert measured[0] == pytest.approx(measured[1], rel=1e-6, abs=1e-6, nan_ok=True)
@@ -81,15 +83,15 @@ def test_every_mesh_of_a_sector_measures_as_those_it_stands_for_in_the_full_net(
 def test_the_pressure_on_a_square_mesh_is_that_of_the_band_it_lies_in():
     catch = {"filled_meshes": 6.0, "pressure": "uniform", "coefficient": 1.4}
     result = solve(make_plan(24, 20, mesh="square", catch=catch)).cases[0]
-    in_catch = result.solution.share[result.net.mesh_row] == 1.0
+    in_catch = result.solution.share[result.bag.mesh_row] == 1.0
     assert in_catch.sum() == 6
     assert result.meshes.pressure_pa == pytest.approx(np.where(in_catch, 700.0, 0.0))
 
 
 def test_the_opening_of_square_mesh_is_its_width_over_its_length_and_takes_no_force():
     result = solve(make_plan(24, 20, mesh="square")).cases[0]
-    row = result.net.mesh_row
-    inner = row[(row > 0) & (row < result.net.bands - 1)]
+    row = result.bag.mesh_row
+    inner = row[(row > 0) & (row < result.bag.bands - 1)]
     width = 2.0 * result.rows.radius_m * np.sin(np.pi / 24)
     wide = 0.5 * (width[inner] + width[inner + 1])
     long = np.sqrt(0.04**2 - 0.25 * (width[inner + 1] - width[inner]) ** 2)
@@ -109,7 +111,8 @@ def test_a_rotated_full_net_is_the_same_net_rotated():
 
 def test_a_sector_does_not_depend_on_which_images_its_nodes_are_taken_from():
     plan = make_plan(24, 20)
-    net, plain = equilibrium(plan, sectors=1)
+    bag, plain = equilibrium(plan, sectors=1)
+    net = bag.net
     shift = np.arange(len(net.positions)) % 2
     shift[-1] = 0
     recut = replace(
@@ -118,7 +121,7 @@ def test_a_sector_does_not_depend_on_which_images_its_nodes_are_taken_from():
         bar_image=(net.bar_image + shift[net.bars[:, 0]] - shift[net.bars[:, 1]]).astype(np.int32),
         facet_image=(net.facet_image - shift[net.facets]).astype(np.int32),
     )
-    problem = problem_of(recut, plan, plan.cases()[0])
+    problem = problem_of(replace(bag, net=recut), plan, plan.cases()[0])
     again = newton.solve(problem, TIGHT, dynamic_relaxation.solve(problem, 1e-6))
     assert again.positions == pytest.approx(rotate(plain.positions, shift, net.order), abs=1e-7)
 
@@ -170,7 +173,7 @@ def test_counts_without_a_common_divisor_make_a_sector_that_bears_its_weight():
     choice = fidelity.choose(plan)
     assert choice.why.startswith("Asked for: the full net (its mesh counts 13 and 12 have no common divisor).")
     assert choice.unseen_weight_n == 0.0
-    assert problem_of(build_net(plan, sectors=1), plan, plan.cases()[0]).loading.dead.any()
+    assert problem_of(build_bag(plan, sectors=1), plan, plan.cases()[0]).loading.dead.any()
 
 
 def test_only_wide_models_of_many_knots_are_told_to_be_slow():
@@ -181,7 +184,7 @@ def test_only_wide_models_of_many_knots_are_told_to_be_slow():
     assert "Its 6001 knots take seconds to minutes a case." in fidelity.choose(merged).why
     for plan in (full, merged):
         choice = fidelity.choose(plan)
-        net = build_net(plan, globalisation=choice.globalisation, sectors=choice.sectors)
+        net = build_bag(plan, globalisation=choice.globalisation, sectors=choice.sectors).net
         assert f" {len(net.positions)} knots" in choice.why
     # one mesh wide and 3000 rows long
     assert "minutes" not in fidelity.choose(make_plan(120, 1500)).why
@@ -200,12 +203,12 @@ def test_weight_changes_openings_by_less_than_its_share_of_the_drag_and_drag_by_
     light = solve(make_plan(24, 20, **options, model={"fidelity": "sector"})).cases[0]
     share = 0.06
     weight = share * light.measures.drag_n
-    per_density = 24 * abs(float(wet_weight(build_net(_dense(options, 2000.0), sectors=1), 1000.0).sum()))
+    per_density = 24 * abs(float(wet_weight(build_bag(_dense(options, 2000.0), sectors=1).net, 1000.0).sum()))
     plan = _dense(options, 1000.0 + 1000.0 * weight / per_density, fidelity="full")
     heavy = solve(plan).cases[0]
     assert abs(heavy.measures.drag_n / light.measures.drag_n - 1.0) <= accuracy.WEIGHT_LEFT_OUT[0, 1] * share**2
-    ahead = np.abs(heavy.net.mesh_row - (40 - 2 * options["filled"] - 3)) <= 2
-    change = heavy.meshes.opening_deg / light.rows.opening_deg[heavy.net.mesh_row] - 1.0
+    ahead = np.abs(heavy.bag.mesh_row - (40 - 2 * options["filled"] - 3)) <= 2
+    change = heavy.meshes.opening_deg / light.rows.opening_deg[heavy.bag.mesh_row] - 1.0
     assert 0.02 * share < np.abs(change[ahead]).max() <= share
     left_out = solve(_dense(options, plan.netting[0].twine_density_kg_m3, fidelity="sector")).cases[0]
     assert abs(left_out.measures.drag_n - heavy.measures.drag_n) <= left_out.errors.drag_error_n
@@ -249,7 +252,7 @@ def test_a_heavy_bag_sags():
     plan = make_plan(12, 10, filled=4.0, netting={"twine_density_kg_m3": 1400.0}, model={"fidelity": "full"}, speed=0.5)
     result = solve(plan).cases[0]
     assert result.converged
-    middle = [result.positions[result.net.node_row == row].mean(axis=0) for row in (4, 8, 12)]
+    middle = [result.positions[result.bag.node_row == row].mean(axis=0) for row in (4, 8, 12)]
     assert all(m[2] < -1e-4 for m in middle)
     assert np.abs([m[1] for m in middle]).max() < 1e-4
 

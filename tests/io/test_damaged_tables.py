@@ -141,6 +141,11 @@ def test_damaged_results_are_refused_by_every_command_that_reads_them(command, c
         (cell(5, "radius_m", ""), ['radius_m = "(empty)" in line 5']),
         (cell(5, "opening_deg", ""), ['opening_deg = "(empty)" in line 5']),
         (cell(1, "opening_deg", "opening"), ["opening_deg is missing"]),
+        (cell(5, "section", "2"), ['section = "2" in line 5', "allowed: a section of the plan that lies there"]),
+        (cell(5, "section", ""), ['section = "(empty)" in line 5']),
+        (cell(5, "meshes_from_entry", "2.5"), ['meshes_from_entry = "2.5" in line 5', "the place of the plan's row"]),
+        (cell(1, "section", "part"), ["section is missing", "run the plan again"]),
+        (cell(1, "meshes_from_entry", "place"), ["meshes_from_entry is missing", "run the plan again"]),
     ],
 )
 def test_a_damaged_profile_is_refused(change, words, sector, tmp_path):
@@ -158,6 +163,8 @@ def test_a_damaged_profile_is_refused(change, words, sector, tmp_path):
         (cell(9, "row", "2.5"), ["case = 1 has 54 meshes, not those of the plan"]),
         (cell(9, "bar_tension_n", "strong"), ['bar_tension_n = "strong" in line 9']),
         (cell(9, "opening_deg", ""), ['opening_deg = "(empty)" in line 9']),
+        (cell(9, "section", "2"), ['section = "2" in line 9', "allowed: that of its row in profile.csv"]),
+        (cell(1, "section", "part"), ["section is missing", "run the plan again"]),
     ],
 )
 def test_damaged_meshes_are_refused(change, words, whole_net, tmp_path):

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from codend.bag.build import build_net
+from codend.bag.build import build_bag
 from codend.errors import InputError
-from codend.mechanics.arrays import structure_of
-from codend.mechanics.bending import add_bending
+from codend.mechanics import bending
+from codend.mechanics.structure import structure_of
 from codend.studies.study import solve
 from tests.complex_loads import bending_energy, derivative
 from tests.plans import make_plan, uniform_plan
@@ -19,12 +19,12 @@ KINDS = [("diamond", 0.0), ("diamond", 6.0), ("t90", 6.0)]
 @pytest.mark.parametrize("sectors", [1, 2, None])
 def test_bending_forces_are_minus_the_gradient_of_the_energy(mesh, knot, sectors):
     plan = make_plan(12, 6, mesh=mesh, netting={"knot_mm": knot, "bending_stiffness_n_m2": 1e-3})
-    net = build_net(plan, sectors=sectors)
+    net = build_bag(plan, sectors=sectors).net
     rng = np.random.default_rng(1)
     positions = net.positions + 0.003 * rng.normal(size=net.positions.shape)
     positions[-1, 1:] = 0.0
     force = np.zeros_like(positions)
-    add_bending(positions, structure_of(net), force)
+    bending.add_force(positions, structure_of(net), force)
     slope = derivative(lambda at: bending_energy(net, at), positions)[0]
     assert -force.ravel() == pytest.approx(slope, rel=1e-9, abs=1e-11 * np.abs(slope).max())
 
@@ -34,7 +34,7 @@ def test_every_twine_has_its_bending_energy_once(mesh, knot):
     """A long net whose twines are all turned by the same angle from rest: k / 2 times that angle squared, each."""
     stiffness, turn = 1e-3, 0.1
     plan = make_plan(200, 40, mesh=mesh, netting={"knot_mm": knot, "bending_stiffness_n_m2": stiffness})
-    net = build_net(plan, sectors=1)
+    net = build_bag(plan, sectors=1).net
     sign = np.where(net.corner_rest > np.pi / 2, -1.0, 1.0)
     stored = (net.corner_stiffness * (2 * turn * sign) ** 2).sum() / 8
     twines = np.count_nonzero(net.bar_drag_diameter > 0)
@@ -67,17 +67,17 @@ def test_shape_depends_on_bending_only_through_its_group():
 
 def test_globalised_stiff_netting_holds_the_same_energy():
     plan = make_plan(24, 20, netting={"bending_stiffness_n_m2": 1e-3})
-    real, model = build_net(plan), build_net(plan, globalisation=4)
+    real, model = build_bag(plan).net, build_bag(plan, globalisation=4).net
     assert model.corner_stiffness.sum() == pytest.approx(real.corner_stiffness.sum(), rel=4 / 40)
 
 
 def test_bending_is_refused_where_it_has_no_place():
     square = make_plan(24, 20, mesh="square", netting={"bending_stiffness_n_m2": 1e-3})
     with pytest.raises(InputError, match="square"):
-        build_net(square)
+        build_bag(square)
     stiff = make_plan(24, 20, netting={"bending_stiffness_n_m2": 1e-3})
     with pytest.raises(InputError, match="hinge"):
-        build_net(replace_model(stiff, bars_per_side=2))
+        build_bag(replace_model(stiff, bars_per_side=2))
 
 
 def replace_model(plan, **changes):
@@ -85,7 +85,7 @@ def replace_model(plan, **changes):
 
 
 def test_no_corner_is_kept_without_stiffness():
-    assert len(build_net(make_plan(24, 20)).corners) == 0
+    assert len(build_bag(make_plan(24, 20)).net.corners) == 0
 
 
 def test_newton_and_relaxation_agree_on_stiff_twine():

@@ -8,19 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from catch_models.pressure import sphere_law
-from codend.bag.build import build_net
+from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
-from codend.mechanics import newton_state, newton_step
-from codend.mechanics.arrays import Structure, structure_of
-from codend.mechanics.bars import add_bar_forces, bar_lengths
-from codend.mechanics.bending import add_bending
-from codend.mechanics.drag import add_drag
-from codend.mechanics.pressure import add_pressure, fill
+from codend.mechanics import bending, drag, loads, newton_state, newton_step, points, pressure
+from codend.mechanics.bars import add_bar_forces, add_bar_tangent, bar_lengths
+from codend.mechanics.catch_front import fill, front_band, load_by_share, share_gradient
 from codend.mechanics.problem import Problem
-from codend.mechanics.tangent import Pattern, add_bar_tangent, pattern_of
-from codend.mechanics.tangent_bending import add_bending_tangent
-from codend.mechanics.tangent_front import front_band, load_by_share, share_gradient
-from codend.mechanics.tangent_loads import add_drag_tangent, add_pressure_tangent
+from codend.mechanics.structure import Structure, structure_of
+from codend.mechanics.tangent import Pattern, pattern_of
+from codend.mechanics.water import Water, uniform_flow
 from codend.net.net import Floats, bar_vectors
 from tests import complex_loads
 from tests.complex_loads import derivative
@@ -28,9 +24,10 @@ from tests.plans import UNIFORM, make_plan
 
 MESHES = ["diamond", "knotted", "t90", "square"]
 COLUMNS = [1, 2, None]
-LAWS = ["le-bris-1999", "bessonneau-1997"]
+LAWS = ["le-bris-1999", "bessonneau-1997", "choo-casarella-1971"]
 PLANE, VOLUME = {"front_from_codline_m": 0.3}, {"volume_m3": 1.5e-3}
 ROUND_OFF = 1e-11
+AT_REST = np.zeros((0, 3))
 ROUND_OFF_OF_PRESSURE = 1e-13
 """Its angle is not told by a cosine, which loses digits where it is nearly 1, as that of bending is."""
 
@@ -53,7 +50,8 @@ def distorted(
         drag={"law": law, "tangential": 0.1},
         speed=1.3,
     )
-    net = build_net(plan, sectors=sectors)
+    bag = build_bag(plan, sectors=sectors)
+    net = bag.net
     rng = np.random.default_rng(seed)
     positions = net.positions + shake * rng.normal(size=net.positions.shape)
     bars = np.arange(len(net.bars))
@@ -64,12 +62,12 @@ def distorted(
         bar_length=length * np.where(bars % 2, 1.1, 0.9) * rng.uniform(0.95, 1.05, len(bars)),
         bar_flexibility=rng.uniform(0.01, 0.1, len(bars)),
     )
-    return problem_of(net, plan, plan.cases()[0])
+    return problem_of(replace(bag, net=net), plan, plan.cases()[0])
 
 
 def shares(problem: Problem) -> Floats:
-    share = np.zeros(problem.net.bands)
-    fill(problem.net.positions, problem.structure, problem.loading, share)
+    share = np.zeros(problem.bands)
+    fill(problem.net.positions, problem.structure, problem.loading.catch, share)
     return share
 
 
@@ -119,8 +117,10 @@ def check_drag(problem: Problem) -> None:
     structure, loading, share = problem.structure, problem.loading, shares(problem)
     check(
         problem,
-        lambda at, force: add_drag(at, structure, loading, share, force),
-        lambda at, pattern, blocks: add_drag_tangent(at, structure, loading, pattern, share, blocks),
+        lambda at, force: drag.add_force(at, AT_REST, structure, loading.water, loading.catch, share, force),
+        lambda at, pattern, blocks: drag.add_tangent(
+            at, structure, loading.water, loading.catch, pattern, share, blocks
+        ),
         lambda at: complex_loads.twine_drag(problem, at, share),
     )
 
@@ -129,8 +129,8 @@ def check_pressure(problem: Problem) -> None:
     structure, loading, share = problem.structure, problem.loading, shares(problem)
     check(
         problem,
-        lambda at, force: add_pressure(at, structure, loading, share, force),
-        lambda at, pattern, blocks: add_pressure_tangent(at, structure, loading, pattern, share, blocks),
+        lambda at, force: pressure.add_force(at, structure, loading.catch, share, force),
+        lambda at, pattern, blocks: pressure.add_tangent(at, structure, loading.catch, pattern, share, blocks),
         lambda at: complex_loads.catch_pressure(problem, at, share),
         ROUND_OFF_OF_PRESSURE,
     )
@@ -140,8 +140,8 @@ def check_bending(problem: Problem) -> None:
     net, structure = problem.net, problem.structure
     check(
         problem,
-        lambda at, force: add_bending(at, structure, force),
-        lambda at, pattern, blocks: add_bending_tangent(at, structure, pattern, blocks),
+        lambda at, force: bending.add_force(at, structure, force),
+        lambda at, pattern, blocks: bending.add_tangent(at, structure, pattern, blocks),
         lambda at: complex_loads.bending_resistance(net, at),
     )
 
@@ -160,9 +160,9 @@ def test_tangent_of_the_drag_is_its_derivative_at_given_shares(mesh, sectors, la
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_tangent_of_the_drag_of_taut_and_slack_straps_is_its_derivative(law):
+def test_tangent_of_the_drag_of_taut_and_slack_ropes_is_its_derivative(law):
     problem = distorted("diamond", 2, law=law)
-    net = replace(problem.net, straps=np.arange(0, len(problem.net.bars), 3, dtype=np.int32))
+    net = replace(problem.net, bar_is_rope=np.arange(len(problem.net.bars)) % 3 == 0)
     check_drag(replace(problem, net=net, structure=structure_of(net)))
 
 
@@ -203,11 +203,11 @@ def test_tangents_are_the_derivatives_on_random_nets(mesh, sectors, law, filled,
 def test_the_share_of_the_fronts_band_follows_the_net_by_its_gradient(mesh, sectors, catch):
     problem = distorted(mesh, sectors, catch=catch, shake=0.003)
     net, share = problem.net, shares(problem)
-    band = front_band(problem.loading, share)
-    assert 0 < band < net.bands - 1
+    band = front_band(problem.loading.catch, share)
+    assert 0 < band < problem.bands - 1
     np.testing.assert_allclose(share, complex_loads.shares(problem, net.positions).real, rtol=0.0, atol=1e-12)
     gradient = np.zeros_like(net.positions)
-    share_gradient(net.positions, problem.structure, problem.loading, share, band, gradient)
+    share_gradient(net.positions, problem.structure, problem.loading.catch, share, band, gradient)
     by_node = derivative(lambda at: complex_loads.shares(problem, at)[band], net.positions)
     assert_same(gradient.ravel(), by_node[0])
 
@@ -220,7 +220,7 @@ def test_newtons_linearisation_is_the_derivative_of_all_that_is_out_of_balance(m
     problem = distorted(mesh, sectors, catch=catch, shake=0.003)
     net, structure, loading, position = problem.net, problem.structure, problem.loading, problem.net.positions
     pattern = pattern_of(structure)
-    state, step = newton_state.empty_state(structure), newton_step.empty_step(structure, pattern)
+    state, step = newton_state.empty_state(structure, problem.bands), newton_step.empty_step(structure, pattern)
     state.position[:] = position
     bar_lengths(position, structure, state.length)
     stretch = 1.0 / net.bar_length - 1.0 / state.length
@@ -238,7 +238,9 @@ def test_newtons_linearisation_is_the_derivative_of_all_that_is_out_of_balance(m
     found = dense(pattern, step.blocks, len(position))
     if sides == 2:
         load = np.zeros_like(position)
-        load_by_share(position, structure, loading, front_band(loading, state.share), load)
+        load_by_share(
+            position, structure, loading.water, loading.catch, front_band(loading.catch, state.share), load
+        )
         assert_same(step.right[1], load)
         found -= np.outer(load.ravel(), step.gradient.ravel())
     assert_same(found, -derivative(out_of_balance, position))
@@ -246,7 +248,7 @@ def test_newtons_linearisation_is_the_derivative_of_all_that_is_out_of_balance(m
 
 def test_filled_meshes_leave_the_shares_where_they_are():
     problem = distorted("diamond", 1)
-    assert front_band(problem.loading, shares(problem)) == -1
+    assert front_band(problem.loading.catch, shares(problem)) == -1
 
 
 @pytest.mark.parametrize("turn", [0.0, np.pi])
@@ -256,14 +258,14 @@ def test_pressure_tangent_is_finite_on_facets_square_to_the_flow(turn):
     flat = problem.net.positions.copy()
     flat[:, 0] = 0.0
     flat[:, 1] *= np.cos(turn)
-    whole = np.ones(problem.net.bands)
+    whole = np.ones(problem.bands)
     pattern, blocks = laid_out(structure)
-    add_pressure_tangent(flat, structure, problem.loading, pattern, whole, blocks)
+    pressure.add_tangent(flat, structure, problem.loading.catch, pattern, whole, blocks)
     assert np.all(np.isfinite(blocks))
     # just off the axis of the flow the derivative is as large, and differs by the order of the law's slope there
     near = np.zeros_like(blocks)
     shaken = flat + 1e-9 * np.random.default_rng(1).normal(size=flat.shape)
-    add_pressure_tangent(shaken, structure, problem.loading, pattern, whole, near)
+    pressure.add_tangent(shaken, structure, problem.loading.catch, pattern, whole, near)
     slope = np.abs(sphere_law().derivative([0.0, np.pi])).max()
     assert np.abs(near - blocks).max() <= 5.0 * slope * np.abs(blocks).max()
 
@@ -278,7 +280,67 @@ def test_pressure_and_its_tangent_hold_to_round_off_next_to_the_axis_of_the_flow
     positions[:, 1] *= np.cos(turn)
     positions += shake * np.random.default_rng(1).normal(size=positions.shape)
     net = replace(problem.net, positions=positions)
-    sloping = problem.loading._replace(
+    sloping = problem.loading.catch._replace(
         angles=np.array([0.0, np.pi]), coefficients=np.array([[0.0], [0.0], [1.0], [1.0]])
     )
-    check_pressure(replace(problem, net=net, structure=structure_of(net), loading=sloping))
+    loading = problem.loading._replace(catch=sloping)
+    check_pressure(replace(problem, net=net, structure=structure_of(net), loading=loading))
+
+
+def full_net_in(height: list[float], flow: list[list[float]], law: str) -> Problem:
+    """A full net, half of its bars ropes, in water that flows in any direction, and differently at other heights."""
+    problem = distorted("diamond", None, law=law)
+    ropes = np.arange(len(problem.net.bars)) % 2 == 0
+    points = {
+        "point_node": np.array([3, 8], dtype=np.int32),
+        "point_mass": np.zeros(2),
+        "point_wet_weight": np.array([5.0, -2.0]),
+        "point_drag_area": np.array([0.3, 0.1]),
+        "point_lift_area": np.array([0.2, 0.0]),
+        "point_lift_towards": np.array([[0.1, 1.0, 0.4], [0.0, 0.0, 1.0]]),
+    }
+    net = replace(problem.net, bar_is_rope=ropes, **points)
+    water = Water(1000.0, 1e-6, np.array(height), np.array(flow))
+    return Problem.of(net, water=water, catch=problem.loading.catch)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize(
+    ("height", "flow"),
+    [([0.0], [[0.4, -0.9, 0.6]]), ([-0.05, 0.02, 0.1], [[1.0, 0.2, 0.0], [0.6, -0.3, 0.1], [1.4, 0.1, -0.4]])],
+    ids=["any direction", "a profile"],
+)
+def test_drag_and_its_tangent_in_any_flow(law, height, flow):
+    check_drag(full_net_in(height, flow, law))
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_the_tangent_of_all_loads_in_a_profile_is_their_derivative_by_central_differences(law):
+    """Drag and lift of points among them."""
+    problem = full_net_in([-0.05, 0.1], [[1.0, 0.2, 0.0], [0.6, -0.3, 0.1]], law)
+    structure, loading, share, position = problem.structure, problem.loading, shares(problem), problem.net.positions
+    pattern, blocks = laid_out(structure)
+    loads.add_tangent(position, structure, loading, pattern, share, blocks)
+    differences = np.empty((position.size, position.size))
+    step = 1e-6
+    for place in range(position.size):
+        forces = []
+        for sign in (1.0, -1.0):
+            moved, force = position.copy(), np.zeros_like(position)
+            moved.reshape(-1)[place] += sign * step
+            loads.add_force(moved, structure, loading, share, force)
+            forces.append(force.ravel())
+        differences[:, place] = (forces[1] - forces[0]) / (2.0 * step)
+    assert_same(dense(pattern, blocks, len(position)), differences, 1e-7)
+
+
+def test_a_point_is_dragged_along_the_flow_and_lifted_across_it():
+    net = full_net_in([0.0], [[0.0, 2.0, 0.0]], LAWS[0]).net
+    force = np.zeros_like(net.positions)
+    water = uniform_flow(1000.0, np.array([0.0, 2.0, 0.0]))
+    points.add_force(net.positions, AT_REST, points.points_of(net), water, force)
+    assert force[8] == pytest.approx([0.0, 200.0, 0.0])
+    assert force[3] == pytest.approx([400.0 * 0.1 / np.hypot(0.1, 0.4), 600.0, 400.0 * 0.4 / np.hypot(0.1, 0.4)])
+    dead = Problem.of(net, water=water).loading.dead
+    without = Problem.of(replace(net, point_wet_weight=np.zeros(2)), water=water).loading.dead
+    assert (dead - without)[[3, 8], 2] == pytest.approx([-5.0, 2.0])

@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from codend.bag.build import build_net
+from codend.bag.bag import Bag, all_round
+from codend.bag.build import build_bag
 from codend.bag.measures import Measures, measure_all, opening_rows_ahead
 from codend.equilibrium import fidelity
 from codend.equilibrium.solve import scene_of
 from codend.equilibrium.solve import solve as solve_case
-from codend.net.net import Net, all_round, facet_corners
+from codend.net.net import facet_corners
 from codend.netting.parts import taken_up
 from codend.plan.plan import Plan
 from codend.solvers import interior_point, newton
@@ -51,12 +52,13 @@ USUAL: dict[str, Sections] = {
 }
 
 
-def closure(net: Net) -> tuple[np.ndarray, float, float]:
+def closure(bag: Bag) -> tuple[np.ndarray, float, float]:
     """Sum of the area vectors all round, area of the entry's polygon, least outward area."""
+    net = bag.net
     corner = facet_corners(net, net.positions)
     area = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 2
     outward = np.einsum("ij,ij->i", area[:, 1:], corner.mean(axis=1)[:, 1:])
-    entry = all_round(net, net.positions).positions[np.tile(net.fixed.all(axis=1), net.order)]
+    entry = all_round(bag, net.positions).positions[np.tile(net.fixed.all(axis=1), net.order)]
     azimuth = np.sort(np.arctan2(entry[:, 2], entry[:, 1]))
     gaps = np.diff(np.append(azimuth, azimuth[0] + 2 * np.pi))
     lid = 0.5 * np.hypot(entry[0, 1], entry[0, 2]) ** 2 * np.sin(gaps).sum()
@@ -68,7 +70,7 @@ def closure(net: Net) -> tuple[np.ndarray, float, float]:
 def test_facets_close_the_bag_across_a_joint_and_face_outward(sections):
     plan = joined_plan(*sections)
     for sectors in (1, 2, None):
-        total, lid, outward = closure(build_net(plan, sectors=sectors))
+        total, lid, outward = closure(build_bag(plan, sectors=sectors))
         assert total == pytest.approx([lid, 0.0, 0.0], abs=1e-12)
         assert outward > -1e-12
 
@@ -76,39 +78,40 @@ def test_facets_close_the_bag_across_a_joint_and_face_outward(sections):
 @pytest.mark.parametrize("sections", SMALL.values(), ids=SMALL)
 def test_a_sector_of_joined_sections_repeated_all_round_is_the_full_net(sections):
     plan = joined_plan(*sections)
-    full, sector = build_net(plan), build_net(plan, sectors=1)
-    whole = all_round(sector, sector.positions)
+    full, sector = build_bag(plan), build_bag(plan, sectors=1)
+    whole = all_round(sector, sector.net.positions)
 
     def segments(positions, bars):
         return sorted(tuple(sorted(map(tuple, pair))) for pair in (positions[bars].round(9) + 0.0).tolist())
 
-    assert sector.order == np.gcd.reduce([section[1] for section in sections])
-    assert segments(whole.positions, whole.bars) == segments(full.positions, full.bars)
-    assert len(full.facets) == sector.order * len(sector.facets)
-    assert len(full.mesh_sides) == sector.order * len(sector.mesh_sides)
+    assert sector.net.order == np.gcd.reduce([section[1] for section in sections])
+    assert segments(whole.positions, whole.bars) == segments(full.net.positions, full.net.bars)
+    assert len(full.net.facets) == sector.net.order * len(sector.net.facets)
+    assert len(full.mesh_sides) == sector.net.order * len(sector.mesh_sides)
 
 
 def test_of_5_meshes_laced_to_3_two_pairs_are_taken_up_two_by_two():
     wide, narrow = np.full(10, 5), np.full(10, 3)
     assert taken_up(np.arange(10), wide, narrow).tolist() == [0, 0, 1, 1, 2, 3, 3, 4, 4, 5]
     plan = joined_plan(*USUAL["100 to 60"])
-    net = build_net(plan)
-    joint = np.flatnonzero(net.node_row == 20)
+    bag = build_bag(plan)
+    net = bag.net
+    joint = np.flatnonzero(bag.node_row == 20)
     assert len(joint) == 60
     ahead, behind = (
-        np.bincount(net.bars[net.bar_band == band].ravel(), minlength=len(net.positions))[joint] for band in (19, 20)
+        np.bincount(net.bars[bag.bar_band == band].ravel(), minlength=len(net.positions))[joint] for band in (19, 20)
     )
     assert sorted(ahead.tolist()) == [2] * 20 + [4] * 40
     assert behind.tolist() == [2] * 60
-    assert np.count_nonzero(net.mesh_row == 20) == 60
-    assert np.all(net.mesh_bars >= 0)
+    assert np.count_nonzero(bag.mesh_row == 20) == 60
+    assert np.all(bag.mesh_bars >= 0)
 
 
 @pytest.mark.parametrize("g", [1, 2, 5, 10])
 def test_a_joint_neither_adds_nor_loses_twine(g):
     dense = {"twine_density_kg_m3": 1140.0}
     plan = joined_plan(("diamond", 100, 20, 40.0, KNOT | dense), ("diamond", 60, 30, 50.0, KNOT | dense))
-    net = build_net(plan, globalisation=g)
+    net = build_bag(plan, globalisation=g).net
     twine_m = sum(4 * s.meshes_round * s.meshes_long * s.bar_m for s in plan.netting)
     assert (net.bar_drag_diameter * net.bar_length).sum() == pytest.approx(0.002 * twine_m, rel=1e-12)
     knots_m = sum(2 * s.meshes_round * s.meshes_long * s.knot_m for s in plan.netting)
@@ -118,8 +121,8 @@ def test_a_joint_neither_adds_nor_loses_twine(g):
 
 def test_a_square_section_has_its_ring_at_a_joint_unless_its_meshes_are_taken_up_there():
     def rings(*sections):
-        net = build_net(joined_plan(*sections))
-        return np.count_nonzero(np.all(net.node_row[net.bars] == 2 * 6, axis=1))
+        bag = build_bag(joined_plan(*sections))
+        return np.count_nonzero(np.all(bag.node_row[bag.net.bars] == 2 * 6, axis=1))
 
     diamond = ("diamond", 20, 6, 40.0, {})
     assert rings(diamond, ("square", 20, 7, 40.0, {})) == 20
@@ -149,8 +152,8 @@ def test_catches_before_at_and_beyond_a_joint_are_solved_from_nothing(sections):
 def test_entry_reaction_is_pressure_times_the_polygon_of_the_front_row_at_joints_too(filled):
     plan = joined_plan(*SMALL["5 to 3"], catch={"filled_meshes": filled, **UNIFORM}, drag=NO_DRAG)
     result = solve(plan).cases[0]
-    front = all_round(result.net, result.positions).positions
-    ring = front[np.tile(result.net.node_row, result.net.order) == result.net.bands - 2 * filled]
+    front = all_round(result.bag, result.positions).positions
+    ring = front[np.tile(result.bag.node_row, result.net.order) == result.bag.bands - 2 * filled]
     ring = ring[np.argsort(np.arctan2(ring[:, 2], ring[:, 1]))]
     polygon = 0.5 * np.cross(ring, np.roll(ring, -1, axis=0))[:, 0].sum()
     assert result.measures.catch_drag_n == pytest.approx(1.4 * 500.0 * polygon, rel=1e-12)
@@ -158,9 +161,10 @@ def test_entry_reaction_is_pressure_times_the_polygon_of_the_front_row_at_joints
 
 
 def measured(plan: Plan, sectors: int) -> Measures:
-    problem, solution = solve_case(scene_of(plan, 1, sectors), plan.cases()[0], (), None)
+    scene = scene_of(plan, 1, sectors)
+    problem, solution = solve_case(scene, plan.cases()[0], (), None)
     assert solution.report.outcome.converged, solution.report.attempts
-    return measure_all(problem, solution)[2]
+    return measure_all(scene.bag, problem, solution)[2]
 
 
 @pytest.mark.parametrize("sections", SMALL.values(), ids=SMALL)
@@ -224,10 +228,10 @@ def test_a_joint_is_no_wider_than_the_fewer_meshes_of_the_shorter_bar_pulled_ope
 
 def test_rows_ahead_of_the_front_are_counted_through_a_change_of_mesh_kind():
     plan = joined_plan(("diamond", 20, 6, 40.0, {}), ("square", 20, 7, 40.0, {}))
-    net = build_net(plan, sectors=1)
-    share = np.ones(net.bands)
+    bag = build_bag(plan, sectors=1)
+    share = np.ones(bag.bands)
     share[: 12 + 2] = 0.0
-    assert opening_rows_ahead(net, share) == pytest.approx([7.5, 6.5, 5.5, 5.0, 4.5])
+    assert opening_rows_ahead(bag, share) == pytest.approx([7.5, 6.5, 5.5, 5.0, 4.5])
 
 
 def test_the_reason_tells_how_many_meshes_make_a_sector():
@@ -238,8 +242,7 @@ def test_the_reason_tells_how_many_meshes_make_a_sector():
 
 def test_counts_without_a_common_divisor_make_one_sector_of_the_whole_net():
     plan = joined_plan(("diamond", 9, 4, 40.0, {}), ("diamond", 7, 6, 40.0, {}), catch={"filled_meshes": 4.0})
-    net = build_net(plan, sectors=1)
-    assert net.order == 1
+    assert build_bag(plan, sectors=1).net.order == 1
     check(solve(plan).cases[0], 1e-6)
 
 
@@ -250,7 +253,7 @@ def test_a_path_from_half_a_bag_leads_to_the_small_catch_that_no_crude_bag_led_t
 
     def of_larger_catches(problem, *given, **further):
         solution = of_any_catch(problem, *given, **further)
-        return failed(solution) if problem.loading.catch_value == 2.0 else solution
+        return failed(solution) if problem.loading.catch.size == 2.0 else solution
 
     def from_a_shape(problem, tolerance, start=None, *given, **further):
         solution = from_any_start(problem, tolerance, start, *given, **further)

@@ -186,6 +186,14 @@ def test_bar_and_full_mesh_describe_the_same_netting():
     assert by_bar.full_mesh_m == by_mesh.full_mesh_m
 
 
+def test_a_section_is_called_by_its_name_or_else_by_its_number(valid: dict):
+    part = valid["netting"][0] | {"meshes_long": 20}
+    plan = plan_from_dict({**valid, "netting": [part, part | {"name": "1, aft"}, part]})
+    assert plan.section_names == ("1", "1, aft", "3")
+    with pytest.raises(InputError, match=r'netting.0.name = "aft" is not allowed; allowed: a name that no other'):
+        plan_from_dict({**valid, "netting": [part | {"name": "aft"}] * 2})
+
+
 def test_what_is_unusual_but_can_be_is_accepted(valid: dict):
     plan = plan_from_dict(valid, overrides=["netting.0.knot_mm=40.0", "tow.speed_m_s=1e-4", "entry.radius_m=0.001"])
     assert plan.netting[0].knot_m == plan.netting[0].bar_m

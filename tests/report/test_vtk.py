@@ -6,8 +6,9 @@ import meshio
 import numpy as np
 import pytest
 
+from codend.bag.bag import WholeBag, all_round, mesh_corners
 from codend.bag.measures import mesh_openings
-from codend.net.net import WholeNet, all_round, bar_vectors, mesh_corners
+from codend.net.net import bar_vectors
 from codend.plan.plan import plan_from_dict
 from codend.report.polygons import joined_on_axis, mesh_polygons
 from codend.report.vtk import net_mesh, write_vtu
@@ -68,9 +69,9 @@ def test_every_bar_of_the_whole_net_is_a_line_with_its_tension_and_length(case: 
 
 def test_every_mesh_of_the_whole_net_is_a_polygon_with_its_values(case: CaseResult, tmp_path: Path):
     mesh = written(case, tmp_path)
-    net, meshes = case.net, case.meshes
+    order, meshes = case.net.order, case.meshes
     assert meshes is not None
-    count = net.order * len(net.mesh_row)
+    count = order * len(case.bag.mesh_row)
     assert sum(len(block.data) for block in mesh.cells[1:]) == count
     for name, expected in (
         ("tension_n", meshes.bar_tension_n),
@@ -79,7 +80,7 @@ def test_every_mesh_of_the_whole_net_is_a_polygon_with_its_values(case: CaseResu
         ("pressure_pa", meshes.pressure_pa),
     ):
         _, found = values_by_block(mesh, name)
-        np.testing.assert_array_equal(np.sort(found), np.sort(np.tile(expected, net.order)))
+        np.testing.assert_array_equal(np.sort(found), np.sort(np.tile(expected, order)))
 
 
 @pytest.mark.parametrize(
@@ -107,7 +108,7 @@ def test_only_bars_have_no_opening_and_no_pressure(case: CaseResult, tmp_path: P
     for name in mesh.cell_data:
         bars, meshes = values_by_block(mesh, name)
         # square mesh has no opening force
-        told = ~case.net.of_square_mesh if name == "opening_force_n" else np.ones(len(case.net.mesh_row), dtype=bool)
+        told = ~case.bag.mesh_is_square if name == "opening_force_n" else np.ones(len(case.bag.mesh_row), dtype=bool)
         assert np.count_nonzero(np.isfinite(meshes)) == case.net.order * np.count_nonzero(told)
         assert np.all(np.isfinite(bars)) if name == "tension_n" else np.all(np.isnan(bars))
 
@@ -122,7 +123,7 @@ def test_the_codline_is_one_node_and_no_node_is_unused(case: CaseResult):
 
 def test_joining_on_the_axis_moves_no_bar():
     case = solved_case("ideal")
-    before = all_round(case.net, case.positions)
+    before = all_round(case.bag, case.positions)
     after = joined_on_axis(before)
     np.testing.assert_array_equal(after.positions[after.bars], before.positions[before.bars])
     np.testing.assert_array_equal(after.positions[after.meshes], before.positions[before.meshes])
@@ -130,25 +131,25 @@ def test_joining_on_the_axis_moves_no_bar():
 
 def test_nodes_that_meet_elsewhere_than_on_the_axis_stay_apart():
     apart = np.array([[0.0, 1.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 0.0, -0.0]])
-    whole = WholeNet(apart, np.array([[0, 2], [1, 4]], dtype=np.int32), np.zeros((0, 8), dtype=np.int32))
+    whole = WholeBag(apart, np.array([[0, 2], [1, 4]], dtype=np.int32), np.zeros((0, 8), dtype=np.int32))
     joined = joined_on_axis(whole)
     assert len(joined.positions) == 4
     assert joined.bars.tolist() == [[0, 2], [1, 2]]
 
 
 def test_each_mesh_is_one_polygon(case: CaseResult):
-    polygons = mesh_polygons(all_round(case.net, case.positions))
+    polygons = mesh_polygons(all_round(case.bag, case.positions))
     numbers = np.sort(np.concatenate([which for which, _ in polygons]))
-    np.testing.assert_array_equal(numbers, np.arange(case.net.order * len(case.net.mesh_row)))
+    np.testing.assert_array_equal(numbers, np.arange(case.net.order * len(case.bag.mesh_row)))
 
 
 def test_polygons_are_walked_anticlockwise_seen_from_outside(case: CaseResult):
-    whole = all_round(case.net, case.positions)
-    _, normal = mesh_openings(case.net, mesh_corners(case.net, case.positions))
+    whole = all_round(case.bag, case.positions)
+    _, normal = mesh_openings(case.bag, mesh_corners(case.bag, case.positions))
     for which, corners in mesh_polygons(whole):
         points = whole.positions[corners]
         area = np.cross(points, np.roll(points, -1, axis=1)).sum(axis=1)
-        first_sector = which < len(case.net.mesh_row)
+        first_sector = which < len(case.bag.mesh_row)
         assert np.all(np.einsum("ij,ij->i", area[first_sector], normal[which[first_sector]]) > 0.0)
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from codend.bag.bag import Bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
 from codend.equilibrium import solve as equilibrium
@@ -36,24 +37,24 @@ JOINED = {
 }
 
 
-def solved(plan: Plan) -> tuple[Problem, Solution]:
+def solved(plan: Plan) -> tuple[Bag, Problem, Solution]:
     scene = equilibrium.scene_of(plan, 1, 1)
-    problem = problem_of(scene.net, plan, plan.cases()[0])
-    return problem, interior_point.solve(problem, 1e-8, prepared=scene.prepared)
+    problem = problem_of(scene.bag, plan, plan.cases()[0])
+    return scene.bag, problem, interior_point.solve(problem, 1e-8, prepared=scene.prepared)
 
 
 @pytest.mark.parametrize("name", JOINED)
 def test_much_slack_twine_is_found_from_a_crude_bag(name):
-    problem, solution = solved(JOINED[name])
+    bag, problem, solution = solved(JOINED[name])
     assert solution.report.outcome is Outcome.CONVERGED
     assert np.all(solution.bar_tension >= 0.0)
     assert np.count_nonzero(solution.bar_tension == 0.0) > 0.03 * len(solution.bar_tension)
-    measures = measure_all(problem, solution)[2]
+    measures = measure_all(bag, problem, solution)[2]
     assert measures.entry_reaction_n == pytest.approx(measures.drag_n, rel=1e-7)
     assert measures.folded_share == 0.0
 
 
 def test_steps_that_a_nearly_singular_tangent_asks_for_lead_nowhere_however_shortened(monkeypatch):
     monkeypatch.setattr(interior_point, "FARTHEST_TURN", np.inf)
-    outcomes = [solved(plan)[1].report.outcome for plan in JOINED.values()]
+    outcomes = [solved(plan)[2].report.outcome for plan in JOINED.values()]
     assert Outcome.NOT_IMPROVING in outcomes

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from codend.bag.build import build_net
+from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.mechanics.tangent import pattern_of
 from codend.solvers import newton, pardiso_system
@@ -19,7 +19,7 @@ needs_pardiso = pytest.mark.skipif(not pardiso_system.installed(), reason="py-mk
 @pytest.fixture(scope="module")
 def problem():
     plan = make_plan(60, 10, filled=4.0, netting={"knot_mm": 5.0})
-    return problem_of(build_net(plan), plan, plan.cases()[0])
+    return problem_of(build_bag(plan), plan, plan.cases()[0])
 
 
 def without_pardiso(monkeypatch):

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from scipy.special import ellipk, jn_zeros
 
-from codend.bag.build import build_net
-from codend.bag.loads import GRAVITY_M_S2, problem_of
+from codend.bag.build import build_bag
+from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
 from codend.errors import InputError
-from codend.mechanics.drag import add_drag, add_moving_drag
+from codend.mechanics import drag
+from codend.mechanics.water import uniform_flow
+from codend.mechanics.weight import GRAVITY_M_S2
 from codend.net.net import rotate
 from codend.solvers import dynamic_relaxation, rigid_bars, rigid_motion
 from codend.solvers.linear_systems import BandedSystem
@@ -143,23 +145,24 @@ def test_a_level_bar_sinks_at_the_speed_at_which_drag_is_its_weight():
 @pytest.mark.parametrize("law", ["le-bris-1999", "bessonneau-1997"])
 def test_drag_knows_only_the_velocity_relative_to_the_water(law):
     plan = make_plan(6, 4, filled=1.0, drag={"law": law}, speed=1.5)
-    problem = problem_of(build_net(plan), plan, plan.cases()[0])
+    problem = problem_of(build_bag(plan), plan, plan.cases()[0])
     net, structure, loading = problem.net, problem.structure, problem.loading
-    dry = np.zeros(net.bands)
+    dry = np.zeros(problem.bands)
 
     def moving(velocity, speed, share=dry):
         force = np.zeros_like(net.positions)
         wind = np.broadcast_to(np.asarray(velocity, dtype=float), force.shape).copy()
-        add_moving_drag(net.positions, wind, structure, loading._replace(speed=speed), share, force)
+        water = uniform_flow(loading.water.density, np.array([speed, 0.0, 0.0]))
+        drag.add_force(net.positions, wind, structure, water, loading.catch, share, force)
         return force
 
     resting = np.zeros_like(net.positions)
-    add_drag(net.positions, structure, loading, dry, resting)
+    drag.add_force(net.positions, np.zeros((0, 3)), structure, loading.water, loading.catch, dry, resting)
     assert moving([0, 0, 0], 1.5) == pytest.approx(resting, rel=1e-12, abs=1e-15)
     assert moving([1.5, 0, 0], 1.5) == pytest.approx(np.zeros_like(resting), abs=1e-15)
     assert moving([-1.5, 0, 0], 0.0) == pytest.approx(resting, rel=1e-12, abs=1e-15)
     # within the catch the water stands still with the net, and only the bars' own motion is resisted
-    assert moving([-1.5, 0, 0], 3.0, np.ones(net.bands)) == pytest.approx(resting, rel=1e-12, abs=1e-15)
+    assert moving([-1.5, 0, 0], 3.0, np.ones(problem.bands)) == pytest.approx(resting, rel=1e-12, abs=1e-15)
     power = np.sum(moving([0.3, 0.2, -0.4], 0.0) * [0.3, 0.2, -0.4])
     assert power < 0.0
 
@@ -186,7 +189,7 @@ def test_a_string_goes_slack_where_a_rigid_bar_pushes_and_its_weight_flies():
 
 def test_a_sector_moves_as_the_full_net_does():
     plan = make_plan(8, 6, filled=3.0)
-    whole, part = (problem_of(net, plan, plan.cases()[0]) for net in (build_net(plan), build_net(plan, sectors=1)))
+    whole, part = (problem_of(bag, plan, plan.cases()[0]) for bag in (build_bag(plan), build_bag(plan, sectors=1)))
     full, sector = (motion(problem, 5e-4, 0.05) for problem in (whole, part))
     turned = rotate(sector.positions[-1, :-1, None], np.arange(8)[None], 8).reshape(-1, 3)
     assert full.positions[-1, :-1] == pytest.approx(turned, abs=1e-9)
@@ -196,11 +199,11 @@ def test_a_sector_moves_as_the_full_net_does():
 
 def test_band_and_sparse_factors_give_the_same_tensions(monkeypatch):
     plan = make_plan(8, 6)
-    net = build_net(plan)
-    problem, still = problem_of(net, plan, plan.cases()[0]), np.zeros_like(net.positions)
-    banded = RigidMotion(problem, net.positions, still)
+    problem = problem_of(build_bag(plan), plan, plan.cases()[0])
+    start, still = problem.net.positions, np.zeros_like(problem.net.positions)
+    banded = RigidMotion(problem, start, still)
     monkeypatch.setattr(rigid_motion, "WIDEST_BAND", 0)
-    sparse = RigidMotion(problem, net.positions, still)
+    sparse = RigidMotion(problem, start, still)
     assert isinstance(banded.system, BandedSystem)
     assert not isinstance(sparse.system, BandedSystem)
     pattern = banded.pattern
@@ -221,21 +224,23 @@ def test_band_and_sparse_factors_give_the_same_tensions(monkeypatch):
 
 
 def case_of(plan, **options):
-    return problem_of(build_net(plan, **options), plan, plan.cases()[0])
+    return problem_of(build_bag(plan, **options), plan, plan.cases()[0])
 
 
 @pytest.mark.parametrize(
-    ("problem", "slack"),
+    ("plan", "options", "slack"),
     [
-        (case_of(make_plan(24, 20), globalisation=2), False),
-        (case_of(make_plan(24, 20, catch={"volume_m3": 0.02}), sectors=1), False),
-        (case_of(make_plan(24, 20, mesh="t90", netting={"knot_mm": 12.0}), sectors=1), True),
-        (case_of(make_plan(24, 20, mesh="square", entry=0.8), sectors=1), True),
-        (case_of(make_plan(12, 10, filled=4.0, netting={"twine_density_kg_m3": 1400.0})), False),
+        (make_plan(24, 20), {"globalisation": 2}, False),
+        (make_plan(24, 20, catch={"volume_m3": 0.02}), {"sectors": 1}, False),
+        (make_plan(24, 20, mesh="t90", netting={"knot_mm": 12.0}), {"sectors": 1}, True),
+        (make_plan(24, 20, mesh="square", entry=0.8), {"sectors": 1}, True),
+        (make_plan(12, 10, filled=4.0, netting={"twine_density_kg_m3": 1400.0}), {}, False),
     ],
     ids=["globalised", "volume", "t90 with slack knots", "square with slack rings", "heavy"],
 )
-def test_the_motion_ends_at_the_equilibrium_of_dynamic_relaxation(problem, slack):
+def test_the_motion_ends_at_the_equilibrium_of_dynamic_relaxation(plan, options, slack):
+    bag = build_bag(plan, **options)
+    problem = problem_of(bag, plan, plan.cases()[0])
     found = rigid_bars.solve(problem, 1e-5, RigidBarsSettings(slack=slack))
     expected = dynamic_relaxation.solve(problem, 1e-5)
     report = found.report
@@ -243,7 +248,7 @@ def test_the_motion_ends_at_the_equilibrium_of_dynamic_relaxation(problem, slack
     assert residual(problem, found.positions, found.bar_tension, found.share) <= 1e-5
     assert report.length_error < 1e-9
     assert found.bar_tension.min() >= 0.0
-    drags = [measure_all(problem, solution)[2].drag_n for solution in (found, expected)]
+    drags = [measure_all(bag, problem, solution)[2].drag_n for solution in (found, expected)]
     assert drags[0] == pytest.approx(drags[1], rel=1e-4)
     assert found.positions == pytest.approx(expected.positions, abs=2e-4)
     assert 0.0 < report.largest_drift < 0.01
@@ -259,7 +264,7 @@ def test_a_solve_makes_the_steps_it_reports_and_no_others(monkeypatch):
 
 def test_a_solve_compiles_no_kernel_once_its_time_is_taken():
     program = """
-from codend.bag.build import build_net
+from codend.bag.build import build_bag
 from codend.cli.doctor import _kernels
 from codend.bag.loads import problem_of
 from codend.solvers import rigid_bars
@@ -269,7 +274,7 @@ def signatures():
     return sum(len(kernel.overloads) for kernel in _kernels())
 
 plan = make_plan(8, 6, filled=3.0)
-problem = problem_of(build_net(plan, sectors=1), plan, plan.cases()[0])
+problem = problem_of(build_bag(plan, sectors=1), plan, plan.cases()[0])
 rigid_bars.compile_kernels(problem)
 compiled = signatures()
 print(rigid_bars.solve(problem, 1e-5).report.outcome.converged, signatures() - compiled)

@@ -7,14 +7,14 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 
-from codend.bag.build import build_net
+from codend.bag.bag import mesh_corners
+from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import mesh_openings
 from codend.cli.main import main
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.solve import START
 from codend.errors import InputError
-from codend.net.net import mesh_corners
 from codend.solvers import dynamic_relaxation, interior_point, newton
 from codend.solvers.outcome import Outcome, Solution
 from codend.studies import opening_force as pulling
@@ -33,19 +33,21 @@ PLANS = {
 
 
 def hooked_problem(plan, pulled_m):
-    """A full net with one mesh between hooks, where it starts from, and the mesh."""
+    """A full net with one mesh between hooks: its bag, its loads, where it starts from, and the mesh."""
     case = plan.cases()[0]
     sector = equilibrium.scene_of(plan, 1, 1)
     _, solution = equilibrium.solve(sector, case, (), None)
-    sectors = sector.net.order
-    start = equilibrium.all_round_start(sector.net, solution.positions, solution.bar_tension, sectors)
-    net = replace(build_net(plan, sectors=sectors), positions=start.positions)
-    mesh = pulling._middle_mesh(net, 10)
-    right, left = net.mesh_sides[mesh, 0, 1:], net.mesh_sides[mesh, 2, 1:]
+    sectors = sector.bag.net.order
+    start = equilibrium.all_round_start(sector.bag, solution.positions, solution.bar_tension, sectors)
+    bag = build_bag(plan, sectors=sectors)
+    bag = replace(bag, net=replace(bag.net, positions=start.positions))
+    mesh = pulling._middle_mesh(bag, 10)
+    right, left = bag.mesh_sides[mesh, 0, 1:], bag.mesh_sides[mesh, 2, 1:]
     abeam = start.positions[right[0]] - start.positions[left[0]]
-    hooked = pulling._with_hooks(net, right, left, abeam / np.linalg.norm(abeam), 0.3, pulled_m)
+    hooked = pulling._with_hooks(bag, right, left, abeam / np.linalg.norm(abeam), 0.3, pulled_m)
     tension = np.append(start.bar_tension, [0.0, 0.0])
-    return problem_of(hooked, plan, case), replace(start, positions=hooked.positions, bar_tension=tension), mesh
+    start = replace(start, positions=hooked.net.positions, bar_tension=tension)
+    return hooked, problem_of(hooked, plan, case), start, mesh
 
 
 @pytest.mark.parametrize("name", PLANS)
@@ -55,7 +57,7 @@ def test_the_interior_point_finds_the_equilibrium_that_newton_finds_where_no_bar
     scene = equilibrium.scene_of(plan, 1, 1)
     problem, expected = equilibrium.solve(scene, case, (), None)
     start = replace(expected, bar_tension=np.full_like(expected.bar_tension, expected.bar_tension.mean()))
-    found = interior_point.solve(problem, 1e-9, start, prepared=newton.prepare(problem.structure))
+    found = interior_point.solve(problem, 1e-9, start, prepared=newton.prepare(problem.structure, problem.bands))
     assert found.report.outcome is Outcome.CONVERGED
     np.testing.assert_allclose(found.positions, expected.positions, atol=1e-6)
     np.testing.assert_allclose(found.bar_tension, expected.bar_tension, atol=1e-4 * expected.bar_tension.max())
@@ -71,13 +73,14 @@ def test_square_mesh_is_not_pulled_open():
 
 
 def test_a_pulled_net_with_slack_bars_is_the_one_that_relaxation_finds():
-    problem, start, mesh = hooked_problem(make_plan(12, 12, filled=4.0, netting={"axial_stiffness_n": 3000.0}), 8e-3)
-    found = interior_point.solve(problem, 1e-9, start, prepared=newton.prepare(problem.structure))
+    plan = make_plan(12, 12, filled=4.0, netting={"axial_stiffness_n": 3000.0})
+    bag, problem, start, mesh = hooked_problem(plan, 8e-3)
+    found = interior_point.solve(problem, 1e-9, start, prepared=newton.prepare(problem.structure, problem.bands))
     relaxed = dynamic_relaxation.solve(problem, 1e-8, start)
     assert found.report.outcome is relaxed.report.outcome is Outcome.CONVERGED
     assert np.any(found.bar_tension == 0.0)
     assert found.bar_tension[-2:] == pytest.approx(relaxed.bar_tension[-2:], rel=1e-5)
-    openings = [mesh_openings(problem.net, mesh_corners(problem.net, s.positions))[0][mesh] for s in (found, relaxed)]
+    openings = [mesh_openings(bag, mesh_corners(bag, s.positions))[0][mesh] for s in (found, relaxed)]
     assert openings[0] == pytest.approx(openings[1], abs=1e-4)
     assert found.bar_tension[-1] == pytest.approx(found.bar_tension[-2], rel=1e-6), "the mesh is pulled evenly"
 
@@ -92,10 +95,10 @@ def test_a_mesh_alone_between_hooks_takes_the_force_of_its_closed_form():
     fixed = np.array([[1, 1, 1], [0, 0, 1], [0, 0, 1], [0, 1, 1], [0, 1, 1], [0, 1, 1]], dtype=bool)
     bars = np.array([[0, 1], [1, 3], [0, 2], [2, 3], [1, 4], [2, 5]])
     lengths = np.array([side] * 4 + [hook - half] * 2)
-    problem = plain_problem(plain_net(positions, np.array([0, 1, 1, 2, 1, 1]), fixed, bars, lengths))
+    problem = plain_problem(plain_net(positions, fixed, bars, lengths), np.array([0, 1, 1, 2, 1, 1]))
     problem.loading.dead[3, 0] = load
-    start = Solution(positions, np.full(6, load), np.zeros(problem.net.bands), START)
-    found = interior_point.solve(problem, 1e-9, start, prepared=newton.prepare(problem.structure))
+    start = Solution(positions, np.full(6, load), np.zeros(problem.bands), START)
+    found = interior_point.solve(problem, 1e-9, start, prepared=newton.prepare(problem.structure, problem.bands))
     assert found.report.outcome is Outcome.CONVERGED
     assert found.bar_tension[-2:] == pytest.approx(load * np.tan(opening / 2.0), rel=1e-7)
 
@@ -160,8 +163,8 @@ def test_a_pull_that_the_mesh_does_not_follow_has_failed_and_says_so(closing_deg
     before = pull_mesh(plan, case, 8.0, 1.0).opening_deg
     measured = pulling.mesh_openings
 
-    def unmoved(net, corners):
-        return np.full(len(corners), before - closing_deg), measured(net, corners)[1]
+    def unmoved(bag, corners):
+        return np.full(len(corners), before - closing_deg), measured(bag, corners)[1]
 
     monkeypatch.setattr(pulling, "mesh_openings", unmoved)
     pull = pull_mesh(plan, case, 8.0)

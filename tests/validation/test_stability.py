@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from codend.mechanics.arrays import structure_of
 from codend.mechanics.crossing import passed_through_itself
 from codend.solvers import dynamic_relaxation, newton, rigid_bars
 from codend.solvers.dynamic_relaxation import RelaxationSettings
@@ -19,7 +18,7 @@ from validation.stability.judge import Finding, confirmed_reference, judge
 from validation.stability.linear import drag_and_volume, is_stable, worst_responses
 from validation.stability.relaxation_map import largest_stable_step
 from validation.stability.rigid_bars_map import LinearMotion
-from validation.stability.scenes import disturbed, plan_of, problem_from
+from validation.stability.scenes import bag_and_problem, disturbed, plan_of
 
 HONEST = (Finding.RIGHT, Finding.RESCUED, Finding.FAILED)
 ANSWERED = (Finding.RIGHT, Finding.RESCUED)
@@ -27,13 +26,13 @@ ANSWERED = (Finding.RIGHT, Finding.RESCUED)
 
 @pytest.fixture(scope="module")
 def reference():
-    return confirmed_reference(problem_from(plan_of()))
+    return confirmed_reference(*bag_and_problem(plan_of()))
 
 
 @pytest.fixture(scope="module")
 def crossed():
     """Square netting whose aft part lies on the other side of the axis: an equilibrium of hinged bars, unstable."""
-    problem = problem_from(plan_of(8.0, 0.5, netting={"mesh": "square"}, normal_drag=0.0))
+    _, problem = bag_and_problem(plan_of(8.0, 0.5, netting={"mesh": "square"}, normal_drag=0.0))
     return problem, newton.solve(problem, 1e-10)
 
 
@@ -106,7 +105,7 @@ def test_relaxation_beyond_the_stable_step_recovers_by_restarts(reference):
 
 @pytest.fixture(scope="module")
 def merged():
-    return confirmed_reference(problem_from(plan_of(), 4))
+    return confirmed_reference(*bag_and_problem(plan_of(), 4))
 
 
 def test_a_disturbed_net_of_rigid_bars_swings_below_the_stable_step_of_theory_and_flies_apart_above(merged):
@@ -175,15 +174,15 @@ def test_slack_twine_is_solved_at_any_speed(speed):
 def test_a_net_that_has_passed_through_itself_is_seen_on_sectors_and_full_nets():
     for mesh in ({}, {"mesh": "square"}, {"mesh": "t90", "knot_mm": 8.0}, {"knot_mm": 8.0}):
         for globalisation, sectors in ((1, 1), (2, 2), (4, None)):
-            problem = problem_from(plan_of(netting=mesh), globalisation, sectors)
-            net = problem.net
+            _, problem = bag_and_problem(plan_of(netting=mesh), globalisation, sectors)
+            structure, catch = problem.structure, problem.loading.catch
             sound = newton.solve(problem, 1e-8).positions
             aft = sound[:, 0] > 0.5 * sound[:, 0].max()
             through = np.where(aft[:, None], sound * [1.0, -1.0, -1.0], sound)
-            assert not passed_through_itself(sound, structure_of(net))
-            assert passed_through_itself(through, structure_of(net))
+            assert not passed_through_itself(sound, structure, catch)
+            assert passed_through_itself(through, structure, catch)
             if sectors is None:
-                assert not passed_through_itself(sound + np.array([0.0, 3.0, 1.0]), structure_of(net))
+                assert not passed_through_itself(sound + np.array([0.0, 3.0, 1.0]), structure, catch)
 
 
 def test_relaxation_that_would_pass_through_itself_says_so_and_starts_again(crossed):
@@ -191,7 +190,7 @@ def test_relaxation_that_would_pass_through_itself_says_so_and_starts_again(cros
     found = dynamic_relaxation.solve(problem, 1e-8)
     assert Outcome.PASSED_THROUGH.value in found.report.attempts[0]
     assert found.report.outcome is Outcome.CONVERGED
-    assert not passed_through_itself(found.positions, problem.structure)
+    assert not passed_through_itself(found.positions, problem.structure, problem.loading.catch)
     assert found.positions == pytest.approx(answer.positions, abs=1e-6)
     stuck = dynamic_relaxation.solve(problem, 1e-8, settings=RelaxationSettings(restarts=0))
     assert stuck.report.outcome is Outcome.PASSED_THROUGH
@@ -207,16 +206,16 @@ def test_what_the_twine_passed_through_is_an_unstable_equilibrium_of_less_drag(c
     assert states[1].drag < 0.95 * states[0].drag
     assert is_stable(problem, answer)
     assert not is_stable(problem, through)
-    assert facing_rings(problem.net, answer.positions) > 0.9
-    assert facing_rings(problem.net, through.positions) < 0.0
+    assert facing_rings(problem, answer.positions) > 0.9
+    assert facing_rings(problem, through.positions) < 0.0
 
 
 @pytest.fixture(scope="module")
 def narrow():
     """A bag with a narrow entry, and the same with all but its first rows on the other side of the axis."""
-    reference = confirmed_reference(problem_from(plan_of(4.0, 0.05)))
+    reference = confirmed_reference(*bag_and_problem(plan_of(4.0, 0.05)))
     positions = reference.solution.positions
-    aft = (reference.problem.net.node_row >= 10)[:, None]
+    aft = (reference.bag.node_row >= 10)[:, None]
     return reference, np.where(aft, positions * [1.0, -1.0, -1.0], positions)
 
 

@@ -16,7 +16,8 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from catch_models.pressure import PressureLaw
-from codend.bag.build import build_net
+from codend.bag.bag import Bag
+from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
 from codend.equilibrium import solve as equilibrium
@@ -35,11 +36,11 @@ TURN_RAD = 0.123
 SEED, FIELDS = 42, 20
 
 
-def _solved(changes: list[str], globalisation: int, sectors: int | None = None) -> tuple[Problem, Solution]:
+def _solved(changes: list[str], globalisation: int, sectors: int | None = None) -> tuple[Bag, Problem, Solution]:
     plan = load_plan(FLUME, [*CATCH, *changes])
     scene = equilibrium.scene_of(plan, globalisation, sectors)
     problem, solution = equilibrium.solve(scene, plan.cases()[0], (), None)
-    return problem, _checked(solution)
+    return scene.bag, problem, _checked(solution)
 
 
 def _checked(solution: Solution) -> Solution:
@@ -100,22 +101,24 @@ class State:
 @cache
 def state(quick: bool) -> State:
     """The heavy full net."""
-    problem, solution = _solved(STEEL, QUICK_GLOBALISATION if quick else 1)
+    _, problem, solution = _solved(STEEL, QUICK_GLOBALISATION if quick else 1)
     net, loading, positions = problem.net, problem.loading, solution.positions
+    catch = loading.catch
     vectors = bar_vectors(net, positions)
     tangent = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
     # Le Bris et al. 1999, equations 4 and 5; none within the catch
-    along = loading.speed * tangent[:, :1] * tangent
-    across = np.array([loading.speed, 0.0, 0.0]) - along
-    size = 0.5 * loading.density * net.bar_drag_diameter * np.linalg.norm(vectors, axis=1)
-    size *= loading.normal * (1.0 - solution.share[net.bar_band])
+    (flow,) = loading.water.flow
+    along = (tangent @ flow)[:, None] * tangent
+    across = flow - along
+    size = 0.5 * loading.water.density * net.bar_drag_diameter * np.linalg.norm(vectors, axis=1)
+    size *= net.bar_normal_drag * (1.0 - solution.share[catch.bar_band])
     drag = np.linalg.norm(across, axis=1, keepdims=True) * across
-    drag += loading.tangential * np.linalg.norm(along, axis=1, keepdims=True) * along
+    drag += net.bar_tangential_drag[:, None] * np.linalg.norm(along, axis=1, keepdims=True) * along
     a, b, c = np.moveaxis(facet_corners(net, positions), 1, 0)
     area = 0.5 * np.cross(b - a, c - a)
     theta = np.arctan2(np.hypot(area[:, 1], area[:, 2]), -area[:, 0])
-    law = PressureLaw("", loading.angles, loading.coefficients)
-    pressure = loading.stagnation_pressure * law(theta) * net.facet_weight * solution.share[net.facet_band]
+    law = PressureLaw("", catch.angles, catch.coefficients)
+    pressure = catch.stagnation_pressure * law(theta) * net.facet_weight * solution.share[catch.facet_band]
     return State(
         problem,
         positions,
@@ -182,13 +185,14 @@ def _turned_error(_: bool) -> float:
     """Of shape and drag, when a net that is the same all round is built turned about the axis and solved."""
     plan = load_plan(FLUME, CATCH)
     case = plan.cases()[0]
-    problem, solution = _solved([], QUICK_GLOBALISATION)
-    other = problem_of(build_net(plan, globalisation=QUICK_GLOBALISATION, azimuth_rad=TURN_RAD), plan, case)
+    bag, problem, solution = _solved([], QUICK_GLOBALISATION)
+    other_bag = build_bag(plan, globalisation=QUICK_GLOBALISATION, azimuth_rad=TURN_RAD)
+    other = problem_of(other_bag, plan, case)
     turned = _checked(newton.solve(other, 1e-10))
     c, s = np.cos(TURN_RAD), np.sin(TURN_RAD)
     moved = solution.positions @ np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
     shape = np.abs(turned.positions - moved).max() / np.ptp(moved[:, 0])
-    drags = [measure_all(*pair)[2].drag_n for pair in ((problem, solution), (other, turned))]
+    drags = [measure_all(*case)[2].drag_n for case in ((bag, problem, solution), (other_bag, other, turned))]
     return max(float(shape), abs(drags[1] / drags[0] - 1.0))
 
 

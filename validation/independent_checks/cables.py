@@ -13,8 +13,8 @@ import pandas as pd
 from scipy.integrate import OdeSolution, solve_ivp
 from scipy.optimize import brentq, root
 
-from codend.bag.loads import GRAVITY_M_S2
-from codend.mechanics.arrays import BESSONNEAU_1997, LE_BRIS_1999
+from codend.mechanics.drag_laws import BESSONNEAU_1997, LE_BRIS_1999
+from codend.mechanics.weight import GRAVITY_M_S2
 from codend.report.style import dress, new_figure
 from codend.solvers import newton
 from codend.solvers.outcome import Solution

@@ -57,23 +57,23 @@ class Rows:
 def rows_of(meshes_round: int) -> Rows:
     """Rows of the bag with the given number of meshes round."""
     result = solved(meshes_round, filled=FILLED)
-    net, x, r = result.net, result.rows.x_m, result.rows.radius_m
-    spread = meshes_round * net.bar_length[0] / np.pi
+    bag, x, r = result.bag, result.rows.x_m, result.rows.radius_m
+    spread = meshes_round * bag.net.bar_length[0] / np.pi
     step, slope = np.hypot(np.diff(x), np.diff(r)), np.arctan2(np.diff(r), np.diff(x))
     middle = 0.5 * (r[1:] + r[:-1])
     bend = r[1:-1] * np.diff(slope) / (0.5 * (step[1:] + step[:-1])) / np.cos(0.5 * (slope[1:] + slope[:-1]))
-    band = np.arange(net.bands)
-    front = net.bands - round(2 * FILLED * meshes_round)
+    band = np.arange(bag.bands)
+    front = bag.bands - round(2 * FILLED * meshes_round)
     return Rows(
         cosine=np.sqrt(1.0 - (middle / spread) ** 2),
-        tension=np.bincount(net.bar_band, weights=result.bar_tension_n) / np.bincount(net.bar_band),
+        tension=np.bincount(bag.bar_band, weights=result.bar_tension_n) / np.bincount(bag.bar_band),
         cos_a=np.cos(slope),
         radius=middle,
         tan2=1.0 / (1.0 - (r[1:-1] / spread) ** 2) - 1.0,
         bend=bend,
         front_radius=float(r[front]),
         aft=band >= front,
-        used=band < (1.0 - LEFT_OUT) * net.bands,
+        used=band < (1.0 - LEFT_OUT) * bag.bands,
     )
 
 
@@ -109,7 +109,7 @@ def _stress_error(meshes_round: int) -> float:
 
 def _long_error(of_radius: bool, meshes_round: int) -> float:
     result = solved(meshes_round, **LONG_CATCH)
-    middle = result.net.bands - round(LONG_CATCH["filled"] * meshes_round)
+    middle = result.bag.bands - round(LONG_CATCH["filled"] * meshes_round)
     if of_radius:
         limit = np.sqrt(2.0 / 3.0) * meshes_round * result.net.bar_length[0] / np.pi
         return abs(float(result.rows.radius_m[middle]) / limit - 1.0)

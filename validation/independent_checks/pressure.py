@@ -55,10 +55,10 @@ def _kernel_error(bands: int) -> float:
     c, d = b + 2 * bands, a + 2 * bands
     facets = np.concatenate([np.stack(corners, axis=-1).reshape(-1, 3) for corners in ((a, b, c), (a, c, d))])
     rows, no_bars = np.repeat(np.arange(bands + 1), 2 * bands), np.zeros((0, 2))
-    net = plain_net(positions, rows, np.ones_like(positions), no_bars, np.zeros(0), facets=facets)
-    problem = plain_problem(net, pressure_law=sphere_law(), stagnation_pressure=STAGNATION_PA, filled=bands)
+    net = plain_net(positions, np.ones_like(positions), no_bars, np.zeros(0), facets=facets)
+    problem = plain_problem(net, rows, pressure_law=sphere_law(), stagnation_pressure=STAGNATION_PA, filled=bands)
     force = np.zeros_like(positions)
-    pressure.add_pressure(positions, problem.structure, problem.loading, np.ones(bands), force)
+    pressure.add_force(positions, problem.structure, problem.loading.catch, np.ones(bands), force)
     coefficient = float(force[:, 0].sum()) / (STAGNATION_PA * np.pi * RADIUS**2)
     return abs(coefficient / sphere_drag_coefficient() - 1.0)
 
@@ -88,7 +88,6 @@ def ring(bars: int, stiffness: float) -> Solution:
     fixed[[half // 2, half + 1 + half // 2], 1] = True
     net = plain_net(
         nodes,
-        np.repeat([0, 1], half + 1),
         fixed,
         np.concatenate([one_bars, one_bars + half + 1]),
         np.full(2 * half, 2.0 * np.pi * RADIUS / bars),
@@ -96,7 +95,8 @@ def ring(bars: int, stiffness: float) -> Solution:
         facets=np.concatenate([np.stack([quadrangle[corner] for corner in three], axis=1) for three in divisions]),
         facet_weight=0.5,
     )
-    solution = newton.solve(plain_problem(net, stagnation_pressure=STAGNATION_PA, filled=1.0), 1e-11)
+    problem = plain_problem(net, np.repeat([0, 1], half + 1), stagnation_pressure=STAGNATION_PA, filled=1.0)
+    solution = newton.solve(problem, 1e-11)
     if not solution.report.outcome.converged:
         raise RuntimeError(solution.report.outcome.value)
     return solution

@@ -55,16 +55,16 @@ def _shell_error(kind: str, meshes_round: int) -> float:
 def _pull_times_row_length(meshes_round: int) -> float:
     """Spread of T cos phi (b cos phi + l), which is the same from entry to codline with knots along the netting."""
     result = solved(meshes_round, **KINDS["hexagonal, bare"])
-    net, radius = result.net, np.hypot(result.positions[:, 1], result.positions[:, 2])
-    twine = net.bar_drag_diameter > 0.0
+    bag, net, radius = result.bag, result.net, np.hypot(result.positions[:, 1], result.positions[:, 2])
+    twine = bag.bar_is_twine
     bar, knot = float(net.bar_length[twine][0]), float(net.bar_length[~twine][0])
-    band = net.bar_band[twine]
+    band = bag.bar_band[twine]
     tension, middle = (
         np.bincount(band, weights=values) / np.bincount(band)
         for values in (result.bar_tension_n[twine], radius[net.bars[twine]].mean(axis=1))
     )
     cosine = np.sqrt(1.0 - (middle * np.pi / (meshes_round * bar)) ** 2)
-    product = (tension * cosine * (bar * cosine + knot))[: int(0.9 * net.bands)]
+    product = (tension * cosine * (bar * cosine + knot))[: int(0.9 * bag.bands)]
     return float(np.abs(product / product.mean() - 1.0).max())
 
 

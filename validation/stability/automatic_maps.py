@@ -163,4 +163,4 @@ def checked(plan: Plan) -> tuple[Solution, Judgement]:
         second = dynamic_relaxation.solve(problem, SECOND, nearby)
     if not second.report.outcome.converged:
         return solution, judge_alone(solution, "no second method confirms it")
-    return solution, judge(reference_of(problem, second), solution, plan.model.tolerance)
+    return solution, judge(reference_of(scene.bag, problem, second), solution, plan.model.tolerance)

@@ -11,6 +11,7 @@ from enum import Enum
 
 import numpy as np
 
+from codend.bag.bag import Bag
 from codend.bag.measures import measure_all
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
@@ -40,6 +41,7 @@ class Finding(Enum):
 class Reference:
     """The answer of a problem, and how far out-of-balance forces and length errors move it."""
 
+    bag: Bag
     problem: Problem
     solution: Solution
     state: Departure
@@ -67,7 +69,7 @@ class Judgement:
     """What contradicts a wrong answer, else empty."""
 
 
-def reference_of(problem: Problem, solution: Solution) -> Reference:
+def reference_of(bag: Bag, problem: Problem, solution: Solution) -> Reference:
     """Make a solution the reference for its problem.
 
     Raises:
@@ -77,18 +79,18 @@ def reference_of(problem: Problem, solution: Solution) -> Reference:
     if not (max(state.residual, state.imbalance) < 1e-7 and state.length_error < 1e-6 and state.compression == 0.0):
         raise ArithmeticError(f"no reference: {state}")
     forces, strains = worst_responses(problem, solution)
-    volume = measure_all(problem, solution)[2].catch_volume_m3
+    volume = measure_all(bag, problem, solution)[2].catch_volume_m3
     scale = np.array([state.drag, volume, np.ptp(solution.positions[:, 0])])
-    return Reference(problem, solution, state, scale, forces * abs(state.drag) / scale, strains / scale)
+    return Reference(bag, problem, solution, state, scale, forces * abs(state.drag) / scale, strains / scale)
 
 
-def confirmed_reference(problem: Problem) -> Reference:
+def confirmed_reference(bag: Bag, problem: Problem) -> Reference:
     """The answer of Newton's method converged as far as it goes, confirmed by dynamic relaxation from a crude bag.
 
     Raises:
         ArithmeticError: either fails, or they disagree.
     """
-    reference = reference_of(problem, newton.solve(problem, 1e-11))
+    reference = reference_of(bag, problem, newton.solve(problem, 1e-11))
     second = judge(reference, dynamic_relaxation.solve(problem, 1e-8), 1e-8)
     if second.finding not in (Finding.RIGHT, Finding.RESCUED):
         raise ArithmeticError(f"the reference is not confirmed: {second}")
@@ -108,7 +110,7 @@ def judge(reference: Reference, solution: Solution, tolerance: float) -> Judgeme
         return judge_alone(solution, "numbers come with a failure")
     problem = reference.problem
     state = departure(problem, solution.positions, solution.bar_tension, solution.share)
-    said = measure_all(problem, solution)[2]
+    said = measure_all(reference.bag, problem, solution)[2]
     drag, volume, length = reference.drag_volume_size
     off = np.array(
         [
@@ -124,7 +126,7 @@ def judge(reference: Reference, solution: Solution, tolerance: float) -> Judgeme
         + ROUND_OFF
     )
     ratio = np.abs(off) / explained
-    facing = facing_rings(problem.net, solution.positions)
+    facing = facing_rings(problem, solution.positions)
     faults = [
         fault
         for fault, there in (
@@ -160,7 +162,7 @@ def judge_alone(solution: Solution, why: str) -> Judgement:
 
 def _same_catch(problem: Problem, share: Floats) -> bool:
     """Whether whole bands are filled from the codline up to the meshes asked for, one of them in part."""
-    net = problem.net
-    to_codline = np.cumsum(net.band_meshes[::-1])[::-1]
-    expected = np.clip((problem.loading.catch_value - to_codline + net.band_meshes) / net.band_meshes, 0.0, 1.0)
+    catch = problem.loading.catch
+    to_codline = np.cumsum(catch.band_meshes[::-1])[::-1]
+    expected = np.clip((catch.size - to_codline + catch.band_meshes) / catch.band_meshes, 0.0, 1.0)
     return bool(np.allclose(share, expected, atol=1e-12))

@@ -4,10 +4,10 @@ import numpy as np
 
 from catch_models.filling import enclosed_volume
 from codend.mechanics import drag, pressure
-from codend.mechanics.bars import bar_lengths
+from codend.mechanics.bars import add_bar_tangent, bar_lengths
+from codend.mechanics.catch_front import band_geometry, row_positions
 from codend.mechanics.problem import Problem
-from codend.mechanics.tangent import add_bar_tangent, pattern_of
-from codend.mechanics.tangent_loads import add_drag_tangent, add_pressure_tangent
+from codend.mechanics.tangent import pattern_of
 from codend.net.net import Floats
 from codend.solvers.outcome import Solution
 from validation.reference import bar_vector, turned
@@ -38,8 +38,8 @@ def dense_tangent(
     blocks = np.zeros((len(pattern.row), 3, 3))
     add_bar_tangent(positions, structure, pattern, density, hardening, blocks)
     if share is not None:
-        add_drag_tangent(positions, structure, loading, pattern, share, blocks)
-        add_pressure_tangent(positions, structure, loading, pattern, share, blocks)
+        drag.add_tangent(positions, structure, loading.water, loading.catch, pattern, share, blocks)
+        pressure.add_tangent(positions, structure, loading.catch, pattern, share, blocks)
     size = 3 * len(positions)
     whole = np.zeros((size, size))
     rows = 3 * pattern.row[:, None, None] + np.arange(3)[None, :, None]
@@ -77,14 +77,14 @@ def lengths_of(problem: Problem, positions: Floats) -> Floats:
 
 def drag_and_volume(problem: Problem, positions: Floats, share: Floats) -> tuple[float, float]:
     """Axial load on the whole net, N, and volume behind the catch's front, m3."""
-    structure, net = problem.structure, problem.net
+    structure, catch = problem.structure, problem.loading.catch
     load = np.zeros_like(positions)
-    drag.add_drag(positions, structure, problem.loading, share, load)
-    pressure.add_pressure(positions, structure, problem.loading, share, load)
-    area, moment, rows = np.empty(net.bands), np.empty(net.bands), np.empty(net.bands + 1)
-    pressure.band_geometry(positions, structure, area, moment)
-    pressure.row_positions(positions, structure, rows)
-    return float(load[:, 0].sum() * net.order), float(enclosed_volume(rows, area, moment, share))
+    drag.add_force(positions, np.zeros((0, 3)), structure, problem.loading.water, catch, share, load)
+    pressure.add_force(positions, structure, catch, share, load)
+    area, moment, rows = np.empty(problem.bands), np.empty(problem.bands), np.empty(problem.bands + 1)
+    band_geometry(positions, structure, catch, area, moment)
+    row_positions(positions, catch, rows)
+    return float(load[:, 0].sum() * problem.net.order), float(enclosed_volume(rows, area, moment, share))
 
 
 def worst_responses(problem: Problem, solution: Solution) -> tuple[Floats, Floats]:

@@ -12,7 +12,7 @@ from codend.solvers.newton import NewtonSettings
 from codend.solvers.outcome import Solution
 from validation.stability.judge import Judgement, confirmed_reference, judge
 from validation.stability.maps import Axis, StabilityMap, panel, spaced
-from validation.stability.scenes import disturbed, plan_of, problem_from
+from validation.stability.scenes import bag_and_problem, disturbed, plan_of
 
 TOLERANCE = 1e-9
 FILLED = 10.0
@@ -25,18 +25,22 @@ def newton_map(quick: bool) -> StabilityMap:
     steps = (-9.5, -9.0, -8.0, -6.0, -4.0, -2.0, -1.0, 0.0, 1.0, 2.0, 4.0, 8.0, 10.0)[:: 4 if quick else 1]
     catches = Axis("catch of the start, meshes", tuple(FILLED + step for step in steps))
     loads = Axis("stagnation pressure of the start / wanted", spaced(0.01, 10.0, 3 if quick else 13))
-    limp = problem_from(plan_of(FILLED))
-    stretching = problem_from(plan_of(FILLED, netting={"knot_mm": 5.0, "axial_stiffness_n": 300.0}))
+    limp_bag, limp = bag_and_problem(plan_of(FILLED))
+    stretching_netting = {"knot_mm": 5.0, "axial_stiffness_n": 300.0}
+    stretching_bag, stretching = bag_and_problem(plan_of(FILLED, netting=stretching_netting))
 
     def over_catches(settings: NewtonSettings, x: float, y: float) -> tuple[Solution, Judgement]:
         return solved(limp, with_catch(limp, y), settings, x, y)
 
     def over_loads(x: float, y: float) -> tuple[Solution, Judgement]:
         loading = stretching.loading
-        weaker = loading._replace(speed=loading.speed * np.sqrt(y), stagnation_pressure=loading.stagnation_pressure * y)
+        catch = loading.catch._replace(stagnation_pressure=loading.catch.stagnation_pressure * y)
+        water = loading.water._replace(flow=loading.water.flow * np.sqrt(y))
+        weaker = loading._replace(water=water, catch=catch)
         return solved(stretching, replace(stretching, loading=weaker), DIRECT, x, y)
 
-    references = {id(problem): confirmed_reference(problem) for problem in (limp, stretching)}
+    pairs = ((limp_bag, limp), (stretching_bag, stretching))
+    references = {id(problem): confirmed_reference(bag, problem) for bag, problem in pairs}
     starts: dict[tuple[int, float], Solution] = {}
 
     def solved(
@@ -51,10 +55,10 @@ def newton_map(quick: bool) -> StabilityMap:
         solution = newton.solve(wanted, TOLERANCE, start, settings)
         return solution, judge(references[id(wanted)], solution, TOLERANCE)
 
-    narrow = confirmed_reference(problem_from(plan_of(4.0, 0.05)))
+    narrow = confirmed_reference(*bag_and_problem(plan_of(4.0, 0.05)))
 
     def turned(x: float, y: float) -> tuple[Solution, Judgement]:
-        aft = (narrow.problem.net.node_row >= y)[:, None]
+        aft = (narrow.bag.node_row >= y)[:, None]
         around = Rotation.from_rotvec([np.radians(x), 0.0, 0.0]).apply(narrow.solution.positions)
         start = replace(narrow.solution, positions=np.where(aft, around, narrow.solution.positions))
         solution = newton.solve(narrow.problem, TOLERANCE, start)

@@ -12,7 +12,7 @@ from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.outcome import Solution
 from validation.stability.judge import Judgement, confirmed_reference, judge
 from validation.stability.maps import Axis, StabilityMap, panel, spaced
-from validation.stability.scenes import disturbed, plan_of, problem_from
+from validation.stability.scenes import bag_and_problem, disturbed, plan_of
 
 
 def perturbation_map(quick: bool) -> StabilityMap:
@@ -21,7 +21,7 @@ def perturbation_map(quick: bool) -> StabilityMap:
     tolerances = (1e-8, 1e-3) if quick else (1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
     tolerance = Axis("tolerance", tolerances, tuple(f"{t:.0e}".replace("e-0", "e-") for t in tolerances))
     plan = plan_of()
-    references = {4: confirmed_reference(problem_from(plan, 4, None))}
+    references = {4: confirmed_reference(*bag_and_problem(plan, 4, None))}
 
     def of_method(
         solve: Callable[[Problem, float], Solution], distance: float, tolerance: float

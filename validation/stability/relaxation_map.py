@@ -11,8 +11,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import eigh
 
-from codend.mechanics import relaxation
+from codend.mechanics import pressure, relaxation
 from codend.mechanics.bars import augmented_law
+from codend.mechanics.catch_front import fill
 from codend.mechanics.problem import Problem
 from codend.solvers import dynamic_relaxation
 from codend.solvers.dynamic_relaxation import RelaxationSettings
@@ -21,7 +22,7 @@ from validation.section import Verdict
 from validation.stability.judge import Finding, Judgement, confirmed_reference, judge
 from validation.stability.linear import dense_tangent, free_coordinates, lengths_of
 from validation.stability.maps import Axis, Line, Panel, StabilityMap, panel, spaced
-from validation.stability.scenes import plan_of, problem_from
+from validation.stability.scenes import bag_and_problem, plan_of
 
 TOLERANCE = 1e-6
 AGREEMENT = 1.25
@@ -32,13 +33,13 @@ STEPS = 20_000
 def largest_stable_step(problem: Problem, solution: Solution, penalty: float) -> float:
     """Time step, in units of the bound's, at which the relaxation of an equilibrium turns unstable by linear theory."""
     structure = problem.structure
-    work = relaxation.workspace(structure, solution.positions)
+    work = relaxation.workspace(structure, problem.bands, solution.positions)
     tension = float(solution.bar_tension.mean())
     augmented_law(structure, penalty * tension, work.relief, work.gain)
     length = lengths_of(problem, solution.positions)
     work.multiplier[:] = solution.bar_tension / length
-    relaxation.fill(solution.positions, structure, problem.loading, work.share)
-    relaxation.set_pressure_bound(solution.positions, structure, problem.loading, work.share, work.load_bound)
+    fill(solution.positions, structure, problem.loading.catch, work.share)
+    pressure.add_bound(solution.positions, structure, problem.loading.catch, work.share, work.load_bound)
     relaxation.refresh(work, structure, problem.loading, 1.0)
     free = free_coordinates(problem)
     mass = 1.0 / work.state[:, relaxation.MOBILITY : relaxation.MOBILITY + 3].ravel()[free]
@@ -60,8 +61,8 @@ def border(grid: Panel) -> list[tuple[float, float]]:
 
 def relaxation_map(quick: bool) -> StabilityMap:
     """Both dampings without restarts, and kinetic damping as shipped, with restarts."""
-    problem = problem_from(plan_of())
-    reference = confirmed_reference(problem)
+    bag, problem = bag_and_problem(plan_of())
+    reference = confirmed_reference(bag, problem)
     step = Axis("time step / step of the bound", spaced(0.5, 2.0, 21)[:: 3 if quick else 1])
     penalty = Axis("penalty EA / mean bar tension", spaced(1.0, 1e4, 13)[:: 4 if quick else 1])
     stable = np.array([largest_stable_step(problem, reference.solution, p) for p in penalty.values])

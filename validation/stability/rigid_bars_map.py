@@ -17,8 +17,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import null_space
 
-from codend.mechanics import rigid
-from codend.mechanics.drag import add_moving_drag
+from codend.mechanics import drag, rigid
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
 from codend.solvers import rigid_bars
@@ -30,7 +29,7 @@ from validation.stability.judge import Judgement, Reference, confirmed_reference
 from validation.stability.linear import dense_tangent, free_coordinates, lengths_of
 from validation.stability.maps import Axis, Line, Panel, StabilityMap, panel, spaced
 from validation.stability.relaxation_map import border
-from validation.stability.scenes import disturbed, plan_of, problem_from
+from validation.stability.scenes import bag_and_problem, disturbed, plan_of
 
 TOLERANCE = 1e-5
 NEARBY = 0.01
@@ -94,13 +93,16 @@ class LinearMotion:
 def _damping(problem: Problem, solution: Solution) -> Floats:
     """Derivative of the drag by the nodes' velocities, turned to slow them, (3 n, 3 n): central differences."""
     size = solution.positions.size
-    step = 1e-4 * problem.loading.speed
+    loading = problem.loading
+    step = 1e-4 * loading.water.fastest
     found = np.zeros((size, size))
     for place in range(size):
         for sign in (1.0, -1.0):
             velocity, force = np.zeros_like(solution.positions), np.zeros_like(solution.positions)
             velocity.reshape(-1)[place] = sign * step
-            add_moving_drag(solution.positions, velocity, problem.structure, problem.loading, solution.share, force)
+            drag.add_force(
+                solution.positions, velocity, problem.structure, loading.water, loading.catch, solution.share, force
+            )
             found[:, place] -= sign * force.ravel() / (2.0 * step)
     return found
 
@@ -112,8 +114,8 @@ def rigid_bars_map(quick: bool) -> StabilityMap:
     references: dict[float, Reference] = {}
     stable, bound = [], []
     for g in counts:
-        problem = problem_from(plan, globalisation=g)
-        references[g] = confirmed_reference(problem)
+        bag, problem = bag_and_problem(plan, globalisation=g)
+        references[g] = confirmed_reference(bag, problem)
         linear = LinearMotion(problem, references[g].solution)
         stable.append(1e3 * linear.largest_stable_step())
         bound.append(1e3 * linear.motion.stable_time_step())

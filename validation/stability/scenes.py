@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from codend.bag.build import build_net
+from codend.bag.bag import Bag
+from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
@@ -65,10 +66,10 @@ def plan_bound(section: dict[str, Any]) -> float:
     return float(section["meshes_round"] * across / 1000.0 / np.pi / (2.0 if section["mesh"] == "square" else 1.0))
 
 
-def problem_from(plan: Plan, globalisation: int = 1, sectors: int | None = 1) -> Problem:
-    """Net and loads of the plan's first case, on one sector unless told otherwise."""
-    net = build_net(plan, globalisation=globalisation, sectors=sectors)
-    return problem_of(net, plan, plan.cases()[0])
+def bag_and_problem(plan: Plan, globalisation: int = 1, sectors: int | None = 1) -> tuple[Bag, Problem]:
+    """Bag of the plan under the loads of its first case, on one sector unless told otherwise."""
+    bag = build_bag(plan, globalisation=globalisation, sectors=sectors)
+    return bag, problem_of(bag, plan, plan.cases()[0])
 
 
 def disturbed(problem: Problem, positions: Floats, bars: float, seed: tuple[int, ...]) -> Floats:

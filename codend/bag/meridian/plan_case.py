@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from codend.bag.bag import Bag
 from codend.bag.loads import pressure_law_of
 from codend.bag.meridian.problem import Floats, MeridianProblem, MeridianShape
 from codend.bag.meridian.solve import solve_meridian, uniform_pressure_shape
 from codend.errors import InputError
-from codend.net.net import Net
+from codend.mechanics.water import VISCOSITY_M2_S
 from codend.plan.plan import Case, Plan
 from codend.solvers.outcome import Outcome
 
@@ -121,18 +122,17 @@ def _within_straps(plan: Plan, shape: MeridianShape) -> bool:
     return all(2.0 * np.pi * shape.radius_m[_rows(plan) - row] <= strap.length_m for strap, row in places)
 
 
-def tensions_on(net: Net, shape: MeridianShape, globalisation: int = 1) -> Floats:
-    """Tension of the real bars that every bar of a sector net laid out along the shape stands for, N, (m,)."""
+def tensions_on(bag: Bag, shape: MeridianShape, globalisation: int = 1) -> Floats:
+    """Tension of the real bars that every bar of a sector laid out along the shape stands for, N, (m,)."""
     tension, phi = shape.bar_tension_n[::globalisation], shape.half_angle_rad[::globalisation]
     by_band = 0.5 * (tension[:-1] + tension[1:])
     phi = 0.5 * (phi[:-1] + phi[1:])
-    tension, phi = by_band[net.bar_band], phi[net.bar_band]
+    tension, phi = by_band[bag.bar_band], phi[bag.bar_band]
     # a knot carries what its two twines pull with, along the netting or across it
-    knot = net.bar_drag_diameter == 0.0
-    across = net.node_row[net.bars[:, 0]] == net.node_row[net.bars[:, 1]]
+    across = bag.node_row[bag.net.bars[:, 0]] == bag.node_row[bag.net.bars[:, 1]]
     knot_tension = 2.0 * tension * np.where(across, np.sin(phi), np.cos(phi))
-    tension = np.where(knot, knot_tension, tension)
-    tension[net.straps] = 0.0
+    tension = np.where(bag.bar_is_twine, tension, knot_tension)
+    tension[bag.straps] = 0.0
     return tension
 
 
@@ -163,5 +163,7 @@ def problem_for(plan: Plan, case: Case, front_row: float) -> MeridianProblem:
         drag_law=plan.drag.law,
         normal_drag=normal,
         tangential_drag=tangential,
+        speed_m_s=case.speed_m_s,
+        reynolds_per_speed=section.twine_m / VISCOSITY_M2_S,
         axial_stiffness_n=section.axial_stiffness_n,
     )

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_models.pressure import PressureLaw
-from codend.bag.meridian.shell import DRAG_LAWS, Shell
+from codend.bag.meridian.shell import Shell
+from codend.mechanics.drag_laws import DRAG_LAWS
 from codend.solvers.outcome import Outcome
 
 Floats = NDArray[np.float64]
@@ -36,10 +37,15 @@ class MeridianProblem:
     knot_m: float = 0.0
     drag_width_m: float = 0.0
     """Width of a bar that meets the flow; 0 switches twine drag off. Knots carry no drag."""
-    drag_law: Literal["le-bris-1999", "bessonneau-1997"] = "le-bris-1999"
+    drag_law: str = "le-bris-1999"
+    """One of ``drag_laws.DRAG_LAWS``."""
     normal_drag: float = 1.36
     tangential_drag: float = 0.07
-    """Le Bris: the ratio f to the normal coefficient; Bessonneau: the coefficient Cf itself."""
+    """The law's second coefficient, such as f or Cf."""
+    speed_m_s: float = 1.0
+    """Of the tow, for laws that depend on it."""
+    reynolds_per_speed: float = np.nan
+    """d / nu, s/m, likewise."""
     axial_stiffness_n: float | None = None
     """EA of a bar, None if inextensible. Knots are inextensible."""
 
@@ -96,7 +102,9 @@ class MeridianProblem:
             knot=self.knot_m / self.bar_m,
             knot_across=self.mesh == "t90",
             pressure=self.pressure_law,
-            drag_law=self.drag_law,
+            drag_law=DRAG_LAWS.index(self.drag_law),
+            speed_m_s=self.speed_m_s,
+            reynolds_per_speed=self.reynolds_per_speed,
             normal=self.normal_drag,
             tangential=self.tangential_drag,
             drag_width=2.0 * self.drag_width_m / self.bar_m,

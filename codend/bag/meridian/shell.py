@@ -37,9 +37,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_models.pressure import PressureLaw
+from codend.mechanics.drag_laws import drag_factors_of
 
 Floats = NDArray[np.float64]
-DRAG_LAWS = ("le-bris-1999", "bessonneau-1997")
 _ROUND_OFF = 1e-30
 _STEEPEST = 0.999999  # sine of the half angle at which bars that cannot stretch are held while a solver tries radii
 _LARGEST_LOG = 50.0  # likewise for ln Q
@@ -60,9 +60,12 @@ class Shell:
     knot_across: bool
     """T90: the knots lie across the meridian."""
     pressure: PressureLaw
-    drag_law: str
+    drag_law: int
+    """Place in ``drag_laws.DRAG_LAWS``."""
     normal: float
     tangential: float
+    speed_m_s: float
+    reynolds_per_speed: float
     drag_width: float
     """2 d / b."""
     compliance: float
@@ -138,12 +141,15 @@ def _stretched_angle(wide: Floats, stretch: Floats) -> Floats:
 def drag_coefficients(shell: Shell, bars: Bars, slope: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Coefficients k_n and k_t of a bar's load across and along itself, and their derivatives by cos B."""
     along = bars.cosine * np.cos(slope)
-    if shell.drag_law == "le-bris-1999":
-        across = np.sqrt(np.maximum(1.0 - along**2, _ROUND_OFF))
-        both = shell.tangential * shell.normal
-        return shell.normal * across, both * np.abs(along), -shell.normal * along / across, both * np.sign(along)
-    none = np.zeros_like(along)
-    return none + shell.normal, none + shell.tangential, none, none
+    across = np.sqrt(np.maximum(1.0 - along**2, _ROUND_OFF))
+    v = shell.speed_m_s
+    a, c, a_across, a_along, c_across, c_along = drag_factors_of(
+        shell.drag_law, shell.normal, shell.tangential, v * across, v * np.abs(along), shell.reynolds_per_speed
+    )
+    # sin B falls by cos B / sin B as cos B grows
+    normal_b = a_along * np.sign(along) - a_across * along / across
+    tangential_b = c_along * np.sign(along) - c_across * along / across
+    return a / v, c / v, normal_b, tangential_b
 
 
 def axial_drag(shell: Shell, bars: Bars, slope: Floats) -> Floats:

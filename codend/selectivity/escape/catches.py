@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.bag.build import build_net, rows_of
 from codend.errors import InputError
+from codend.io.columns import PLACE
 from codend.io.input_table import InputTable
 from codend.io.run_tables import read_run_table, solved_cases
-from codend.net.net import Net
 from codend.plan.plan import Netting, Plan, load_plan
 from codend.selectivity.escape.passage import KINDS, SQUARE
 from codend.selectivity.escape.penetration import Holes
@@ -22,9 +21,32 @@ from codend.selectivity.escape.penetration import Holes
 if TYPE_CHECKING:
     import pandas as pd
 
-    from codend.studies.study import Study
-
 Floats = NDArray[np.float64]
+Counts = NDArray[np.int64]
+
+OF_ROWS: Final = ("case", "row", *PLACE, "radius_m", "bar_tension_n")
+OF_MESHES: Final = ("case", "row", *PLACE, "opening_deg", "bar_tension_n")
+"""Columns that are read, which have a value in every row."""
+
+
+class Solved(Protocol):
+    """A study in memory: its plan, and its tables as ``codend run`` writes them."""
+
+    @property
+    def plan(self) -> Plan:
+        """What was solved."""
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """``results.csv``."""
+
+    @property
+    def profile(self) -> pd.DataFrame:
+        """``profile.csv``."""
+
+    @property
+    def meshes(self) -> pd.DataFrame:
+        """``meshes.csv``."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +58,7 @@ class Run:
     results: pd.DataFrame
     profile: pd.DataFrame
     meshes: pd.DataFrame
-    """Empty for nets that are the same all round."""
+    """Empty where the model is one mesh wide."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +76,7 @@ class Catch:
     """Share of each mesh in its row, (k,)."""
 
 
-def run_of(study: Study) -> Run:
+def run_of(study: Solved) -> Run:
     """A study that is still in memory."""
     return Run(str(study.plan.source), study.plan, study.table, study.profile, study.meshes)
 
@@ -67,7 +89,7 @@ def read_run(folder: str | Path) -> Run:
     """
     import pandas as pd
 
-    folder, needed = Path(folder), ("case", "row", "opening_deg", "bar_tension_n")
+    folder = Path(folder)
     if not (folder / "plan.toml").is_file():
         raise InputError(folder, "", None, "a folder that codend run wrote", "holds no plan.toml")
     meshes = folder / "meshes.csv"
@@ -75,8 +97,8 @@ def read_run(folder: str | Path) -> Run:
         str(folder),
         load_plan(folder / "plan.toml"),
         read_run_table(folder / "results.csv"),
-        read_run_table(folder / "profile.csv", ("case", "row", "radius_m", "bar_tension_n")),
-        read_run_table(meshes, needed) if meshes.exists() else pd.DataFrame(columns=list(needed)),
+        read_run_table(folder / "profile.csv", OF_ROWS),
+        read_run_table(meshes, OF_MESHES) if meshes.exists() else pd.DataFrame(columns=list(OF_MESHES)),
     )
 
 
@@ -93,8 +115,8 @@ def clear_bar_m(section: Netting) -> float:
 def catches_of(run: Run, most_rows: float) -> list[Catch]:
     """Solved cases of a study, with the meshes up to ``most_rows`` + 1 rows ahead of the front.
 
-    A net that is the same all round has one mesh a row, another all its meshes; every row of a globalised net stands
-    for as many real ones.
+    A net that is the same all round has one mesh a row, the mean of it, another all its meshes; every row of a
+    globalised net stands for as many real ones.
 
     Raises:
         InputError: no case was solved, or the tables do not hold all of those that were.
@@ -103,20 +125,16 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
     results.require(("fidelity", "opening_ahead_deg"))
     solved = solved_cases(run.results, results.source, ("case", "speed_m_s", "filled_meshes", "catch_volume_m3"))
     InputTable(results.source, solved).check("case", ~solved["case"].duplicated().to_numpy(), "each case once")
-    from_entry = np.concatenate([[0.0], np.cumsum([1.0 / section.rows_per_mesh for section in rows_of(run.plan)])])
-    models: dict[int, Net] = {}  # a sector of each globalisation
     found = []
     for result in solved.to_dict("records"):
         profile, merged = _profile_of(run, result)
-        sections = rows_of(run.plan, merged)
-        if merged not in models:
-            models[merged] = build_net(run.plan, globalisation=merged, sectors=1)
-        net = models[merged]
-        meshes = _meshes_of(run, result, profile, net)
-        front_row = np.interp(from_entry[-1] - result["filled_meshes"], from_entry, np.arange(len(from_entry)))
-        row = meshes["row"].to_numpy(dtype=int)
-        # a merged row stands for real rows about it, of square mesh for those of the band behind it
-        within = np.arange(merged) - np.where(np.append(net.square_mesh, False)[row, None], 0.0, 0.5 * (merged - 1))
+        meshes = _meshes_of(run, result, profile, merged)
+        sections = [run.plan.netting[run.plan.section_names.index(name)] for name in meshes["section"]]
+        place, row = profile["meshes_from_entry"].to_numpy(), meshes["row"].to_numpy(dtype=int)
+        front_row = np.interp(place[-1] - result["filled_meshes"], place, merged * np.arange(len(place)))
+        # a merged row stands for real rows about it, of square mesh for those behind it
+        square = np.array([section.mesh == "square" for section in sections])
+        within = np.arange(merged) - np.where(square[:, None], 0.0, 0.5 * (merged - 1))
         ahead = (float(front_row) - merged * row[:, None] - within).ravel()
         near = (ahead > 0.0) & (ahead < most_rows + 1.0)
         which = np.repeat(np.arange(len(row)), merged)[near]
@@ -127,7 +145,7 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
                 speed_m_s=float(result["speed_m_s"]),
                 volume_m3=float(result["catch_volume_m3"]),
                 opening_ahead_deg=float(result["opening_ahead_deg"]),
-                holes=_holes(sections, meshes.iloc[which], profile["radius_m"].to_numpy()),
+                holes=_holes([sections[i] for i in which], meshes.iloc[which], profile["radius_m"].to_numpy()),
                 rows_ahead=ahead[near],
                 share=share[which],
             )
@@ -139,55 +157,59 @@ def _profile_of(run: Run, result: dict[Hashable, Any]) -> tuple[pd.DataFrame, in
     """Rows of a solved case, from the entry, and how many real ones each stands for."""
     source = str(Path(run.source) / "profile.csv")
     globalisations = run.plan.globalisations if result["fidelity"] == "globalised" else (1,)
-    merged = {len(rows_of(run.plan, g)): g for g in globalisations}
+    merged_in = {len(run.plan.sections_of_bands(g)): g for g in globalisations}
     profile = run.profile[run.profile["case"] == result["case"]].sort_values("row")
     last = len(profile) - 1
-    if last not in merged or not np.array_equal(profile["row"], np.arange(last + 1)):
-        allowed = f"rows 0 to {' or '.join(map(str, merged))}, each once, as in the plan"
+    if last not in merged_in or not np.array_equal(profile["row"], np.arange(last + 1)):
+        allowed = f"rows 0 to {' or '.join(map(str, merged_in))}, each once, as in the plan"
         raise InputError(source, "case", result["case"], allowed, f"has {len(profile)} rows, not those of the plan")
-    return profile, merged[last]
+    merged = merged_in[last]
+    band, names = np.array(run.plan.sections_of_bands(merged)), np.array(run.plan.section_names, dtype=object)
+    long = np.array([merged / section.rows_per_mesh for section in run.plan.netting])[band]
+    section, place = profile["section"].to_numpy(), profile["meshes_from_entry"].to_numpy()
+    joined = (section == names[np.append(band[:1], band)]) | (section == names[np.append(band, band[-1:])])
+    table = InputTable(source, profile)
+    table.check("section", joined, "a section of the plan that lies there: its name, or its number where it has none")
+    placed = np.diff(place, prepend=0.0) == np.append(0.0, long)
+    table.check("meshes_from_entry", placed, "the place of the plan's row")
+    return profile, merged
 
 
-def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, sector: Net) -> pd.DataFrame:
+def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, merged: int) -> pd.DataFrame:
     """Meshes of a solved case: one a row of a net that is the same all round, of another all."""
-    # a row at which square mesh ends ahead of diamonds counts none
-    meshes_round = sector.order * np.bincount(sector.mesh_row, minlength=len(profile))
-    counted = np.flatnonzero(meshes_round)
-    if run.meshes.empty and result["fidelity"] in ("meridian", "sector"):
-        rows = profile.iloc[counted]
+    around = np.array([section.meshes_round for section in run.plan.netting])
+    square = np.array([section.mesh == "square" for section in run.plan.netting])
+    square = square[list(run.plan.sections_of_bands(merged))]
+    # a square mesh lies behind the row that counts it, another about it; where square mesh ends a row counts none
+    counting = np.append(square | ~np.append(True, square[:-1]), False)
+    if result["fidelity"] in ("meridian", "sector") and np.gcd.reduce(around) > 1:
+        rows = profile[counting]
         InputTable(str(Path(run.source) / "profile.csv"), rows).numbers("opening_deg")
         return rows
+    source = str(Path(run.source) / "meshes.csv")
     meshes = run.meshes[run.meshes["case"] == result["case"]]
-    wanted = np.repeat(np.arange(len(meshes_round)), meshes_round)
+    section = profile["section"].to_numpy()
+    count = around[[run.plan.section_names.index(name) for name in section]] // merged * counting
+    wanted = np.repeat(np.arange(len(count)), count)
     if not np.array_equal(np.sort(meshes["row"]), wanted):
-        allowed = f"the {len(wanted)} of the plan in rows {counted[0]} to {counted[-1]}"
-        source = Path(run.source) / "meshes.csv"
+        allowed = f"the {len(wanted)} of the plan in rows {wanted[0]} to {wanted[-1]}"
         raise InputError(source, "case", result["case"], allowed, f"has {len(meshes)} meshes, not those of the plan")
+    same = meshes["section"].to_numpy() == section[meshes["row"].to_numpy(dtype=int)]
+    InputTable(source, meshes).check("section", same, "that of its row in profile.csv")
     return meshes
 
 
-def _sections_of(meshes: pd.DataFrame, sections: list[Netting]) -> list[Netting]:
-    """Section of each mesh, by the row it is counted by."""
-    row = meshes["row"].to_numpy(dtype=int)
-    # a square mesh lies behind the row it is counted by, another about it, at a joint one of the fewer meshes round
-    pairs = [(sections[max(r - 1, 0)], sections[min(r, len(sections) - 1)]) for r in row]
-    return [
-        behind if behind.mesh == "square" or behind.meshes_round < ahead.meshes_round else ahead
-        for ahead, behind in pairs
-    ]
-
-
 def _holes(sections: list[Netting], meshes: pd.DataFrame, radius_m: Floats) -> Holes:
-    row, section = meshes["row"].to_numpy(dtype=int), _sections_of(meshes, sections)
+    row = meshes["row"].to_numpy(dtype=int)
     half = 0.5 * np.radians(meshes["opening_deg"].to_numpy(dtype=float))
-    bar = np.array([clear_bar_m(s) for s in section])
-    width = np.array([s.drag_width_m for s in section])
-    around = np.array([s.meshes_round for s in section])
+    bar = np.array([clear_bar_m(s) for s in sections])
+    width = np.array([s.drag_width_m for s in sections])
+    around = np.array([s.meshes_round for s in sections])
     # the chord between two meridional bars, which a bar across them bounds
     between = 2.0 * 0.5 * (radius_m[row] + radius_m[np.minimum(row + 1, len(radius_m) - 1)]) * np.sin(np.pi / around)
-    kind = np.array([KINDS.index(s.mesh) for s in section], dtype=np.int64)
+    kind = np.array([KINDS.index(s.mesh) for s in sections], dtype=np.int64)
     across = np.where(kind == SQUARE, np.clip(between - width, 0.0, bar), bar)
     # half of a square mesh's bars run along the netting, and bear nearly all there is
     along = np.where(kind == SQUARE, 1.0, np.cos(half))
     load = 2.0 * meshes["bar_tension_n"].to_numpy(dtype=float) * along
-    return Holes(kind, bar, np.array([s.knot_m for s in section]), half, across, load)
+    return Holes(kind, bar, np.array([s.knot_m for s in sections]), half, across, load)

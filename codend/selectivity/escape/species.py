@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from importlib.resources import files
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from catch_models.fish import PARAMETERS, Species
 from codend.errors import InputError
-from codend.plan.messages import input_error
+from codend.io.toml import read_toml
+from codend.plan.mistakes import checked
 
 MOST_LENGTH_CLASSES = 10_000
 """Far more than any ruler tells apart; retention is computed for each, and a step of a micrometre fills any memory."""
@@ -30,16 +28,8 @@ def load_species(path: str | Path) -> Species:
             range, an exponent for an ellipse or none for a superellipse, length classes that run backwards or are too
             many.
     """
-    try:
-        data = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise InputError(path, "", None, "the path of a species file", f"cannot be read: {error.strerror}") from None
-    except ValueError as error:  # not UTF-8, not TOML, or no possible name of a file
-        raise InputError(path, "", None, "a species file in TOML", f"cannot be read: {error}") from None
-    try:
-        species = Species.model_validate(data)
-    except ValidationError as error:
-        raise input_error(error, Species, data, path) from None
+    data = read_toml(path, "species file in TOML")
+    species = checked(Species, data, path)
     _check(species, path)
     return species
 

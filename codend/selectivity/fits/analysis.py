@@ -15,6 +15,7 @@ from codend.selectivity.fits.bootstrap import Bootstrap, double_bootstrap
 from codend.selectivity.fits.curves import CURVES
 from codend.selectivity.fits.fielddata import FieldData, read_field_data
 from codend.selectivity.fits.fit import OVERDISPERSION, Fit, fit_hauls, fit_pooled
+from codend.selectivity.fits.haul_table import AS_IT_STANDS, HaulReading
 from codend.selectivity.fits.model import selection_model
 from codend.selectivity.fits.parameters import Estimates
 
@@ -60,6 +61,7 @@ def fit_field_data(
     overdispersion: str = "pearson",
     n_bootstrap: int = 0,
     seed: int = 0,
+    reading: HaulReading = AS_IT_STANDS,
 ) -> FieldFit:
     """Fit a retention curve to a covered-codend or paired-gear trial.
 
@@ -73,11 +75,12 @@ def fit_field_data(
             shows lack of fit (see `codend.selectivity.fits.fit.dispersion_factor`); "none" never does.
         n_bootstrap: replicates of the double bootstrap; 0 for none.
         seed: of the bootstrap.
+        reading: what the user says of the form of the table, its lengths and the rows that are wanted.
 
     Raises:
         InputError: bad data (see `read_field_data`) or a choice that does not exist.
     """
-    field_data = read_field_data(data, design, covariates)
+    field_data = read_field_data(data, design, covariates, reading)
     choices = (
         ("curve", curve, tuple(CURVES)),
         ("split", split, SPLITS),

@@ -71,12 +71,11 @@ def fit_between_hauls(data: FieldData, model: SelectionModel, hauls: Sequence[Fi
     converged, quantile = False, np.nan
     if degrees < 2:
         message = f"too few hauls with a fit of their own: {used.sum()}, and at least {n_by_haul + 2} are needed"
+    elif np.linalg.matrix_rank(z := _by_haul(data, model)[used]) < n_by_haul:
+        message = "the covariates cannot be told apart over the hauls with a fit of their own"
     else:
         v = np.array([fit.theta for fit in hauls if fit.converged])
         within = np.array([fit.covariance for fit in hauls if fit.converged])
-        z = np.hstack([np.ones((used.size, 1)), (data.covariates - model.covariate_centre) / model.covariate_scale])[
-            used
-        ]
         design = np.zeros((len(v), k, model.n_parameters))
         design[:, 0, :n_by_haul] = design[:, 1, n_by_haul : 2 * n_by_haul] = z
         for extra in range(2, k):
@@ -104,6 +103,12 @@ def fit_between_hauls(data: FieldData, model: SelectionModel, hauls: Sequence[Fi
         converged=converged,
         message=message,
     )
+
+
+def _by_haul(data: FieldData, model: SelectionModel) -> Array:
+    """(H, 1 + C) a one and the scaled covariates of every haul."""
+    scaled = (data.covariates - model.covariate_centre) / model.covariate_scale
+    return np.hstack([np.ones((len(scaled), 1)), scaled])
 
 
 def reml(v: Array, within: Array, design: Array) -> tuple[Array, Array, Array] | None:

@@ -13,6 +13,17 @@ from numpy.typing import NDArray
 
 from codend.errors import OPTIONS, InputError
 from codend.io.input_table import InputTable, read_table
+from codend.selectivity.fits.haul_lengths import middles_cm
+from codend.selectivity.fits.haul_table import (
+    AS_IT_STANDS,
+    CATCHES,
+    HaulReading,
+    check_no_sum,
+    check_no_total,
+    check_one_kind,
+    read_haul_table,
+    unused,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,13 +52,14 @@ class FieldData:
         design: "covered" (codend and cover) or "paired" (test and control gear).
         haul_names: the H hauls, in order of appearance.
         haul: (R,) index into `haul_names`.
-        length_cm: (R,) length class.
+        length_cm: (R,) middle of the length class.
         test_count: (R,) fish counted in the codend or test gear; never raised numbers.
         other_count: (R,) fish counted in the cover or control gear.
         test_raising: (R,) raising factor >= 1 of the codend or test gear: raised number = count * factor.
         other_raising: (R,) raising factor >= 1 of the cover or control gear.
         covariate_names: the C haul covariates.
         covariates: (H, C) their values.
+        notes: in words, what was done to the table and what of it was not used.
     """
 
     source: str
@@ -61,6 +73,7 @@ class FieldData:
     other_raising: Array
     covariate_names: tuple[str, ...]
     covariates: Array
+    notes: tuple[str, ...] = ()
 
     @property
     def log_offset(self) -> Array:
@@ -68,33 +81,42 @@ class FieldData:
         return np.log(self.other_raising / self.test_raising)
 
 
-def read_field_data(data: str | Path | pd.DataFrame, design: str, covariates: Sequence[str] = ()) -> FieldData:
+def read_field_data(
+    data: str | Path | pd.DataFrame, design: str, covariates: Sequence[str] = (), reading: HaulReading = AS_IT_STANDS
+) -> FieldData:
     """Read and check a table of counted fish.
 
     Args:
         data: CSV file (lines starting with `#` are comments) or DataFrame. Columns `haul, length_cm, codend, cover`
             with optional `codend_raising, cover_raising` (design "covered"), or `haul, length_cm, test, control` with
-            optional `test_raising, control_raising` ("paired").
+            optional `test_raising, control_raising` ("paired"); `length_mm` will do for `length_cm`.
         design: "covered" or "paired".
         covariates: names of numeric columns, constant within a haul, that L50 and SR may depend on.
+        reading: what the user says of the form of the table, its lengths and the rows that are wanted.
 
     Raises:
         InputError: a missing or empty table or column, a value that is not a number, not in range, or not whole,
-            a column or a length class of a haul given twice, a row of another length than the header, a covariate that
-            changes within a haul or not at all.
+            a column or a length class of a haul given twice, a row of another length than the header, totals, several
+            gears or species, lengths whose unit or classes cannot be told, a covariate that changes within a haul or
+            not at all, or that says what others say.
     """
     import pandas as pd
 
     if design not in DESIGNS:
         raise InputError(OPTIONS, "design", design, " or ".join(DESIGNS))
-    table = _table_of(data)
+    test, other = DESIGNS[design]
+    raisings = f"{test}_raising", f"{other}_raising"
+    used = ("haul", "length_cm", "length_mm", test, other, *raisings, *covariates)
+    table = read_haul_table(data, reading, used)
     source, frame = table.source, table.frame
     if frame.empty:
         raise InputError(source, "", None, "a header and at least one row", "the table has no rows")
-    test, other = DESIGNS[design]
-    table.require(("haul", "length_cm", test, other, *covariates))
+    length = "length_mm" if "length_mm" in frame.columns and "length_cm" not in frame.columns else "length_cm"
+    table.require(("haul", length, test, other, *covariates))
+    for column in ("haul", length):
+        check_no_total(table, column)
     table.check("haul", frame["haul"].notna().to_numpy(), "a name or number in every row")
-    length_cm = table.numbers("length_cm", "a length above 0", lambda v: v > 0.0)
+    length_cm, notes = middles_cm(table, reading.length_unit, reading.length_is)
     test_count, other_count = (
         table.numbers(
             name,
@@ -104,21 +126,25 @@ def read_field_data(data: str | Path | pd.DataFrame, design: str, covariates: Se
         for name in (test, other)
     )
     test_raising, other_raising = (
-        table.numbers(f"{name}_raising", "a factor of 1 or more (raised number = count * factor)", lambda v: v >= 1.0)
-        if f"{name}_raising" in frame.columns
+        table.numbers(name, "a factor of 1 or more (raised number = count * factor)", lambda v: v >= 1.0)
+        if name in frame.columns
         else np.ones(len(frame))
-        for name in (test, other)
+        for name in raisings
     )
     if test_count.sum() + other_count.sum() == 0.0:
         raise InputError(source, test, None, "at least one fish", "and the other column hold no fish")
 
     haul, names = pd.factorize(frame["haul"].astype(str).to_numpy())
+    per_haul = [_covariate(table, name, haul) for name in covariates]
+    of_hauls = np.stack(per_haul, axis=-1) if per_haul else np.empty((len(names), 0))
+    check_one_kind(table, used, of_hauls, haul)
+    check_no_sum(table, haul, length_cm, test_count, other_count)
+    _check_independent(table, covariates, of_hauls)
     repeated = pd.DataFrame({"haul": haul, "length": length_cm}).duplicated().to_numpy()
     if repeated.any():
         row = int(np.flatnonzero(repeated)[0])
         where = f"{length_cm[row]:g} (haul {names[haul[row]]})"
         raise InputError(source, "length_cm", where, "each length once in a haul", "is given twice")
-    per_haul = [_covariate(table, name, haul) for name in covariates]
     return FieldData(
         source=source,
         design=design,
@@ -130,36 +156,46 @@ def read_field_data(data: str | Path | pd.DataFrame, design: str, covariates: Se
         test_raising=test_raising,
         other_raising=other_raising,
         covariate_names=tuple(covariates),
-        covariates=np.stack(per_haul, axis=-1) if per_haul else np.empty((len(names), 0)),
+        covariates=of_hauls,
+        notes=(*([f"{source} has {table.form}"] if table.form else []), *notes, *unused(table, used)),
     )
 
 
-def catch_volumes_m3(data: str | Path | pd.DataFrame, field: FieldData, density_kg_m3: float) -> Array | None:
+def catch_volumes_m3(
+    data: str | Path | pd.DataFrame, field: FieldData, density_kg_m3: float, reading: HaulReading = AS_IT_STANDS
+) -> Array | None:
     """(H,) final catch of every haul, from the column `catch_volume_m3` or else `catch_kg`; None where there is none.
 
     Args:
         data: the table `field` was read from.
         field: its counted fish.
         density_kg_m3: of the catch, by which a mass becomes a volume.
+        reading: as the table was read for `field`.
 
     Raises:
         InputError: a catch that is no number above 0 or changes within its haul.
     """
-    table = _table_of(data)
-    for column, per_m3 in (("catch_volume_m3", 1.0), ("catch_kg", density_kg_m3)):
+    table = read_haul_table(data, reading, CATCHES)
+    for column, per_m3 in zip(CATCHES, (1.0, density_kg_m3), strict=True):
         if column in table.frame.columns:
             values = table.numbers(column, "a catch above 0", lambda v: v > 0.0)
             return _one_a_haul(table, column, values, field.haul) / per_m3
     return None
 
 
-def is_simulated(path: str | Path) -> bool:
+def is_simulated(path: str | Path, reading: HaulReading = AS_IT_STANDS) -> bool:
     """Whether the comments of a table say that its fish are simulated."""
-    return any("simulated" in comment.lower() for comment in read_table(path).comments)
+    return any("simulated" in comment.lower() for comment in read_table(path, reading.form).comments)
 
 
-def _table_of(data: str | Path | pd.DataFrame) -> InputTable:
-    return read_table(data) if isinstance(data, str | Path) else InputTable("data frame", data)
+def _check_independent(table: InputTable, names: Sequence[str], covariates: Array) -> None:
+    """Refuse a covariate that is a constant and multiples of those before it, over the hauls; covariates (H, C)."""
+    spread = (covariates - covariates.mean(axis=0)) / covariates.std(axis=0)
+    for count in range(2, len(names) + 1):
+        if np.linalg.matrix_rank(spread[:, :count], tol=1e-6 * len(spread) ** 0.5) < count:
+            others = " and ".join(names[: count - 1])
+            allowed = f"covariates that say something else each, over these {len(spread)} hauls"
+            raise InputError(table.where, names[count - 1], None, allowed, f"says the same as {others}")
 
 
 def _covariate(table: InputTable, column: str, haul: NDArray[np.int64]) -> Array:

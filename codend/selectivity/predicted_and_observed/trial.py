@@ -9,12 +9,18 @@ from codend.errors import OPTIONS, InputError
 from codend.selectivity.escape.predict import Prediction, predict_haul
 from codend.selectivity.fits.analysis import fit_field_data
 from codend.selectivity.fits.fielddata import catch_volumes_m3, is_simulated
+from codend.selectivity.fits.haul_table import AS_IT_STANDS, HaulReading
 from codend.selectivity.predicted_and_observed.calibrate import calibrate, calibrated_names
 from codend.selectivity.predicted_and_observed.together import FieldTrial, Together, set_together
 
 
 def read_trial(
-    path: str | Path, catch_density_kg_m3: float, design: str, curve: str = "logit", split: str = "equal"
+    path: str | Path,
+    catch_density_kg_m3: float,
+    design: str,
+    curve: str = "logit",
+    split: str = "equal",
+    reading: HaulReading = AS_IT_STANDS,
 ) -> FieldTrial:
     """Read a trial with the codend of a study and fit a curve to it.
 
@@ -24,12 +30,14 @@ def read_trial(
         design: "covered" or "paired".
         curve: as in ``fit_field_data``.
         split: likewise.
+        reading: likewise.
 
     Raises:
         InputError: bad data, or a choice that does not exist.
     """
-    fit = fit_field_data(path, design, curve, split)
-    return FieldTrial(fit, is_simulated(path), catch_volumes_m3(path, fit.data, catch_density_kg_m3))
+    fit = fit_field_data(path, design, curve, split, reading=reading)
+    volume_m3 = catch_volumes_m3(path, fit.data, catch_density_kg_m3, reading)
+    return FieldTrial(fit, is_simulated(path, reading), volume_m3)
 
 
 def set_beside(

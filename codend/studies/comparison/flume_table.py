@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from codend.errors import InputError
 from codend.io.input_table import read_table
+from codend.io.table_form import TableForm
 
 Floats = NDArray[np.float64]
 
@@ -45,16 +46,20 @@ class FlumeTable:
         return tuple(name for name in CATCH_COLUMNS if name in self.columns)
 
 
-def read_flume_table(path: str | Path) -> FlumeTable:
+def read_flume_table(path: str | Path, form: TableForm | None = None) -> FlumeTable:
     """Read a flume table: any of ``COLUMNS``, in SI units, with cells left empty where nothing is known.
 
     Where ``hoop_drag_n`` is given, ``drag_n`` includes the drag of the hoop or frame the codend hangs from.
 
+    Args:
+        path: of the table.
+        form: what the user says of its form; None where there is no option to ask for.
+
     Raises:
-        InputError: no such file, no header or rows, a column unknown or given twice, nothing to match on or to compare,
-            a cell that is no number of 0 or more, a row of another length than the header or given twice.
+        InputError: as in ``read_table``; no rows, a column unknown, nothing to match on or to compare,
+            a cell that is no number of 0 or more, a row given twice.
     """
-    table = read_table(path)
+    table = read_table(path, form, COLUMNS)
     header, lines = list(table.frame.columns), table.frame.index.tolist()
     for name in header:
         if name not in COLUMNS:

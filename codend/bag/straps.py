@@ -15,16 +15,17 @@ from dataclasses import replace
 
 import numpy as np
 
+from codend.bag.bag import Bag, around
 from codend.errors import InputError
-from codend.net.net import Net, with_bars
+from codend.net.net import with_bars
 from codend.netting.knots import LEFT, RIGHT, Knots
 from codend.plan.plan import Plan
 from codend.plan.reach import least_radius_m
 from codend.plan.tables import Strap
 
 
-def with_straps(net: Net, plan: Plan, knots: Knots) -> Net:
-    """The net with the straps of its plan, their bars after all others.
+def with_straps(bag: Bag, plan: Plan, knots: Knots, drag: tuple[int, float, float]) -> Bag:
+    """The bag with the straps of its plan, their bars after all others.
 
     Where the knots of a row lie across the netting (T90) a strap runs from knot to knot, and the knots close its ring.
 
@@ -35,8 +36,8 @@ def with_straps(net: Net, plan: Plan, knots: Knots) -> Net:
         row = knots.lattice.bands - plan.strap_rows[index] // knots.lattice.globalisation
         across_m = knots.lattice.sections[row - 1].knot_m if knots.across[row] else 0.0
         _check_length(plan, index, knots, row, across_m)
-        net = _with_strap(net, strap, knots, row, across_m)
-    return net
+        bag = _with_strap(bag, strap, knots, row, across_m, drag)
+    return bag
 
 
 def _check_length(plan: Plan, index: int, knots: Knots, row: int, across_m: float) -> None:
@@ -57,7 +58,9 @@ def _check_length(plan: Plan, index: int, knots: Knots, row: int, across_m: floa
         raise InputError(file=plan.source, key=f"strap.{index}.length_m", value=strap.length_m, allowed=allowed)
 
 
-def _with_strap(net: Net, strap: Strap, knots: Knots, row: int, across_m: float) -> Net:
+def _with_strap(
+    bag: Bag, strap: Strap, knots: Knots, row: int, across_m: float, drag: tuple[int, float, float]
+) -> Bag:
     lattice, g = knots.lattice, knots.lattice.globalisation
     rows, count = lattice.rings(np.array([row]))
     first = knots.ring(RIGHT, rows, count, lattice.knots[rows])
@@ -78,20 +81,25 @@ def _with_strap(net: Net, strap: Strap, knots: Knots, row: int, across_m: float)
     longer = strap.length_m / (merged * merged_side)
 
     roped = with_bars(
-        net,
+        bag.net,
         np.stack([first.node, second.node], axis=1),
         second.image - first.image,
-        length=merged_side,
-        flexibility=flexibility,
-        drag_diameter=longer * strap.diameter_m,
-        solid_diameter=np.sqrt(longer) * strap.diameter_m,
-        density=np.nan,
-        band=row - 1,
+        bar_length=merged_side,
+        bar_flexibility=flexibility,
+        bar_drag_diameter=longer * strap.diameter_m,
+        bar_solid_diameter=float(np.sqrt(longer)) * strap.diameter_m,
+        bar_density=np.nan,
+        bar_diameter=strap.diameter_m,
+        bar_is_rope=True,
+        bar_drag_law=drag[0],
+        bar_normal_drag=drag[1],
+        bar_tangential_drag=drag[2],
     )
+    own = np.arange(len(bag.bar_band), len(roped.bars), dtype=np.int32)
     return replace(
-        roped,
-        straps=np.append(net.straps, np.arange(len(net.bars), len(net.bars) + bars, dtype=np.int32)),
-        strap_share=np.append(net.strap_share, np.full(bars, 1.0 / gain)),
+        around(bag, roped, row - 1),
+        straps=np.append(bag.straps, own),
+        strap_share=np.append(bag.strap_share, np.full(bars, 1.0 / gain)),
     )
 
 

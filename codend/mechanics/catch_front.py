@@ -1,4 +1,4 @@
-"""How the catch's front follows the net: the derivative of the front band's share, and of the loads by it.
+"""How far the catch fills the net, and how its front follows the net: kernels.
 
 Where the front is given by its distance from the codline or by the catch's volume, the share s of the band it stands
 in depends on the positions. Loads are linear in the shares, so the tangent gains one product: -dF/dx = K - u v^T
@@ -7,18 +7,62 @@ with u = dF/ds and v = ds/dx.
 
 import numpy as np
 
+from catch_models.filling import fill_by_meshes, fill_to_plane, fill_to_volume
 from codend.compiled import njit
-from codend.mechanics.arrays import FILLED_MESHES, FRONT_FROM_CODLINE, Loading, Structure
-from codend.mechanics.drag import add_drag
+from codend.mechanics import drag, pressure
 from codend.mechanics.images import add_turned_back
-from codend.mechanics.pressure import add_pressure, area_vector, corners_of_facet, row_positions
+from codend.mechanics.pressure import FILLED_MESHES, FRONT_FROM_CODLINE, Catch, area_vector, corners_of_facet
+from codend.mechanics.structure import Structure
+from codend.mechanics.water import Water
 from codend.net.net import Floats
 
 
+@njit(cache=True)
+def row_positions(position: Floats, catch: Catch, row_x: Floats) -> None:
+    """Write the mean axial position of every row's ring of nodes, (rows + 1,)."""
+    row_x[:] = 0.0
+    rows, sizes = catch.node_row, catch.row_size
+    for node in range(len(rows)):
+        row = rows[node]
+        if row >= 0:
+            row_x[row] += position[node, 0] / sizes[row]
+
+
+@njit(cache=True)
+def band_geometry(
+    position: Floats, structure: Structure, catch: Catch, band_area: Floats, band_moment: Floats
+) -> None:
+    """Write area projected on the axis (m2) and its integral of x (m3) for every band, all round."""
+    band_area[:] = 0.0
+    band_moment[:] = 0.0
+    facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
+    bands, weights = catch.facet_band, structure.facet_weight
+    for facet in range(len(bands)):
+        corners = corners_of_facet(position, facets, images, rotations, facet)
+        area = area_vector(corners)[0] * weights[facet] * structure.order
+        band = bands[facet]
+        band_area[band] += area
+        band_moment[band] += area * (corners[0] + corners[3] + corners[6]) / 3.0
+
+
+@njit(cache=True)
+def fill(position: Floats, structure: Structure, catch: Catch, share: Floats) -> bool:
+    """Write the share of every band that lies in the catch; False if the catch does not fit into the net."""
+    if catch.kind == FILLED_MESHES:
+        return fill_by_meshes(catch.band_meshes, catch.size, share)
+    row_x = np.empty(len(share) + 1)
+    row_positions(position, catch, row_x)
+    if catch.kind == FRONT_FROM_CODLINE:
+        return fill_to_plane(row_x, catch.size, share)
+    band_area, band_moment = np.empty(len(share)), np.empty(len(share))
+    band_geometry(position, structure, catch, band_area, band_moment)
+    return fill_to_volume(row_x, band_area, band_moment, catch.size, share)
+
+
 @njit(cache=True, error_model="numpy")
-def front_band(loading: Loading, share: Floats) -> int:
+def front_band(catch: Catch, share: Floats) -> int:
     """Band whose share moves with the net; -1 if none does."""
-    if loading.catch_kind == FILLED_MESHES:
+    if catch.kind == FILLED_MESHES:
         return -1
     for band in range(len(share)):
         if 0.0 < share[band] < 1.0:
@@ -28,7 +72,7 @@ def front_band(loading: Loading, share: Floats) -> int:
 
 @njit(cache=True, error_model="numpy")
 def share_gradient(
-    position: Floats, structure: Structure, loading: Loading, share: Floats, band: int, gradient: Floats
+    position: Floats, structure: Structure, catch: Catch, share: Floats, band: int, gradient: Floats
 ) -> None:
     """Write the derivative of the front band's share with respect to the nodes of the sector, 1/m, (n, 3).
 
@@ -38,16 +82,16 @@ def share_gradient(
     """
     gradient[:] = 0.0
     row_x = np.empty(len(share) + 1)
-    row_positions(position, structure, row_x)
+    row_positions(position, catch, row_x)
     s, depth = share[band], row_x[band + 1] - row_x[band]
     lid = row_x[band + 1] - s * depth
     # g(s, x) is given; dg/ds, and dg by the two rows of the front's band and by the codline
-    if loading.catch_kind == FRONT_FROM_CODLINE:
+    if catch.kind == FRONT_FROM_CODLINE:
         by_share, by_fore, by_aft, by_codline = depth, -s, s - 1.0, 1.0
     else:
         area, area_of_band, volume_of_band = 0.0, 0.0, 0.0
         facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
-        bands, weights = structure.facet_band, structure.facet_weight
+        bands, weights = catch.facet_band, structure.facet_weight
         for facet in range(len(bands)):
             place = bands[facet]
             if share[place] == 0.0:
@@ -83,7 +127,7 @@ def share_gradient(
                 )
         by_share = volume_of_band + depth * area
         by_fore, by_aft, by_codline = -s * (area + area_of_band), (s - 1.0) * area, 0.0
-    rows, sizes = structure.node_row, structure.row_size
+    rows, sizes = catch.node_row, catch.row_size
     for node in range(len(rows)):
         row = rows[node]
         if row < 0:
@@ -101,16 +145,18 @@ def share_gradient(
 
 
 @njit(cache=True, error_model="numpy")
-def load_by_share(position: Floats, structure: Structure, loading: Loading, band: int, load: Floats) -> None:
+def load_by_share(
+    position: Floats, structure: Structure, water: Water, catch: Catch, band: int, load: Floats
+) -> None:
     """Write the derivative of the nodal loads with respect to the share of a band, N, (n, 3)."""
     load[:] = 0.0
     # the pressure is linear in the share and the drag in 1 - share, both band by band
-    share = np.ones(len(structure.band_meshes))
+    share = np.ones(len(catch.band_meshes))
     share[band] = 0.0
-    add_drag(position, structure, loading, share, load)
+    drag.add_force(position, np.empty((0, 3)), structure, water, catch, share, load)
     for node in range(len(load)):
         for i in range(3):
             load[node, i] *= -1.0
     share[:] = 0.0
     share[band] = 1.0
-    add_pressure(position, structure, loading, share, load)
+    pressure.add_force(position, structure, catch, share, load)

@@ -5,13 +5,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from codend.bag.build import build_net
+from codend.bag.build import build_bag
 from codend.bag.measures import Measures, measure_all
 from codend.equilibrium.solve import scene_of
 from codend.equilibrium.solve import solve as solve_case
 from codend.errors import InputError
 from codend.io.columns import RESULT_COLUMNS
-from codend.mechanics.drag import add_drag
+from codend.mechanics import drag
 from codend.net.net import bar_vectors
 from codend.plan.reach import least_radius_m
 from codend.report.page_tables import results_table
@@ -53,8 +53,8 @@ def solved(*args: Any, **options: Any) -> CaseResult:
 
 
 def strap_row(result: CaseResult, at: float = 12.0) -> int:
-    per_mesh = 1 if result.net.band_meshes[-1] == 1.0 else 2
-    return result.net.bands - int(per_mesh * at)
+    per_mesh = 1 if result.bag.band_meshes[-1] == 1.0 else 2
+    return result.bag.bands - int(per_mesh * at)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -72,22 +72,22 @@ def test_a_loose_strap_changes_nothing_and_carries_nothing(kind):
 def test_a_tight_strap_is_as_long_as_it_is_all_round_and_balances_the_hoop(kind, length_m):
     """Pulled out of the row by twine and pressure, and held by the two sides of the polygon that meet in a knot."""
     result = solved(kind, length_m=length_m)
-    net = result.net
+    bag, net = result.bag, result.net
     around = np.linalg.norm(bar_vectors(net, result.positions), axis=1)
-    knots = np.all(net.node_row[net.bars] == strap_row(result), axis=1) & (net.bar_drag_diameter == 0.0)
+    knots = np.all(bag.node_row[net.bars] == strap_row(result), axis=1) & (net.bar_drag_diameter == 0.0)
     if kind == "square":
-        knots = np.isin(np.arange(len(net.bars)), net.straps)
+        knots = np.isin(np.arange(len(net.bars)), bag.straps)
     assert net.order * around[knots].sum() == pytest.approx(length_m, rel=1e-6)
 
     found = residual(result.problem, result.positions, result.solution.bar_tension, result.solution.share)
     assert found <= 1.01e-9
     without = result.solution.bar_tension.copy()
-    without[net.straps] = 0.0
+    without[bag.straps] = 0.0
     if kind == "T90":
         return  # a knot there has two nodes, between which its own twine pulls as well
     force = nodal_loads(result.problem, result.positions, result.solution.share)
     force += bar_pulls(net, result.positions, without)
-    (node,) = np.flatnonzero(net.node_row == strap_row(result))
+    (node,) = np.flatnonzero(bag.node_row == strap_row(result))
     outward = result.positions[node] * [0.0, 1.0, 1.0]
     pull = force[node] @ outward / np.linalg.norm(outward)
     tension = result.measures.max_strap_tension_n
@@ -110,7 +110,7 @@ def test_a_mesh_folded_over_a_tight_strap_is_as_open_as_its_twines_make_it(kind)
 def test_a_strap_of_elastic_rope_is_longer_by_its_tension_over_its_stiffness():
     result = solved(length_m=1.5, axial_stiffness_n=800.0)
     strain = result.measures.max_strap_tension_n / 800.0
-    side = np.linalg.norm(bar_vectors(result.net, result.positions)[result.net.straps], axis=1)
+    side = np.linalg.norm(bar_vectors(result.net, result.positions)[result.bag.straps], axis=1)
     assert ROUND * side == pytest.approx([1.5 * (1.0 + strain)], rel=1e-7)
     assert strain > 0.01
 
@@ -125,10 +125,11 @@ def merged(kind: str, g: int, **strap: Any) -> tuple[Measures, float]:
         model={"tolerance": 1e-9},
         strap=[{"meshes_from_codline": 15.0, **strap}],
     )
-    problem, solution = solve_case(scene_of(plan, g, 1), plan.cases()[0], (), None)
+    scene = scene_of(plan, g, 1)
+    problem, solution = solve_case(scene, plan.cases()[0], (), None)
     assert solution.report.outcome.converged
-    _, rows, measures = measure_all(problem, solution)
-    return measures, float(rows.radius_m[problem.net.bands - 30 // g])
+    _, rows, measures = measure_all(scene.bag, problem, solution)
+    return measures, float(rows.radius_m[scene.bag.bands - 30 // g])
 
 
 @pytest.mark.parametrize("kind", ["T0", "T90"])
@@ -152,8 +153,9 @@ def test_strap_tension_converges_with_the_square_of_the_globalisation(kind):
 def test_merging_meshes_keeps_the_ropes_drag_area_and_volume(kind):
     plan = strapped(kind, at=20.0, length_m=3.0, diameter_mm=20.0)
     for g in (1, 2, 4, 20):
-        net = build_net(plan, globalisation=g)
-        length, width, solid = (v[net.straps] for v in (net.bar_length, net.bar_drag_diameter, net.bar_solid_diameter))
+        bag = build_bag(plan, globalisation=g)
+        net = bag.net
+        length, width, solid = (v[bag.straps] for v in (net.bar_length, net.bar_drag_diameter, net.bar_solid_diameter))
         assert (length * width).sum() == pytest.approx(3.0 * 0.020, rel=1e-12)
         assert (length * solid**2).sum() == pytest.approx(3.0 * 0.020**2, rel=1e-12)
 
@@ -164,10 +166,11 @@ def test_a_strap_ahead_of_the_catch_meets_the_flow_at_right_angles_with_all_its_
     assert (result.measures.max_strap_tension_n > 0.0) == (length_m < 1.0)
     problem, net = result.problem, result.net
     bare = problem.structure._replace(
-        drag_diameter=np.where(np.isin(np.arange(len(net.bars)), net.straps), 0.0, net.bar_drag_diameter)
+        drag_diameter=np.where(np.isin(np.arange(len(net.bars)), result.bag.straps), 0.0, net.bar_drag_diameter)
     )
     force = np.zeros_like(net.positions)
-    add_drag(result.positions, bare, problem.loading, result.solution.share, force)
+    water, catch = problem.loading.water, problem.loading.catch
+    drag.add_force(result.positions, np.zeros((0, 3)), bare, water, catch, result.solution.share, force)
     own = result.measures.twine_drag_n - net.order * force[:, 0].sum()
     assert own == pytest.approx(0.5 * 1000.0 * 1.36 * 0.020 * length_m, rel=1e-6)
 
@@ -194,12 +197,12 @@ def test_straps_lie_on_joints_and_beside_each_other():
     result = solve(joined_plan(*sections, entry=0.2, catch={"filled_meshes": 24.0}, strap=straps)).cases[0]
     assert result.converged
     assert result.measures.entry_reaction_n == pytest.approx(result.measures.drag_n, rel=1e-6)
-    assert len(result.net.straps) == 3 * 2
+    assert len(result.bag.straps) == 3 * 2
     polygon = 0.8 / np.pi / np.sinc(1 / 40)
     assert result.rows.radius_m[[56, 68]] == pytest.approx(polygon, rel=1e-6)
     # the knots of the joint hold unequal numbers of twines, and its ring is not quite flat
     assert result.rows.radius_m[40] == pytest.approx(polygon, rel=2e-3)
-    side = np.linalg.norm(bar_vectors(result.net, result.positions)[result.net.straps], axis=1)
+    side = np.linalg.norm(bar_vectors(result.net, result.positions)[result.bag.straps], axis=1)
     assert side == pytest.approx(1.6 / 40, rel=1e-6)
 
 
@@ -222,8 +225,8 @@ def test_relaxation_and_newton_find_the_same_strap(kind, strap):
 def test_a_hinge_in_mid_bar_is_not_put_into_a_strap():
     plan = strapped(length_m=2.0)
     hinged = plan.model_copy(update={"model": plan.model.model_copy(update={"bars_per_side": 2})})
-    net = build_net(hinged, sectors=1)
-    assert np.all(net.node_row[net.bars[net.straps]] == net.bands - 24)
+    bag = build_bag(hinged, sectors=1)
+    assert np.all(bag.node_row[bag.net.bars[bag.straps]] == bag.bands - 24)
 
 
 def test_results_tell_the_strap_tension_only_of_plans_that_have_straps():
@@ -253,7 +256,7 @@ def test_the_picture_shows_the_near_half_of_every_strap_where_its_knots_are():
 
 def test_a_strap_shorter_than_the_knots_it_runs_through_is_refused():
     with pytest.raises(InputError, match=r"strap\.0\.length_m = 0\.29 .*above 0\.3 m, the knots"):
-        build_net(strapped("T90", length_m=0.29))
+        build_bag(strapped("T90", length_m=0.29))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -262,14 +265,14 @@ def test_a_row_is_drawn_in_from_the_entry_as_far_as_flat_meshes_reach_and_no_far
     """A stiff rope that stretches is not refused: under a thousand newtons it draws its row as far as the bound."""
     entry = 0.3
     with pytest.raises(InputError, match="as far as the netting from the entry reaches inwards") as refused:
-        build_net(strapped(kind, at=at, entry=entry, length_m=0.35))
+        build_bag(strapped(kind, at=at, entry=entry, length_m=0.35))
     least_m = float(refused.value.allowed.split()[1])
     result = solved(kind, at=at, entry=entry, filled=8.0, length_m=0.9 * least_m, axial_stiffness_n=1e4)
     # in T90 netting knots of 5 mm lie between the pieces of rope
     knots_m = 0.005 * ROUND if kind == "T90" else 0.0
     length_m = knots_m + (0.9 * least_m - knots_m) * (1.0 + result.measures.max_strap_tension_n / 1e4)
     assert 0.9995 < length_m / least_m < 1.01
-    build_net(strapped(kind, at=at, entry=entry, length_m=1.001 * least_m))
+    build_bag(strapped(kind, at=at, entry=entry, length_m=1.001 * least_m))
 
 
 def test_a_strap_on_a_joined_net_is_refused_only_where_no_chain_of_bars_reaches_it():
@@ -282,16 +285,16 @@ def test_a_strap_on_a_joined_net_is_refused_only_where_no_chain_of_bars_reaches_
             assert solve(plan).converged
         else:
             with pytest.raises(InputError, match=r"strap\.0\.length_m = 0\.7 .* netting from the entry reaches"):
-                build_net(plan)
+                build_bag(plan)
 
 
 def test_twine_that_stretches_lets_a_strap_be_as_short_as_the_bundle_of_its_twines():
     soft = {"meshes_from_codline": 39.0, "length_m": 0.5}
     section = ("diamond", ROUND, LONG, 40.0, {"axial_stiffness_n": 500.0})
-    build_net(joined_plan(section, entry=0.25, strap=[soft]))
+    build_bag(joined_plan(section, entry=0.25, strap=[soft]))
     # 120 twines of 2 mm have the section of one of 21.9 mm
     with pytest.raises(InputError, match=r"strap\.0\.length_m = 0\.0001 .*above 0\.06883 m, round the twines"):
-        build_net(joined_plan(section, entry=0.25, strap=[soft | {"length_m": 1e-4}]))
+        build_bag(joined_plan(section, entry=0.25, strap=[soft | {"length_m": 1e-4}]))
     assert solved(length_m=0.07).measures.max_strap_tension_n > 1.0
 
 

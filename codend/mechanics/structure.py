@@ -1,4 +1,4 @@
-"""What the kernels read: the net and its loading as named tuples of plain arrays."""
+"""A net as the kernels see it: a named tuple of plain arrays."""
 
 from typing import NamedTuple
 
@@ -9,12 +9,9 @@ from codend.net.net import Floats, Ints, Net
 
 Flags = NDArray[np.bool_]
 
-FILLED_MESHES, FRONT_FROM_CODLINE, VOLUME = range(3)
-LE_BRIS_1999, BESSONNEAU_1997 = range(2)
-
 
 class Structure(NamedTuple):
-    """A net as the kernels see it; shapes as in ``codend.net.net.Net``."""
+    """Shapes as in ``codend.net.net.Net``."""
 
     first: Ints
     second: Ints
@@ -24,44 +21,21 @@ class Structure(NamedTuple):
     length: Floats
     flexibility: Floats
     drag_diameter: Floats
-    bar_band: Ints
-    strap: Flags
-    """Whether a bar is a rope round the netting, (m,)."""
+    diameter: Floats
+    drag_law: Ints
+    normal_drag: Floats
+    tangential_drag: Floats
+    is_rope: Flags
     facets: Ints
     facet_image: Ints
     facet_weight: Floats
-    facet_band: Ints
     corners: Ints
     corner_image: Ints
     corner_stiffness: Floats
     corner_rest: Floats
     free: Floats
     """1 for coordinates that move, 0 for held ones, (n, 3)."""
-    node_row: Ints
-    row_size: Floats
-    """Nodes in the ring polygon of each row, (rows + 1,)."""
-    band_meshes: Floats
     order: float
-
-
-class Loading(NamedTuple):
-    """What acts on a net: dead loads, the current, and the catch."""
-
-    dead: Floats
-    """Constant nodal forces in N, (n, 3)."""
-    speed: float
-    density: float
-    drag_law: int
-    normal: float
-    tangential: float
-    stagnation_pressure: float
-    angles: Floats
-    """Breaks of the pressure law in theta, rad, (k + 1,)."""
-    coefficients: Floats
-    """Piecewise cubic net pressure coefficient, (4, k)."""
-    catch_kind: int
-    catch_value: float
-    """Filled meshes, distance of the front from the codline in m, or volume in m3."""
 
 
 def structure_of(net: Net) -> Structure:
@@ -73,7 +47,6 @@ def structure_of(net: Net) -> Structure:
     images = (image, net.facet_image, net.corner_image)
     reach = max(int(np.abs(part).max(initial=0)) for part in images)
     angle = 2.0 * np.pi * np.arange(-reach, reach + 1) / net.order
-    rings = net.node_row[net.node_row >= 0]
     return Structure(
         first=first.astype(np.int32),
         second=second.astype(np.int32),
@@ -82,19 +55,18 @@ def structure_of(net: Net) -> Structure:
         length=net.bar_length,
         flexibility=net.bar_flexibility,
         drag_diameter=net.bar_drag_diameter,
-        bar_band=net.bar_band,
-        strap=np.isin(np.arange(len(net.bars)), net.straps),
+        diameter=net.bar_diameter,
+        drag_law=net.bar_drag_law,
+        normal_drag=net.bar_normal_drag,
+        tangential_drag=net.bar_tangential_drag,
+        is_rope=net.bar_is_rope,
         facets=net.facets,
         facet_image=net.facet_image,
         facet_weight=net.facet_weight,
-        facet_band=net.facet_band,
         corners=net.corners,
         corner_image=net.corner_image,
         corner_stiffness=net.corner_stiffness,
         corner_rest=net.corner_rest,
         free=(~net.fixed).astype(np.float64),
-        node_row=net.node_row,
-        row_size=np.bincount(rings, minlength=net.bands + 1).astype(np.float64),
-        band_meshes=net.band_meshes,
         order=float(net.order),
     )

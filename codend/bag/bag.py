@@ -1,0 +1,129 @@
+"""A bag: the net of a codend, and what makes it one: rows of knots, bands of netting, meshes, straps and merging.
+
+Rows count rings of knots from the entry, row 0, to the codline; band j is the netting between rows j and j + 1.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codend.net.net import Floats, Ints, Net, numbered_all_round, rotate, split_bars
+
+
+@dataclass(frozen=True)
+class Bag:
+    """A net with its place in the codend."""
+
+    net: Net
+    node_row: Ints
+    """Row whose ring polygon the node belongs to, -1 for a node between two rings, (n,)."""
+    bar_band: Ints
+    """Band a bar lies in, (m,)."""
+    bar_is_twine: NDArray[np.bool_]
+    """Whether a bar is twine of the netting: no knot and no strap, (m,)."""
+    facet_band: Ints
+    """Band a facet lies in, (f,)."""
+    band_meshes: Floats
+    """Meshes that a band is long, (bands,)."""
+    band_is_square: NDArray[np.bool_]
+    """Whether a band is of square mesh, which is a whole mesh long: its meshes lie in it, (bands,)."""
+
+    mesh_sides: Ints
+    """First and second node of the four twine sides of a mesh, walking round it: fore to right, right to aft, aft to
+    left, left to fore, (k, 4, 2)."""
+    mesh_side_image: Ints
+    """Images of those nodes, (k, 4, 2)."""
+    mesh_bars: Ints
+    """Bars of those sides, -1 where a side is held and no bar, (k, 4)."""
+    mesh_row: Ints
+    """Row that counts a mesh, at its widest part or, of a square mesh, ahead of it, (k,)."""
+
+    globalisation: int = 1
+    """Real meshes merged into one, each way."""
+    straps: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
+    """Bars that are ropes round the netting, (s,)."""
+    strap_share: Floats = field(default_factory=lambda: np.zeros(0))
+    """Tension of the real rope over that of its bar, (s,)."""
+
+    @property
+    def bands(self) -> int:
+        """Number of bands of netting from the entry to the codline."""
+        return len(self.band_meshes)
+
+    @property
+    def row_place(self) -> Floats:
+        """Place of every row of knots, in meshes from the entry, (bands + 1,)."""
+        return np.concatenate([[0.0], np.cumsum(self.band_meshes)])
+
+    @property
+    def mesh_is_square(self) -> NDArray[np.bool_]:
+        """Whether a mesh is square, (k,)."""
+        return np.append(self.band_is_square, False)[self.mesh_row]
+
+    @property
+    def mesh_place(self) -> Floats:
+        """Middle of the meshes that a row counts, in meshes from the entry, (bands + 1,)."""
+        behind = np.append(0.5 * self.band_meshes * self.band_is_square, 0.0)
+        return self.row_place + behind
+
+
+def mesh_corners(bag: Bag, positions: Floats) -> Floats:
+    """End positions of the four sides of every mesh, (k, 4, 2, 3): mesh, side, end, coordinate."""
+    return rotate(positions[bag.mesh_sides], bag.mesh_side_image, bag.net.order)
+
+
+@dataclass(frozen=True)
+class WholeBag:
+    """The sectors of a bag set side by side all round: for pictures, files and sums over the whole net."""
+
+    positions: Floats
+    """All nodes, (order * n, 3); nodes on the axis occur once a sector."""
+    bars: Ints
+    """(order * m, 2); bar i of sector s is number s * m + i."""
+    meshes: Ints
+    """Ends of the four sides of a mesh, (order * k, 8), walking round it; corners may repeat."""
+
+
+def all_round(bag: Bag, positions: Floats) -> WholeBag:
+    """Repeat one sector all round; values of bars and meshes are repeated with ``numpy.tile(values, net.order)``."""
+    net = bag.net
+    sector = np.arange(net.order)
+    whole = rotate(np.broadcast_to(positions, (net.order, *positions.shape)), sector[:, None], net.order)
+    bar_images = np.stack([np.zeros_like(net.bar_image), net.bar_image], axis=1)
+    return WholeBag(
+        positions=whole.reshape(-1, 3),
+        bars=numbered_all_round(net, net.bars, bar_images),
+        meshes=numbered_all_round(net, bag.mesh_sides, bag.mesh_side_image).reshape(-1, 8),
+    )
+
+
+def real_tensions(bag: Bag, bar_tension: Floats) -> Floats:
+    """Tension of the real bars and ropes that the bars of a bag stand for, N, (m,)."""
+    real = bar_tension / bag.globalisation
+    real[bag.straps] = bag.strap_share * bar_tension[bag.straps]
+    return real
+
+
+def with_hinges(bag: Bag) -> Bag:
+    """The bag with a hinge in the middle of every bar of twine (Le Bris et al. 1999, figure 1)."""
+    split = np.flatnonzero(bag.bar_is_twine)
+    return replace(
+        bag,
+        net=split_bars(bag.net, bag.bar_is_twine),
+        node_row=np.append(bag.node_row, np.full(len(split), -1, dtype=np.int32)),
+        bar_band=np.append(bag.bar_band, bag.bar_band[split]),
+        bar_is_twine=np.append(bag.bar_is_twine, bag.bar_is_twine[split]),
+    )
+
+
+def around(bag: Bag, net: Net, band: int) -> Bag:
+    """The bag of a net that has more nodes and bars after the bag's own: no knots of a row, no twine, in a band."""
+    nodes, bars = len(net.positions) - len(bag.node_row), len(net.bars) - len(bag.bar_band)
+    return replace(
+        bag,
+        net=net,
+        node_row=np.append(bag.node_row, np.full(nodes, -1, dtype=np.int32)),
+        bar_band=np.append(bag.bar_band, np.full(bars, band, dtype=np.int32)),
+        bar_is_twine=np.append(bag.bar_is_twine, np.zeros(bars, dtype=bool)),
+    )

@@ -1,0 +1,69 @@
+"""The loads of a net, the one list of them: their data, force, tangent and bound, each from its own file. Kernels.
+
+A new load is a file with these functions and a line in each of the lists below.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from codend.compiled import njit
+from codend.mechanics import bending, drag, points, pressure
+from codend.mechanics.points import Points
+from codend.mechanics.pressure import Catch
+from codend.mechanics.structure import Structure
+from codend.mechanics.tangent import Pattern
+from codend.mechanics.water import Water
+from codend.net.net import Floats
+
+
+class Loading(NamedTuple):
+    """What acts on a net."""
+
+    dead: Floats
+    """Nodal forces that are the same wherever the net is, the wet weight among them, N, (n, 3)."""
+    water: Water
+    points: Points
+    catch: Catch
+
+
+@njit(cache=True)
+def add_force(position: Floats, structure: Structure, loading: Loading, share: Floats, force: Floats) -> None:
+    """Add all loads on a net at rest to the nodal forces, N, (n, 3): all but the tension of its bars."""
+    add_moving_force(position, np.empty((0, 3)), structure, loading, share, force)
+
+
+@njit(cache=True)
+def add_moving_force(
+    position: Floats, velocity: Floats, structure: Structure, loading: Loading, share: Floats, force: Floats
+) -> None:
+    """Add all loads on a net whose nodes move, ``velocity`` (n, 3), to the nodal forces, N."""
+    dead = loading.dead
+    for node in range(len(force)):
+        for i in range(3):
+            force[node, i] += dead[node, i]
+    bending.add_force(position, structure, force)
+    drag.add_force(position, velocity, structure, loading.water, loading.catch, share, force)
+    points.add_force(position, velocity, loading.points, loading.water, force)
+    pressure.add_force(position, structure, loading.catch, share, force)
+
+
+@njit(cache=True)
+def add_tangent(
+    position: Floats, structure: Structure, loading: Loading, pattern: Pattern, share: Floats, blocks: Floats
+) -> None:
+    """Add minus the derivative of all loads at given shares of the catch to the tangent."""
+    bending.add_tangent(position, structure, pattern, blocks)
+    drag.add_tangent(position, structure, loading.water, loading.catch, pattern, share, blocks)
+    points.add_tangent(position, loading.points, loading.water, pattern, blocks)
+    pressure.add_tangent(position, structure, loading.catch, pattern, share, blocks)
+
+
+@njit(cache=True)
+def add_bound(position: Floats, structure: Structure, loading: Loading, share: Floats, bound: Floats) -> None:
+    """Add a bound on the loads' part of each node's row of the stiffness, N/m, (n,).
+
+    Drag has none: it changes by no more than a load per bar's length, which the tensions that carry it exceed.
+    """
+    bending.add_bound(position, structure, bound)
+    pressure.add_bound(position, structure, loading.catch, share, bound)
