@@ -14,5 +14,5 @@ def as_name(text: str) -> str:
     try:
         os.fsencode(text)
     except UnicodeEncodeError:
-        return os.fsdecode(text.encode())
+        return os.fsdecode(text.encode(errors="replace"))
     return text

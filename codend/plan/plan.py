@@ -224,7 +224,8 @@ def plan_from_dict(data: Mapping[str, Any], source: str | Path = "plan", overrid
     key, catch = "catch.sphere_cp_csv", changed.get("catch")
     curve = catch.get("sphere_cp_csv") if isinstance(catch, Mapping) else None
     # os.path.isfile, unlike Path.is_file, is False and not an error for names no file can have
-    if isinstance(curve, str) and not os.path.isfile(Path(source).parent / curve) and key not in {e.key for e in found}:
+    is_file = isinstance(curve, str) and os.path.isfile(Path(source).parent / as_name(curve))
+    if isinstance(curve, str) and not is_file and key not in {error.key for error in found}:
         found.append(InputError(source, key, curve, "a CSV file, its path relative to the plan's folder"))
     if found:
         raise all_at_once(found) from None

@@ -108,7 +108,7 @@ def test_any_file_name_and_output_encoding_will_do(letter: str, encoding: dict, 
         folder.mkdir()
     except OSError:
         pytest.skip("this file system takes no such name")
-    (folder / "Cp-Ω.csv").write_text("angle_deg,cp\n0,1\n90,-0.5\n180,0.4\n", encoding="utf-8")
+    (folder / "Cp-Ω.csv").write_text("theta_deg,cp\n0,1\n90,-0.5\n180,0.4\n", encoding="utf-8")
     plan = folder / f"plan{letter}.toml"
     text = TINY_PLAN.replace("A small bag", "漁 Ω").replace("[catch]", '[catch]\nsphere_cp_csv = "Cp-Ω.csv"')
     plan.write_text(text, encoding="utf-8")

@@ -112,11 +112,11 @@ def lose_a_case(path):
         ("run.json", lambda path: path.unlink(), "it did not end"),
         ("run.json", cut, "run.json cannot be read"),
         ("run.json", lambda path: path.write_text("[]"), "run.json cannot be read"),
-        ("cp.csv", lambda path: path.write_text("angle_deg,cp\n0,1\n90,-1\n180,0.2\n"), "cp.csv has changed"),
+        ("cp.csv", lambda path: path.write_text("theta_deg,cp\n0,1\n90,-1\n180,0.2\n"), "cp.csv has changed"),
     ],
 )
 def test_a_run_that_is_not_whole_and_of_these_inputs_is_solved_again_with_a_word(file, damage, word, plan, tmp_path):
-    (tmp_path / "cp.csv").write_text("angle_deg,cp\n0,1\n90,-0.5\n180,0.4\n", encoding="utf-8")
+    (tmp_path / "cp.csv").write_text("theta_deg,cp\n0,1\n90,-0.5\n180,0.4\n", encoding="utf-8")
     runs = runs_of(plan, VARY[:1], ['catch.sphere_cp_csv="cp.csv"'])
     before = solve_runs(runs, tmp_path)
     assert why_again(runs, tmp_path) == {}
