@@ -5,8 +5,9 @@ its volume, the lid placed in proportion between the two rows of knots, so that 
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from catch_models.kernel_cache import njit
 
 Floats = NDArray[np.float64]
 

@@ -11,24 +11,21 @@ from functools import cache
 from hashlib import sha256
 from typing import Any
 
-import numba
+from catch_models import kernel_cache
 
 _FROM_IMPORT = re.compile(r"^from +((?:codend|catch_models)[\w.]*) +import +(\([^)]*\)|.*)", re.MULTILINE)
 """The one form of import that the files of this project have at their top."""
 
 
 def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """``numba.njit``, with cached code that is dropped when any file it may come from has changed.
+    """``kernel_cache.njit``, with cached code that is dropped when any file it may come from has changed.
 
     These are the function's own file and those of this project it imports from, directly or by way of others.
     """
 
     def compiled(function: Callable[..., Any]) -> Any:
-        kernel = numba.njit(**options)(function)
-        if not numba.config.DISABLE_JIT:  # type: ignore[attr-defined] # set at run time
-            # numba's stamp of the file: cached code that bears another one is not loaded, but written over in time
-            index = kernel._cache._cache_file
-            index._source_stamp = (index._source_stamp, digest_of_sources(function.__module__))
+        kernel = kernel_cache.njit(**options)(function)
+        kernel_cache.stamp_sources(kernel, digest_of_sources(function.__module__))
         return kernel
 
     return compiled

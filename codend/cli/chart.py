@@ -37,6 +37,7 @@ def chart(plan: str, folder: Path, number: int, quick: bool, changes: tuple[str,
     matter here. Writes chart.csv, chart_choices.csv, chart_drag.png, chart_opening.png and chart_volume.png into DIR.
     """
     from codend.io.files import whole_file, write_table
+    from codend.report.own_look import own_look
     from codend.report.speed_plot import speed_figure
     from codend.report.style import png
     from codend.studies.speed_accuracy.choices import choices
@@ -53,11 +54,11 @@ def chart(plan: str, folder: Path, number: int, quick: bool, changes: tuple[str,
             click.echo(f"codend: {error}", err=True)
             return NOT_CONVERGED
     chosen = choices(measured)
-    with written_into(folder):
+    with written_into(folder, ("chart.csv", "chart_choices.csv", *pictures.values())):
         write_table(measured.points, folder / "chart.csv")
         write_table(chosen, folder / "chart_choices.csv")
         for short, picture in pictures.items():
-            with whole_file(folder / picture) as temporary:
+            with whole_file(folder / picture) as temporary, own_look():
                 temporary.write_bytes(png(speed_figure((measured,), short)))
     click.echo(text_table(list(COLUMNS.values()), chosen[list(COLUMNS)].itertuples(index=False)))
     click.echo(_confirmed(measured.confirmations))

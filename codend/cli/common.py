@@ -14,8 +14,16 @@ from codend.errors import InputError
 if TYPE_CHECKING:
     from codend.io.table_form import TableForm
 
-BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 2, 3, 130
-"""Exit statuses; 0 is success."""
+NO_MEANS, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 1, 2, 3, 130
+"""Exit statuses; 0 is success, 1 want of memory or of an output that can be written."""
+
+
+class Stopped(click.ClickException):
+    """Work that ended early, with what is left of it in one line."""
+
+    def __init__(self, message: str, status: int) -> None:
+        super().__init__(message)
+        self.status = status
 
 
 class SeveralPairs(click.Command):
@@ -93,15 +101,21 @@ def haul_options(command: Callable[..., Any]) -> Callable[..., Any]:
 def check_writable(folder: Path, files: Iterable[str] = ()) -> None:
     """Find out before the work is done whether a folder and files in it can be made or written to.
 
+    From then on the command has the folder for itself, until it ends.
+
     Raises:
-        InputError: one cannot; it is named.
+        InputError: one cannot, and is named; another codend works in the folder.
     """
+    from codend.io.own_folder import owned
+
     paths = [folder / file for file in files]
     for needed in dict.fromkeys((folder, *(path.parent for path in paths))):
         _check_folder(needed)
     for path in paths:
         if path.is_dir():
             _refuse(path, "it is a folder", "a file that can be written")
+    with _refusing(folder):
+        click.get_current_context().with_resource(owned(folder))
 
 
 def _check_folder(folder: Path) -> None:
@@ -116,10 +130,23 @@ def _check_folder(folder: Path) -> None:
 
 
 @contextmanager
-def written_into(folder: Path) -> Iterator[None]:
-    """Make a folder for the block to write to; what cannot be written is an input error."""
-    try:
+def written_into(folder: Path, older: Iterable[str] = ()) -> Iterator[None]:
+    """Make a folder for the block to write to; what cannot be written is an input error.
+
+    Args:
+        folder: to write to.
+        older: files in it that the block writes anew; they go first, so that what is there is of one time.
+    """
+    with _refusing(folder):
         folder.mkdir(parents=True, exist_ok=True)
+        for name in older:
+            (folder / name).unlink(missing_ok=True)
+        yield
+
+
+@contextmanager
+def _refusing(folder: Path) -> Iterator[None]:
+    try:
         yield
     except OSError as error:
         # of a file that was to be renamed, the second name is that which it was to have

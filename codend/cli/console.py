@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from time import monotonic
 
-import click
+from codend.cli.streams import say
 
 ShownProgress = Callable[[int, int, str], None]
 """Told how many parts are done, of how many, and what is being done."""
@@ -43,7 +43,7 @@ def _shown(value: object) -> str:
 @contextmanager
 def shown_progress() -> Iterator[ShownProgress]:
     """A bar on standard error where that is a terminal, otherwise a line there every ten seconds."""
-    if not sys.stderr.isatty():
+    if sys.stderr is None or not sys.stderr.isatty():
         yield _progress_lines()
         return
     from rich.console import Console
@@ -63,6 +63,6 @@ def _progress_lines() -> ShownProgress:
         now = monotonic()
         if now - last > SECONDS_BETWEEN_LINES:
             last = now
-            click.echo(f"{done} of {total} done, {doing}", err=True)
+            say(f"{done} of {total} done, {doing}")
 
     return report

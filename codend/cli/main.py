@@ -4,6 +4,9 @@ import atexit
 import gc
 import math
 import sys
+from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -13,8 +16,10 @@ from codend.cli.chart import chart
 from codend.cli.common import (
     BAD_INPUT,
     INTERRUPTED,
+    NO_MEANS,
     NOT_CONVERGED,
     SeveralPairs,
+    Stopped,
     check_writable,
     out_option,
     set_option,
@@ -24,12 +29,14 @@ from codend.cli.common import (
 from codend.cli.console import shown_progress, text_table
 from codend.cli.force import force
 from codend.cli.selectivity import fit, selectivity, species
+from codend.cli.streams import Terminated, end_on_signals, give_up_output, say, take_any_text
 from codend.cli.sweep import sweep
 from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
     from codend.io.table_form import TableForm
     from codend.studies.comparison import Comparison
+    from codend.studies.kept_cases import KeptCases
     from codend.studies.study import Study
 
 TABLE_COLUMNS = {
@@ -54,19 +61,35 @@ class _OneLineErrors(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         try:
             return super().invoke(ctx)
+        except Terminated as request:
+            _end("terminated", 128 + request.args[0])
         except KeyboardInterrupt:
             _end("interrupted", INTERRUPTED)
+        except EOFError as error:  # click takes it for Ctrl-C; nothing here reads from a terminal
+            raise RuntimeError("a file ended too early") from error
 
     def main(self, *args: Any, **kwargs: Any) -> NoReturn:
         _make_haste()
+        take_any_text()
+        end_on_signals()
         try:
             status = super().main(*args, **{**kwargs, "standalone_mode": False})
+        except Stopped as error:
+            _end(error.format_message(), error.status)
         except click.ClickException as error:
             _end(" ".join(error.format_message().split()), BAD_INPUT)
         except InputError as error:
             _end("\n".join(error.lines), BAD_INPUT)
+        except MemoryError:
+            _end("too little memory", NO_MEANS)
+        except BrokenExecutor:
+            _end("a process that solved was killed, most likely for want of memory; what is solved is kept", NO_MEANS)
         except click.Abort:
             _end("interrupted", INTERRUPTED)
+        except OSError as error:
+            give_up_output()
+            what = "standard output" if error.filename is None else str(error.filename)
+            _end(f"{what}: {error.strerror or error}", NO_MEANS)
         raise SystemExit(status or 0)
 
 
@@ -83,7 +106,7 @@ def _make_haste() -> None:
 
 def _end(message: str, status: int) -> NoReturn:
     for line in message.splitlines():
-        click.echo(f"codend: {' '.join(line.split())}", err=True)
+        say(f"codend: {' '.join(line.split())}")
     raise SystemExit(status)
 
 
@@ -101,8 +124,8 @@ def _print_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None
 def main(ctx: click.Context) -> None:
     """Shape, drag, mesh opening and selectivity of towed trawl codends.
 
-    Exit status: 0 when all went well, 2 for bad input (one line says what), 3 when something did not converge, 130
-    when interrupted.
+    Exit status: 0 when all went well, 1 for want of memory or of an output that can be written, 2 for bad input (one
+    line says what), 3 when something did not converge, 130 when interrupted.
     """
     if ctx.invoked_subcommand is None:
         click.echo(ctx.get_help())
@@ -115,8 +138,8 @@ def main(ctx: click.Context) -> None:
 def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     """Solve every case of a plan; write tables, plots, VTK files and a report into DIR.
 
-    Nothing is written before all cases are solved. In a DIR that exists, files of an earlier run are replaced, each
-    at once, or removed where this run has nothing to put into them; all else is left alone.
+    Cases are kept in the tables as they are solved, and the report comes last: it is there only where all that it
+    tells of is. From a DIR that exists an earlier run is removed as the first case comes; all else is left alone.
     """
     from codend.plan.plan import load_plan
 
@@ -125,6 +148,8 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     from codend.equilibrium.fidelity import choose
     from codend.report.html import cautions, sea_water
     from codend.report.page import files_of, write_report
+    from codend.studies.kept_cases import KeptCases
+    from codend.studies.run_record import unfinished
     from codend.studies.study import solve
 
     pressure_law_of(checked)  # a Cp curve that cannot be used is refused before anything is said
@@ -136,16 +161,38 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     click.echo(choice.why)
     if checked.water_is_assumed:
         click.echo(sea_water(checked))
-    with shown_progress() as progress:
-        study = solve(checked, progress, choice)
-        with written_into(folder):
-            written = write_report(study, folder, progress)
+    if (before := unfinished(folder)) is not None:
+        click.echo(f"{folder} held {before} of a run that did not end; this one takes its place", err=True)
+    with shown_progress() as progress, written_into(folder), KeptCases(checked, choice, folder) as kept:
+        with _told_what_is_kept(kept, len(checked.cases()), folder / "results.csv"):
+            study = solve(checked, progress, choice, kept.add)
+        written = write_report(study, folder, progress)
     click.echo(text_table(list(TABLE_COLUMNS.values()), study.table[list(TABLE_COLUMNS)].itertuples(index=False)))
     click.echo(f"{len(written)} files written into {folder}; see {folder / 'report.html'}")
     for caution in cautions(study):
         click.echo(caution, err=True)
     _explain_failures(study)
     return 0 if study.converged else NOT_CONVERGED
+
+
+@contextmanager
+def _told_what_is_kept(kept: "KeptCases", cases: int, table: Path) -> Iterator[None]:
+    """Say on one line, where solving ends early, which cases are kept all the same."""
+    try:
+        yield
+    except (KeyboardInterrupt, MemoryError, Exception) as error:
+        told = f"{kept.count} of {cases} cases were solved and are in {table}" if kept.count else "no case was solved"
+        match error:
+            case Terminated():
+                raise Stopped(f"terminated; {told}", 128 + error.args[0]) from None
+            case KeyboardInterrupt():
+                raise Stopped(f"interrupted; {told}", INTERRUPTED) from None
+            case MemoryError():
+                raise Stopped(f"too little memory; {told}", NO_MEANS) from None
+            case InputError() | OSError():
+                raise
+        say(f"codend: an error of the program; {told}")
+        raise
 
 
 def _explain_failures(study: "Study") -> None:
@@ -195,22 +242,23 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None, form: "TableFo
     from codend.io.run_tables import read_run_table
     from codend.plan.plan import load_plan
     from codend.report.comparison_plot import comparison_figure
+    from codend.report.own_look import own_look
     from codend.report.style import png
     from codend.studies.comparison import Hoop, read_flume_table
     from codend.studies.comparison import compare as compare_with
 
+    check_writable(folder, COMPARISON_FILES)
     results = folder / "results.csv"
     hoop = None
     if hoop_rod_mm is not None:
         plan = load_plan(folder / "plan.toml")
         hoop = Hoop(plan.entry.radius_m, hoop_rod_mm / 1000.0, plan.tow.water_density_kg_m3)
     comparison = compare_with(read_run_table(results), read_flume_table(table, form), results, hoop)
-    check_writable(folder, COMPARISON_FILES)
-    with written_into(folder):
+    with written_into(folder, COMPARISON_FILES):
         points, summary, picture = (folder / name for name in COMPARISON_FILES)
         write_table(comparison.points, points)
         write_table(comparison.summary, summary)
-        with whole_file(picture) as temporary:
+        with whole_file(picture) as temporary, own_look():
             temporary.write_bytes(png(comparison_figure(comparison)))
     _print_comparison(comparison)
 
@@ -237,14 +285,22 @@ def _print_comparison(comparison: "Comparison") -> None:
 @main.command()
 @click.option("--warm-up", is_flag=True, help="Compile all kernels now, by solving a tiny net.")
 def doctor(warm_up: bool) -> int:
-    """Show versions, cores and the state of the compiled kernels; status 1 when a needed package is missing."""
+    """Show what is installed and what this machine offers, and remove damaged files of the compiled kernels.
+
+    Status 1 when a needed package is missing or does not work.
+    """
     from codend.cli import doctor as examination
 
+    failed = False
     if warm_up:
-        click.echo(examination.warm_up())
+        try:
+            click.echo(examination.warm_up())
+        except Exception as error:  # what follows may say why
+            say(f"codend: kernels cannot be compiled: {type(error).__name__}: {' '.join(str(error).split())}")
+            failed = True
     findings = examination.examine()
     click.echo(text_table(["what", "found"], [(finding.topic, finding.found) for finding in findings]))
-    return 1 if any(finding.missing for finding in findings) else 0
+    return 1 if failed or any(finding.missing for finding in findings) else 0
 
 
 for _command in (sweep, chart, force, selectivity, species, fit):

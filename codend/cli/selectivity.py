@@ -65,11 +65,12 @@ def selectivity(
     from codend.selectivity.escape.predict import predict
     from codend.selectivity.escape.species import load_species
 
-    species, read = [load_species(file) for file in files], read_run(folder)
+    species = [load_species(file) for file in files]
     from codend.report.selectivity_page import FILES, notes, write_selectivity
     from codend.selectivity.escape.tables import HAUL, selectivity_table
 
     check_writable(folder, FILES)
+    read = read_run(folder)
     trial, names = None, calibrated.split(",") if calibrated is not None else []
     if field is not None:
         from codend.selectivity.predicted_and_observed.calibrate import calibrated_names
@@ -153,7 +154,7 @@ def fit(data: str, design: str, folder: Path, replicates: int, **choices: Any) -
     from codend.selectivity.fits.analysis import diagnostics_table, fit_field_data, fit_table
 
     fitted = fit_field_data(data, design, n_bootstrap=replicates, **choices)
-    with written_into(folder):
+    with written_into(folder, ("fit.csv", "diagnostics.csv")):
         write_table(fit_table(fitted), folder / "fit.csv")
         write_table(diagnostics_table(fitted), folder / "diagnostics.csv")
     for note in fitted.data.notes:

@@ -35,20 +35,24 @@ def sweep(plan: str, folder: Path, vary: tuple[str, ...], changes: tuple[str, ..
 
     Writes sweep.csv (results.csv of all runs with columns for what varies) and sweep.png into DIR, and every run's
     plan and tables into DIR/runs/NUMBER, where `codend selectivity` and `codend compare` take them. A sweep that was
-    interrupted goes on where it stopped: runs that DIR holds already are not solved again. Runs that a longer sweep
-    left in DIR/runs are removed.
+    interrupted goes on where it stopped: runs that DIR holds already are not solved again, unless the program, a file
+    that the plan names or the run's tables have changed. Runs that a longer sweep left in DIR/runs are removed.
     """
     from codend.io.files import whole_file, write_table
+    from codend.report.own_look import own_look
     from codend.report.style import png
     from codend.report.sweep_plot import sweep_figure
-    from codend.studies.sweep import files_of, runs_of, solve_runs
+    from codend.studies.sweep import files_of, runs_of, solve_runs, why_again
 
     runs = runs_of(plan, vary, changes)
     check_writable(folder, ("sweep.csv", "sweep.png", *files_of(runs)))
-    with shown_progress() as progress, written_into(folder):
+    for reason, numbers in why_again(runs, folder).items():
+        which = f"run {numbers[0]} is" if len(numbers) == 1 else f"runs {', '.join(map(str, numbers))} are"
+        click.echo(f"{which} solved again: {reason}", err=True)
+    with shown_progress() as progress, written_into(folder, ("sweep.csv", "sweep.png")):
         table = solve_runs(runs, folder, processes, progress)
         write_table(table, folder / "sweep.csv")
-        with whole_file(folder / "sweep.png") as temporary:
+        with whole_file(folder / "sweep.png") as temporary, own_look():
             temporary.write_bytes(png(sweep_figure(table, {run.number: run.label for run in runs})))
     keys = list(runs[0].values)
     summary = table.groupby(["run", *keys], sort=False).agg(**SUMMARY).reset_index()

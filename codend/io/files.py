@@ -34,8 +34,8 @@ def whole_file(path: Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
-def write_table(table: "pd.DataFrame", path: Path) -> None:
-    """Write a table as CSV; a number nobody computed (nan, or the infinite residual of no answer) is an empty cell.
+def table_text(table: "pd.DataFrame") -> str:
+    """A table as CSV; a number nobody computed (nan, or the infinite residual of no answer) is an empty cell.
 
     Texts that a spreadsheet would take for formulas get an apostrophe ahead, by which it knows them for texts.
     """
@@ -45,10 +45,20 @@ def write_table(table: "pd.DataFrame", path: Path) -> None:
     for place, dtype in enumerate(table.dtypes):
         if not pd.api.types.is_numeric_dtype(dtype):
             table.isetitem(place, [_no_formula(cell) for cell in table.iloc[:, place]])
+    return table.replace([np.inf, -np.inf], np.nan).to_csv(
+        index=False, na_rep="", float_format="%.12g", lineterminator="\n"
+    )
+
+
+def write_table(table: "pd.DataFrame", path: Path) -> None:
+    """Write a table as ``table_text``."""
+    write_text(table_text(table), path)
+
+
+def write_text(text: str, path: Path) -> None:
+    """Write a text in UTF-8; of names that no text can hold (bytes that are not UTF-8) a question mark stays."""
     with whole_file(path) as temporary:
-        table.replace([np.inf, -np.inf], np.nan).to_csv(
-            temporary, index=False, na_rep="", float_format="%.12g", encoding="utf-8", lineterminator="\n"
-        )
+        temporary.write_bytes(text.encode(errors="replace"))
 
 
 def as_named(cell: object) -> object:

@@ -4,6 +4,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
+from codend.io.names import as_text
 from codend.plan.plan import Plan
 
 
@@ -11,7 +12,7 @@ def plan_toml(plan: Plan) -> str:
     """The plan as TOML that ``load_plan`` reads back to an equal plan, from any folder; overrides are part of it."""
     tables = plan.to_dict()
     if plan.sphere_cp_path is not None:
-        tables["catch"]["sphere_cp_csv"] = str(plan.sphere_cp_path.absolute())
+        tables["catch"]["sphere_cp_csv"] = as_text(plan.sphere_cp_path.absolute())
     lines = ["# The plan as it was solved: changes made on the command line and defaults included."]
     lines += [f"{key} = {toml_value(value)}" for key, value in tables.items() if not isinstance(value, dict | list)]
     for name, table in tables.items():

@@ -14,6 +14,7 @@ from annotated_types import MinLen
 from pydantic import PrivateAttr, model_validator
 
 from codend.errors import InputError, all_at_once
+from codend.io.names import as_name
 from codend.io.toml import read_toml
 from codend.plan.messages import Contradiction
 from codend.plan.mistakes import checked
@@ -175,7 +176,7 @@ class Plan(Table):
     @property
     def sphere_cp_path(self) -> Path | None:
         """The user's own Cp curve for the sphere law; None for the one that is shipped."""
-        return None if self.catch.sphere_cp_csv is None else self.source.parent / self.catch.sphere_cp_csv
+        return None if self.catch.sphere_cp_csv is None else self.source.parent / as_name(self.catch.sphere_cp_csv)
 
     @property
     def globalisations(self) -> tuple[int, ...]:
@@ -223,7 +224,8 @@ def plan_from_dict(data: Mapping[str, Any], source: str | Path = "plan", overrid
     key, catch = "catch.sphere_cp_csv", changed.get("catch")
     curve = catch.get("sphere_cp_csv") if isinstance(catch, Mapping) else None
     # os.path.isfile, unlike Path.is_file, is False and not an error for names no file can have
-    if isinstance(curve, str) and not os.path.isfile(Path(source).parent / curve) and key not in {e.key for e in found}:
+    is_file = isinstance(curve, str) and os.path.isfile(Path(source).parent / as_name(curve))
+    if isinstance(curve, str) and not is_file and key not in {error.key for error in found}:
         found.append(InputError(source, key, curve, "a CSV file, its path relative to the plan's folder"))
     if found:
         raise all_at_once(found) from None

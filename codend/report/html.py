@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from datetime import datetime
 from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
+from codend.io.names import as_text
 from codend.plan.plan import Plan
 from codend.report.page_tables import results_table, solving_table
 from codend.studies.case_result import CaseResult
@@ -38,13 +40,14 @@ class PageFigure:
         return "data:image/png;base64," + base64.b64encode(self.png).decode("ascii")
 
 
-def page_html(study: Study, figures: Sequence[PageFigure]) -> str:
+def page_html(study: Study, figures: Sequence[PageFigure], run: str = "") -> str:
     """The page as HTML, everything from the plan escaped.
 
     Args:
         study: what to write about, solved or not.
         figures: the first stands at the top of the page, the others after the table of results; none if nothing was
             solved.
+        run: name of the run, as ``run.json`` has it; "" where the page stands alone.
     """
     from jinja2 import Environment, StrictUndefined
 
@@ -53,7 +56,8 @@ def page_html(study: Study, figures: Sequence[PageFigure]) -> str:
     plan = study.plan
     return template.render(
         title=plan.title,
-        summary=f"{_count(len(study.cases), 'case')}; written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}.",
+        summary=f"{_count(len(study.cases), 'case')}; written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}"
+        + (f"; run {run}, as run.json beside its tables says." if run else "."),
         notes=notes(study),
         fidelity=FIDELITIES.get(study.choice.fidelity, study.choice.fidelity),
         why=study.choice.why,
@@ -62,8 +66,8 @@ def page_html(study: Study, figures: Sequence[PageFigure]) -> str:
         opening_figures=figures[:1],
         figures=figures[1:],
         inputs=input_sections(plan),
-        inputs_remark=f"All values of the plan ({plan.source.name}), with the defaults of keys it leaves out. Which of "
-        "them were measured and which were assumed stands in the comments of the plan's file.",
+        inputs_remark=f"All values of the plan ({as_text(Path(plan.source.name))}), with the defaults of keys it "
+        "leaves out. Which of them were measured and which were assumed stands in the comments of the plan's file.",
         versions=made_with(),
     )
 

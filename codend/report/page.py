@@ -1,6 +1,5 @@
 """Everything a study leaves in its folder."""
 
-import re
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
@@ -8,16 +7,18 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from codend.io.files import COMPARISON_FILES, SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_table
+from codend.io.files import whole_file, write_table, write_text
 from codend.plan.copy import plan_toml
 from codend.plan.plan import Plan
 from codend.report.drag_plot import drag_plot
 from codend.report.html import PageFigure, page_html
+from codend.report.own_look import own_look
 from codend.report.picture import net_picture
 from codend.report.plots import catch_text, opening_force_plot, opening_plot, profiles_plot, solved, tension_plot
 from codend.report.style import number_text, png
 from codend.report.vtk import write_vtu
 from codend.studies.case_result import CaseResult
+from codend.studies.run_record import RECORD, TABLES, inputs_of, remove_run, write_record
 from codend.studies.study import Study, StudyProgress
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ def files_of(plan: Plan) -> list[str]:
     """Every file that ``write_report`` may write of a plan, relative to its folder."""
     nets = [f"net_{case.number}.vtu" for case in plan.cases()]
     plots = [f"plots/{plot.name}.png" for plot in PLOTS]
-    return ["plan.toml", "results.csv", "profile.csv", "meshes.csv", *plots, *nets, "report.html"]
+    return ["plan.toml", *TABLES, RECORD, *plots, *nets, "report.html"]
 
 
 def write_report(study: Study, folder: Path, progress: StudyProgress | None = None) -> list[Path]:
@@ -90,9 +91,10 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
 
     ``plan.toml``, the plan as it was solved; ``results.csv`` and ``profile.csv``; ``meshes.csv`` for models more than
     one mesh wide; ``net_<case>.vtu`` for every solved case; ``plots/*.png`` when a case was solved; ``report.html``.
-    Each file appears whole or not at all. Files of these names from an earlier study that this one has nothing to put
-    into are removed, and so is what ``codend selectivity`` and ``codend compare`` made of that study, so that all that
-    is there belongs together.
+    Each file appears whole or not at all. What an earlier study left goes first, its page before
+    all else, and so does what ``codend selectivity`` and ``codend compare`` made of it; ``run.json``, with digests of
+    the tables, comes after these, and the page comes last and bears its name: whatever ends the writing, a page is of
+    the tables beside it.
 
     Args:
         study: what to write; its cases that were not solved are listed as such, without numbers.
@@ -106,65 +108,62 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
         OSError: a file cannot be written.
     """
     figures: dict[str, PageFigure] = {}
+    begun: dict[int, Future[None]] = {}
+    run = ""
 
     def write_plot(plot: Plot, path: Path) -> None:
         figures[plot.name] = PageFigure(png(plot.draw(study)), plot.caption(study))
         _write_bytes(figures[plot.name].png, path)
 
     def write_page(path: Path) -> None:
-        _write_bytes(page_html(study, list(figures.values())).encode(), path)
+        write_text(page_html(study, list(figures.values()), run), path)
 
-    def write_plan(path: Path) -> None:
-        _write_bytes(plan_toml(study.plan).encode(), path)
+    def write_run(_: Path) -> None:
+        nonlocal run
+        run = write_record(folder, inputs_of(study.plan))
+        # VTK files take compression for the most part, which lets this thread make plots; then it helps
+        for result in solved(study):
+            begun[result.case.number] = beside.submit(write_vtu, result, net_path(result))
+
+    def write_net(result: CaseResult, path: Path) -> None:
+        """Wait for the file when another thread has begun it, or write it here."""
+        if begun[result.case.number].cancel():
+            write_vtu(result, path)
+        else:
+            begun[result.case.number].result()
+
+    def net_path(result: CaseResult) -> Path:
+        return folder / f"net_{result.case.number}.vtu"
 
     folder.mkdir(parents=True, exist_ok=True)
-    # VTK files take compression for the most part, which lets this thread make tables and plots; then it helps
+    copy = plan_toml(study.plan)
+    remove_run(folder, but_tables_of=copy)
+    tables = {"results.csv": study.table, "profile.csv": study.profile, "meshes.csv": study.meshes}
+    writers: dict[Path, Callable[[Path], None]] = {folder / "plan.toml": partial(write_text, copy)}
+    for name, table in tables.items():
+        if name == "meshes.csv" and table.empty:
+            (folder / name).unlink(missing_ok=True)
+        else:
+            writers[folder / name] = partial(write_table, table)
+    writers[folder / RECORD] = write_run
+    drawn = [plot for plot in PLOTS if solved(study) and plot.fits(study)]
+    writers |= {folder / "plots" / f"{plot.name}.png": partial(write_plot, plot) for plot in drawn}
+    # the other thread comes from the first
+    writers |= {net_path(result): partial(write_net, result) for result in reversed(solved(study))}
+    writers[folder / "report.html"] = write_page
     beside = ThreadPoolExecutor(1)
     try:
-        nets: dict[Path, Callable[[Path], None]] = {}
-        for result in solved(study):
-            path = folder / f"net_{result.case.number}.vtu"
-            nets[path] = partial(_finish_vtu, beside.submit(write_vtu, result, path), result)
-        writers: dict[Path, Callable[[Path], None]] = {
-            folder / "plan.toml": write_plan,
-            folder / "results.csv": partial(write_table, study.table),
-            folder / "profile.csv": partial(write_table, study.profile),
-        }
-        if not study.meshes.empty:
-            writers[folder / "meshes.csv"] = partial(write_table, study.meshes)
-        if solved(study):
-            drawn = [plot for plot in PLOTS if plot.fits(study)]
-            writers |= {folder / "plots" / f"{plot.name}.png": partial(write_plot, plot) for plot in drawn}
-        writers |= dict(reversed(nets.items()))  # the other thread comes from the first
-        writers[folder / "report.html"] = write_page
-        for done, (path, write) in enumerate(writers.items()):
-            if progress is not None:
-                progress(done, len(writers), f"writing {path.name}")
-            path.parent.mkdir(exist_ok=True)
-            write(path)
+        with own_look():
+            for done, (path, write) in enumerate(writers.items()):
+                if progress is not None:
+                    progress(done, len(writers), f"writing {path.name}")
+                path.parent.mkdir(exist_ok=True)
+                write(path)
     finally:
         beside.shutdown(cancel_futures=True)  # of files not yet begun when one cannot be written
-    _remove_leftovers(folder, set(writers))
     return list(writers)
-
-
-def _finish_vtu(writing: "Future[None]", result: CaseResult, path: Path) -> None:
-    """Wait for the file when another thread has begun it, or write it here."""
-    if writing.cancel():
-        write_vtu(result, path)
-    else:
-        writing.result()
 
 
 def _write_bytes(content: bytes, path: Path) -> None:
     with whole_file(path) as temporary:
         temporary.write_bytes(content)
-
-
-def _remove_leftovers(folder: Path, written: set[Path]) -> None:
-    nets = [path for path in folder.glob("net_*.vtu") if re.fullmatch(r"net_\d+\.vtu", path.name)]
-    plots = [folder / "plots" / f"{plot.name}.png" for plot in PLOTS]
-    plots += (folder / "plots").glob("selectivity_*.png")
-    derived = [folder / name for name in (*SELECTIVITY_TABLES, *TRIAL_TABLES, *COMPARISON_FILES)]
-    for path in {*nets, *plots, *derived, folder / "meshes.csv"} - written:
-        path.unlink(missing_ok=True)

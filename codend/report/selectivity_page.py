@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from codend.io.files import SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_table
 from codend.report.html import PageFigure
+from codend.report.own_look import own_look
 from codend.report.selectivity_plots import catch_plot, history_plot, mesh_plot, retention_plot, sensitivity_plot
 from codend.report.style import column_text, png
 from codend.report.together_plot import together_plot
@@ -88,20 +89,24 @@ def write_selectivity(predictions: Sequence[Prediction], folder: Path, together:
     """Write selectivity.csv, retention.csv, sensitivity.csv and plots/selectivity_*.png and a section into report.html.
 
     With a trial, together.csv and together_l50.csv and their plot, which comes first; with a calibration,
-    calibration.csv and, where it converged, calibrated_species.toml. What an earlier call left of those is removed. A
-    section from an earlier run is replaced; where there is no report.html none is made.
+    calibration.csv and, where it converged, calibrated_species.toml. What an earlier call left of those is removed. The
+    section and files of an earlier call go first; where there is no report.html none is made.
 
     Raises:
         OSError: a file cannot be written.
     """
+    report = folder / "report.html"
+    if report.exists():
+        _write_page(report, "")
+    for name in FILES:
+        if name != report.name:
+            (folder / name).unlink(missing_ok=True)
     written = []
     tables = {
         "selectivity.csv": selectivity_table(predictions),
         "retention.csv": retention_table(predictions),
         "sensitivity.csv": sensitivity_table(predictions),
     }
-    for name in TRIAL_TABLES:
-        (folder / name).unlink(missing_ok=True)
     if together:
         tables |= {"together.csv": together_table(together), "together_l50.csv": together_l50_table(together)}
     calibration = together[0].calibration if together else None
@@ -121,19 +126,22 @@ def write_selectivity(predictions: Sequence[Prediction], folder: Path, together:
     for name, (draw, caption) in plots.items():
         path = folder / "plots" / f"selectivity_{name}.png"
         if (name == "sensitivity" and tables["sensitivity.csv"].empty) or (name == "together" and not together):
-            path.unlink(missing_ok=True)
             continue
-        figures.append(PageFigure(png(draw()), caption))
+        with own_look():
+            figures.append(PageFigure(png(draw()), caption))
         with whole_file(path) as temporary:
             temporary.write_bytes(figures[-1].png)
         written.append(path)
-    report = folder / "report.html"
     if report.exists():
-        page = with_section(report.read_text(encoding="utf-8"), section_html(predictions, figures, together))
-        with whole_file(report) as temporary:
-            temporary.write_text(page, encoding="utf-8")
+        _write_page(report, section_html(predictions, figures, together))
         written.append(report)
     return written
+
+
+def _write_page(report: Path, section: str) -> None:
+    page = with_section(report.read_text(encoding="utf-8"), section)
+    with whole_file(report) as temporary:
+        temporary.write_text(page, encoding="utf-8")
 
 
 def section_html(

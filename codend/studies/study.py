@@ -63,13 +63,19 @@ class Study:
         return tables.mesh_table(self.plan, self.cases)
 
 
-def solve(plan: Plan, progress: StudyProgress | None = None, choice: Choice | None = None) -> Study:
+def solve(
+    plan: Plan,
+    progress: StudyProgress | None = None,
+    choice: Choice | None = None,
+    keep: Callable[[CaseResult], None] | None = None,
+) -> Study:
     """Solve every case of a plan.
 
     Args:
         plan: what to solve, and how (``plan.model``).
         progress: called before and during every case.
         choice: the model, where ``fidelity.choose`` has been asked already.
+        keep: called with every case as it is done, in the order they are solved in.
 
     Returns:
         A study; a case that failed is in it, not converged, its numbers nan.
@@ -79,7 +85,12 @@ def solve(plan: Plan, progress: StudyProgress | None = None, choice: Choice | No
     """
     choice = fidelity.choose(plan) if choice is None else choice
     if choice.fidelity == "meridian":
-        return Study(plan, choice, tuple(_solve_meridian(plan, choice, progress)))
+        done_cases = []
+        for result in _solve_meridian(plan, choice, progress):
+            done_cases.append(result)
+            if keep is not None:
+                keep(result)
+        return Study(plan, choice, tuple(done_cases))
     scene = equilibrium.scene_of(plan, choice.globalisation, choice.sectors)
     cases = plan.cases()
     known: list[tuple[Case, Solution]] = []
@@ -101,6 +112,8 @@ def solve(plan: Plan, progress: StudyProgress | None = None, choice: Choice | No
             errors = accuracy.estimate(scene, case, problem, solution, result.measures, choice.unseen_weight_n)
             result = replace(result, errors=errors, negative_pivots=pivots)
         results[case.number] = result
+        if keep is not None:
+            keep(result)
     if progress is not None:
         progress(len(cases), len(cases), "done")
     return Study(plan, choice, tuple(results[case.number] for case in cases))

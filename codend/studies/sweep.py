@@ -1,30 +1,33 @@
 """Studies over many plans: every combination of chosen values, solved side by side and taken up where it stopped."""
 
 import math
+import os
 import re
+import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from itertools import product
-from multiprocessing import get_context
+from multiprocessing import active_children, connection, get_context, parent_process
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import pandas as pd
 
 from codend.errors import OPTIONS, InputError
-from codend.io.files import COMPARISON_FILES, SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_table
+from codend.io.files import table_text, write_text
+from codend.io.own_folder import owned
 from codend.io.run_tables import read_run_table
 from codend.plan.copy import plan_toml, toml_value
 from codend.plan.overrides import parsed_override
 from codend.plan.plan import Plan, load_plan
+from codend.studies.run_record import RECORD, TABLES, inputs_of, remove_run, why_not_done, write_record
 from codend.studies.study import solve
 
 SweepProgress = Callable[[int, int, str], None]
 """Told how many runs are done, of how many, and what was done last."""
 
-TABLES = ("plan.toml", "results.csv", "profile.csv", "meshes.csv")
-"""Files of a run; the last one for nets without symmetry."""
 MOST_RUNS = 10_000
 """Hours of solving, and a folder each; a list that makes more is a slip."""
 _VALUES = "KEY=[VALUE, VALUE, ...], such as netting.0.bar_mm=[20, 25, 30]"
@@ -90,10 +93,9 @@ def solve_runs(
 ) -> pd.DataFrame:
     """Solve the runs and keep each in ``folder/runs/<number>`` as ``codend run`` does, but for plots and VTK.
 
-    A run whose folder holds its plan and results already is not solved again, however it ended: remove the folder to
-    have it solved anew, as after an update of the program or of a Cp curve that the plan names. Once all are solved,
-    runs that a longer sweep left behind are removed, and what ``codend selectivity`` and ``codend compare`` made of
-    them; other files stay.
+    A run is not solved again where ``why_again`` finds nothing, however it ended. Once all are solved, runs that a
+    longer sweep left behind are removed, and what ``codend selectivity`` and ``codend compare`` made of them; other
+    files stay.
 
     Args:
         runs: the plans, from ``runs_of``.
@@ -105,7 +107,9 @@ def solve_runs(
         ``results.csv`` of all runs, one after the other, with columns for the run and for what varies.
 
     Raises:
-        InputError: a plan asks for what its netting does not allow; runs that are done stay done.
+        InputError: a plan asks for what its netting does not allow, or another codend works in the folder of a run;
+            runs that are done stay done.
+        BrokenProcessPool: one of several processes was killed, or found too little memory; the same holds.
     """
     for done, run in enumerate(_solved(runs, folder, processes), start=1):
         if progress is not None:
@@ -120,30 +124,68 @@ def solve_runs(
     return pd.concat(tables, ignore_index=True)
 
 
+def why_again(runs: Sequence[Run], folder: Path) -> dict[str, list[int]]:
+    """Numbers of the runs that a folder holds but that are to be solved again, by the reason why.
+
+    A run is done when program, plan and the files the plan names are those it was solved with, and its tables are as
+    they were written.
+    """
+    found: dict[str, list[int]] = {}
+    for run in runs:
+        own = _folder_of(run, folder)
+        reason = why_not_done(own, inputs_of(run.plan))
+        if reason is not None and any((own / name).exists() for name in ("plan.toml", RECORD, *TABLES)):
+            found.setdefault(reason, []).append(run.number)
+    return found
+
+
 def _solved(runs: Sequence[Run], folder: Path, processes: int) -> Iterator[Run]:
-    """Solve what is not solved yet; yields every run as it is done."""
+    """Solve what is not solved yet; yields every run as it is done. Only this process writes, which owns the folder."""
     waiting = []
     for run in runs:
-        if _is_done(run, folder):
+        if why_not_done(_folder_of(run, folder), inputs := inputs_of(run.plan)) is None:
             yield run
         else:
-            waiting.append(run)
+            waiting.append((run, inputs))
     # the first one alone: where no kernel is compiled yet, the others find them ready
-    for run in waiting[: 1 if processes > 1 else None]:
-        _solve_into(run.plan, _folder_of(run, folder))
+    for run, inputs in waiting[: 1 if processes > 1 else None]:
+        _write(run, inputs, _tables_of(run.plan), folder)
         yield run
     if processes == 1 or len(waiting) < 2:
         return
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        futures = {pool.submit(_solve_into, run.plan, _folder_of(run, folder)): run for run in waiting[1:]}
-        for future in as_completed(futures):
-            future.result()
-            yield futures[future]
+    others = set(active_children())
+    with ProcessPoolExecutor(processes, get_context("spawn"), _end_with_parent) as pool:
+        futures = {pool.submit(_tables_of, run.plan): (run, inputs) for run, inputs in waiting[1:]}
+        try:
+            for future in as_completed(futures):
+                run, inputs = futures[future]
+                _write(run, inputs, future.result(), folder)
+                yield run
+        except BaseException:  # what the workers still do is of no use to anyone
+            for future in futures:
+                future.cancel()
+            for worker in set(active_children()) - others:
+                worker.terminate()
+            raise
+
+
+def _end_with_parent() -> None:
+    """Have this worker end when the process that started it does, however that ends, and without a word."""
+    parent = parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        connection.wait([parent.sentinel])
+        os._exit(1)
+
+    Thread(target=watch, daemon=True).start()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: os._exit(1))
 
 
 def files_of(runs: Sequence[Run]) -> list[str]:
     """Every file that ``solve_runs`` may write or remove, relative to its folder."""
-    return [f"{_place_of(run)}/{name}" for run in runs for name in TABLES]
+    return [f"{_place_of(run)}/{name}" for run in runs for name in ("plan.toml", *TABLES, RECORD)]
 
 
 def _folder_of(run: Run, folder: Path) -> Path:
@@ -154,41 +196,30 @@ def _place_of(run: Run) -> str:
     return f"runs/{run.number:03d}"
 
 
-def _is_done(run: Run, folder: Path) -> bool:
-    own = _folder_of(run, folder)
-    copy = own / "plan.toml"
-    return copy.is_file() and copy.read_text(encoding="utf-8") == plan_toml(run.plan)
-
-
-def _solve_into(plan: Plan, folder: Path) -> None:
-    """Solve a plan and write its tables; the plan's copy comes last and tells that all is there."""
+def _tables_of(plan: Plan) -> dict[str, str]:
+    """Solve a plan; its tables as texts, by name."""
     study = solve(plan)
-    folder.mkdir(parents=True, exist_ok=True)
-    _remove_run(folder)
-    write_table(study.table, folder / "results.csv")
-    write_table(study.profile, folder / "profile.csv")
-    if not study.meshes.empty:
-        write_table(study.meshes, folder / "meshes.csv")
-    with whole_file(folder / "plan.toml") as temporary:
-        temporary.write_text(plan_toml(plan), encoding="utf-8")
+    tables = {"results.csv": study.table, "profile.csv": study.profile, "meshes.csv": study.meshes}
+    return {name: table_text(table) for name, table in tables.items() if name != "meshes.csv" or not table.empty}
+
+
+def _write(run: Run, inputs: dict[str, str], tables: dict[str, str], folder: Path) -> None:
+    """Write a solved run in the place of an earlier one; its record comes last and tells that all is there."""
+    own = _folder_of(run, folder)
+    with owned(own):
+        remove_run(own)
+        write_text(plan_toml(run.plan), own / "plan.toml")
+        for name, text in tables.items():
+            write_text(text, own / name)
+        write_record(own, inputs)
 
 
 def _remove_leftovers(count: int, folder: Path) -> None:
     """Remove runs beyond so many. A folder with a report is one that ``codend run`` wrote, not a sweep."""
     for own in (folder / "runs").iterdir():
         beyond = re.fullmatch(r"\d{3,}", own.name) is not None and int(own.name) > count
-        of_sweep = all((own / name).is_file() for name in TABLES[:3]) and not (own / "report.html").exists()
-        if beyond and of_sweep and not own.is_symlink():
-            _remove_run(own)
+        tables = all((own / name).is_file() for name in ("plan.toml", "results.csv", "profile.csv"))
+        if beyond and tables and not (own / "report.html").exists() and not own.is_symlink():
+            remove_run(own)
             if not any(own.iterdir()):
                 own.rmdir()
-
-
-def _remove_run(folder: Path) -> None:
-    """Remove an earlier run from its folder, the plan's copy first, and what other commands made of it."""
-    plots = folder / "plots"
-    named = [folder / name for name in (*TABLES, *COMPARISON_FILES, *SELECTIVITY_TABLES, *TRIAL_TABLES)]
-    for path in (*named, *plots.glob("selectivity_*.png")):
-        path.unlink(missing_ok=True)
-    if plots.is_dir() and not any(plots.iterdir()):
-        plots.rmdir()

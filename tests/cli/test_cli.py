@@ -311,23 +311,31 @@ def test_interrupted_while_solving_it_writes_nothing(plan, monkeypatch):
     assert list(plan.parent.iterdir()) == [plan]
 
 
-def test_interrupted_while_writing_it_leaves_no_half_files(plan, ran, monkeypatch):
+@pytest.mark.parametrize("stop", [3, 5, 8])
+def test_interrupted_while_writing_it_leaves_no_half_files(stop, plan, ran, monkeypatch):
     whole, _ = ran
+    solve = codend.studies.study.solve
     renamed, calls = [], itertools.count()  # threads rename at once: only one of them may find itself the fourth
 
     def replace(source: Path, target: Path) -> None:
-        if next(calls) == 3:
+        if next(calls) == stop:
             signal.raise_signal(signal.SIGINT)
         renamed.append(target)
         os.rename(source, target)
 
-    monkeypatch.setattr(files.os, "replace", replace)
+    def solve_then_watch(*arguments: object) -> object:
+        study = solve(*arguments)
+        monkeypatch.setattr(files.os, "replace", replace)
+        return study
+
+    monkeypatch.setattr(codend.studies.study, "solve", solve_then_watch)
     out = plan.parent / "out"
     assert_refused(codend_cli("run", plan, "--out", out), "codend: interrupted", status=130, printed=reason(plan))
     left = sorted(path for path in out.rglob("*") if path.is_file())
     assert left == sorted(renamed)
     for path in left:
-        assert len(path.read_bytes().splitlines()) == len((whole / path.name).read_bytes().splitlines())
+        (same,) = whole.rglob(path.name)
+        assert len(path.read_bytes().splitlines()) == len(same.read_bytes().splitlines())
 
 
 # --- compare ---------------------------------------------------------------------------------------------------------

@@ -92,7 +92,8 @@ def cells_of(folder: Path) -> Iterator[str]:
 def test_a_study_leaves_every_file_that_is_promised_and_tells_of_each(study: Study, written: Path):
     names = {str(path.relative_to(written)) for path in written.rglob("*") if path.is_file()}
     plots = {f"plots/{plot.name}.png" for plot in PLOTS}
-    assert names == {"plan.toml", "results.csv", "profile.csv", "net_1.vtu", "net_2.vtu", "report.html"} | plots
+    tables = {"plan.toml", "results.csv", "profile.csv", "run.json"}
+    assert names == {*tables, "net_1.vtu", "net_2.vtu", "report.html"} | plots
     assert names == set(files_of(study.plan)) - {"meshes.csv"}
 
 
@@ -187,7 +188,7 @@ def test_a_number_nobody_computed_is_never_printed(written_half_failed: Path, na
 def test_a_study_of_which_nothing_was_solved_still_has_tables_and_a_page(study: Study, tmp_path: Path):
     nothing = Study(study.plan, study.choice, tuple(map(as_failed, study.cases)))
     written = write_report(nothing, tmp_path)
-    assert {path.name for path in written} == {"plan.toml", "results.csv", "profile.csv", "report.html"}
+    assert {path.name for path in written} == {"plan.toml", "results.csv", "profile.csv", "run.json", "report.html"}
     assert pd.read_csv(tmp_path / "profile.csv").empty
     assert "<img" not in (tmp_path / "report.html").read_text(encoding="utf-8")
 
@@ -198,7 +199,8 @@ def test_files_of_an_earlier_study_do_not_stay_beside_those_of_this_one(half_fai
         (tmp_path / name).write_text("earlier")
     write_report(half_failed, tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {
-        *("plan.toml", "results.csv", "profile.csv", "net_1.vtu", "plots", "report.html", "net_mine.vtu", "notes.txt")
+        *("plan.toml", "results.csv", "profile.csv", "run.json"),
+        *("net_1.vtu", "plots", "report.html", "net_mine.vtu", "notes.txt"),
     }
     assert (tmp_path / "plots" / "mine.png").exists()
 

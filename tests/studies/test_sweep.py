@@ -6,12 +6,15 @@ import signal
 import pandas as pd
 import pytest
 
+import codend.studies.run_record
 import codend.studies.sweep
 from codend.errors import InputError
 from codend.plan.copy import plan_toml
 from codend.plan.plan import load_plan
+from codend.report.page import PLOTS
+from codend.studies.run_record import PLOT_NAMES
 from codend.studies.study import solve
-from codend.studies.sweep import runs_of, solve_runs
+from codend.studies.sweep import runs_of, solve_runs, why_again
 from tests.cli.test_cli import TINY_PLAN, assert_refused, codend_cli
 
 VARY = ["netting.0.bar_mm=[40.0, 50.0]", "catch.filled_meshes=[[4], [4, 8]]"]
@@ -78,7 +81,7 @@ def test_a_shorter_sweep_removes_the_runs_of_a_longer_one_and_nothing_else(plan,
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("not of this sweep", encoding="utf-8")
     solve_runs(short, tmp_path)
-    own = {runs / "001" / name for name in ("plan.toml", "results.csv", "profile.csv")}
+    own = {runs / "001" / name for name in ("plan.toml", "results.csv", "profile.csv", "run.json")}
     assert {path for path in runs.rglob("*") if path.is_file()} == {*stays, *own}
     assert {path.name for path in runs.iterdir()} == {"001", "003", "010", "011", "mine"}
 
@@ -91,13 +94,46 @@ def test_an_interrupted_shorter_sweep_removes_nothing_yet(plan, tmp_path, monkey
     assert (tmp_path / "runs" / "002" / "results.csv").is_file()
 
 
-def test_a_run_whose_results_were_cut_short_is_refused(plan, tmp_path):
+def cut(path):
+    path.write_bytes(path.read_bytes()[:-20])
+
+
+def lose_a_case(path):
+    path.write_text("".join(path.read_text(encoding="utf-8").splitlines(keepends=True)[:-1]), encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("file", "damage", "word"),
+    [
+        ("results.csv", cut, "results.csv is not as it was written"),
+        ("results.csv", lose_a_case, "results.csv is not as it was written"),
+        ("profile.csv", lambda path: path.unlink(), "profile.csv is missing"),
+        ("plan.toml", lambda path: path.unlink(), "plan.toml is missing"),
+        ("run.json", lambda path: path.unlink(), "it did not end"),
+        ("run.json", cut, "run.json cannot be read"),
+        ("run.json", lambda path: path.write_text("[]"), "run.json cannot be read"),
+        ("cp.csv", lambda path: path.write_text("theta_deg,cp\n0,1\n90,-1\n180,0.2\n"), "cp.csv has changed"),
+    ],
+)
+def test_a_run_that_is_not_whole_and_of_these_inputs_is_solved_again_with_a_word(file, damage, word, plan, tmp_path):
+    (tmp_path / "cp.csv").write_text("theta_deg,cp\n0,1\n90,-0.5\n180,0.4\n", encoding="utf-8")
+    runs = runs_of(plan, VARY[:1], ['catch.sphere_cp_csv="cp.csv"'])
+    before = solve_runs(runs, tmp_path)
+    assert why_again(runs, tmp_path) == {}
+    second = tmp_path / "runs" / "002"
+    damage(tmp_path / file if file == "cp.csv" else second / file)
+    assert why_again(runs, tmp_path) == {word: [1, 2] if file == "cp.csv" else [2]}
+    after = solve_runs(runs, tmp_path)
+    assert why_again(runs, tmp_path) == {}
+    same = after.drop(columns="solve_ms").equals(before.drop(columns="solve_ms"))
+    assert same == (file != "cp.csv")
+
+
+def test_a_run_of_another_program_is_solved_again(plan, tmp_path, monkeypatch):
     runs = runs_of(plan, VARY[:1])
     solve_runs(runs, tmp_path)
-    results = tmp_path / "runs" / "002" / "results.csv"
-    results.write_text(results.read_text(encoding="utf-8")[:-20], encoding="utf-8")
-    with pytest.raises(InputError, match=re.escape(f"{results}: line 3 has ")):
-        solve_runs(runs, tmp_path)
+    monkeypatch.setattr(codend.studies.run_record, "program", lambda: "codend 0.0.9, 123456789abc")
+    assert why_again(runs, tmp_path) == {"the program has changed": [1, 2]}
 
 
 def test_the_plan_beside_a_run_is_the_one_that_was_solved(plan, tmp_path):
@@ -159,3 +195,24 @@ def test_a_case_that_is_not_solved_gives_status_3(plan, tmp_path):
     table = pd.read_csv(tmp_path / "sweep" / "sweep.csv")
     assert table["converged"].tolist() == [True, False]
     assert table["drag_n"].isna().tolist() == [False, True]
+
+
+def test_the_command_says_which_runs_are_solved_again_and_why(plan, tmp_path):
+    words = ["sweep", plan, "--vary", VARY[0], "--out", tmp_path / "sweep"]
+    assert codend_cli(*words).stderr == ""
+    assert codend_cli(*words).stderr == ""
+    cut(tmp_path / "sweep" / "runs" / "002" / "results.csv")
+    assert codend_cli(*words).stderr == "run 2 is solved again: results.csv is not as it was written\n"
+    told = codend_cli(*words, "--set", "tow.speed_m_s=2").stderr
+    assert told == "runs 1, 2 are solved again: plan.toml has changed\n"
+
+
+def test_a_sweep_takes_the_place_of_a_whole_run_in_one_of_its_folders(plan, tmp_path):
+    own = tmp_path / "sweep" / "runs" / "001"
+    assert codend_cli("run", plan, "--out", own).exit_code == 0
+    solve_runs(runs_of(plan, ["netting.0.bar_mm=[41.0]"]), tmp_path / "sweep")
+    assert {path.name for path in own.iterdir()} == {"plan.toml", "results.csv", "profile.csv", "run.json"}
+
+
+def test_all_plots_of_a_run_are_among_those_that_go_with_it():
+    assert {plot.name for plot in PLOTS} == set(PLOT_NAMES)

@@ -1,0 +1,68 @@
+"""The cases of a run kept in its folder as they are solved: whatever ends it, those that were solved are there."""
+
+from contextlib import suppress
+from pathlib import Path
+from time import monotonic
+from types import TracebackType
+from typing import Final, Self
+
+from codend.equilibrium.fidelity import Choice
+from codend.io.files import table_text, write_text
+from codend.plan.copy import plan_toml
+from codend.plan.plan import Plan
+from codend.studies.case_result import CaseResult
+from codend.studies.run_record import remove_run
+from codend.studies.study import Study
+
+_FREE_S: Final = 0.5
+_SHARE: Final = 0.1
+"""Tables are written after every case, but where that took longer than this and this share of the time."""
+
+
+class KeptCases:
+    """Writes the tables of the cases solved so far; as a context manager, those not yet written when it ends early.
+
+    The earlier run in the folder goes as the first case comes.
+    """
+
+    def __init__(self, plan: Plan, choice: Choice, folder: Path) -> None:
+        self.count = 0
+        self._plan, self._choice, self._folder = plan, choice, folder
+        self._texts: dict[str, dict[int, str]] = {"results.csv": {}, "profile.csv": {}, "meshes.csv": {}}
+        self._begun, self._spent_s, self._written = monotonic(), 0.0, 0
+
+    def add(self, result: CaseResult) -> None:
+        """Keep one more case.
+
+        Raises:
+            OSError: it cannot be written; those before it are kept.
+        """
+        before = monotonic()
+        one = Study(self._plan, self._choice, (result,))
+        for name, table in (("results.csv", one.table), ("profile.csv", one.profile), ("meshes.csv", one.meshes)):
+            if name != "meshes.csv" or not table.empty:
+                self._texts[name][result.case.number] = table_text(table)
+        self.count += 1
+        if self._spent_s < _FREE_S + _SHARE * (before - self._begun):
+            self._write()
+        self._spent_s += monotonic() - before
+
+    def _write(self) -> None:
+        if self._written == 0:
+            remove_run(self._folder)
+            write_text(plan_toml(self._plan), self._folder / "plan.toml")
+        for name, texts in self._texts.items():
+            if texts:
+                ordered = [texts[number] for number in sorted(texts)]
+                write_text(ordered[0] + "".join(text.partition("\n")[2] for text in ordered[1:]), self._folder / name)
+        self._written = self.count
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is not None and self._written < self.count:
+            with suppress(OSError):  # the disk may be what ended the run
+                self._write()
