@@ -3,6 +3,11 @@
 >>> plan = codend.load_plan("plan.toml")
 >>> study = codend.solve(plan)
 >>> study.table
+
+A net that is no codend, from its nodes and bars:
+
+>>> net = codend.Net.from_bars(positions, ends, held, stiffness_n=5e4)
+>>> codend.find_equilibrium(codend.Problem.of(net)).positions
 """
 
 from importlib import import_module
@@ -10,19 +15,25 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from codend.errors import InputError
+    from codend.mechanics.problem import Problem
+    from codend.net.net import Net
     from codend.plan.plan import Plan, load_plan
+    from codend.solvers.solve import find_equilibrium
     from codend.studies.opening_force import pull_mesh
     from codend.studies.study import Study, solve
 
-__all__ = ["InputError", "Plan", "Study", "load_plan", "pull_mesh", "solve"]
+__all__ = ["InputError", "Net", "Plan", "Problem", "Study", "find_equilibrium", "load_plan", "pull_mesh", "solve"]
 
 _HOME = {
     "InputError": "codend.errors",
+    "Net": "codend.net.net",
     "Plan": "codend.plan.plan",
-    "load_plan": "codend.plan.plan",
+    "Problem": "codend.mechanics.problem",
     "Study": "codend.studies.study",
-    "solve": "codend.studies.study",
+    "find_equilibrium": "codend.solvers.solve",
+    "load_plan": "codend.plan.plan",
     "pull_mesh": "codend.studies.opening_force",
+    "solve": "codend.studies.study",
 }
 
 

@@ -1,0 +1,45 @@
+"""Equilibrium of any net under loads, by whichever solver finds it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from codend.mechanics.problem import Problem
+from codend.solvers import dynamic_relaxation, interior_point, newton
+from codend.solvers.outcome import Progress, Solution, Solver
+
+IN_ORDER: Sequence[Solver] = (interior_point.solve, newton.solve, dynamic_relaxation.solve)
+"""From the shape in which a net was built: the first needs no start nearby, the last one is slow and hard to upset."""
+POLISH = replace(newton.DIRECT, least_iterations=1)
+"""One step more: in a net that is tight without loads, a length that is met to the tolerance leaves the tension off by
+that over the strain."""
+
+
+def find_equilibrium(
+    problem: Problem, tolerance: float = 1e-9, start: Solution | None = None, progress: Progress | None = None
+) -> Solution:
+    """Equilibrium of a net under its loads, for nets that are no codend of a plan (``Net.from_bars``, ``Problem.of``).
+
+    Args:
+        problem: the net under its loads.
+        tolerance: largest residual and axial imbalance (``mechanics.balance.out_of_balance``).
+        start: positions and tensions to start from; the shape in which the net was built by default.
+        progress: told the residual now and then.
+
+    Returns:
+        The solution of the first solver that finds one. Where none does, positions and tensions are nan, and the report
+        tells what was tried.
+    """
+    attempts: list[str] = []
+    spent_ms = 0.0
+    for solve in IN_ORDER:
+        solution = solve(problem, tolerance, start, progress=progress)
+        attempts += solution.report.attempts
+        spent_ms += solution.report.solve_ms
+        if solution.report.outcome.balanced:
+            break
+    if solution.report.outcome.converged:
+        polished = newton.solve(problem, tolerance, solution, POLISH, progress)
+        attempts += polished.report.attempts
+        spent_ms += polished.report.solve_ms
+        solution = polished if polished.report.outcome.converged else solution
+    return replace(solution, report=replace(solution.report, attempts=tuple(attempts), solve_ms=spent_ms))
