@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import tarfile
+import tomllib
 import zipfile
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 from tests import ROOT
 
 DATA = (
+    "codend/guide/glossary.md",
     "codend/py.typed",
     "codend/report/report.html",
     "catch_models/py.typed",
@@ -46,7 +48,8 @@ def test_wheel_and_sdist_hold_all_files_of_both_packages(built: Path):
     }
     assert {*modules, *DATA} <= in_wheel
     assert {*modules, *DATA, "tests/test_installs.py", "pyproject.toml", "README.md", "LICENSE"} <= in_sdist
-    assert {name.split("/")[0] for name in in_wheel} == {"codend", "catch_models", "codend-0.1.0.dist-info"}
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+    assert {name.split("/")[0] for name in in_wheel} == {"codend", "catch_models", f"codend-{version}.dist-info"}
 
 
 @pytest.mark.parametrize("kind", ["wheel-standard", "wheel-editable"])

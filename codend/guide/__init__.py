@@ -1,0 +1,1 @@
+"""The manual, in Markdown, shipped with the package."""
