@@ -2,8 +2,8 @@
 
 Netting is seen as its facets. A quadrangle that is covered by both of its divisions into triangles, each at half
 weight, is pierced when a bar pierces one triangle of either: a bar that ends in the space between the two divisions
-touches it. Bars that share a node with a facet do not pierce it, and an end that lies nearer to the facet's plane than
-a tolerance touches it: netting folded flat lies on itself and does not pass through.
+touches it. A bar pierces a facet if it meets it and both its ends are further from the facet's plane than a tolerance:
+bars that share a node with a facet do not, nor does netting that is folded flat and lies on itself.
 
 Facets are sorted into the cells of a grid by the middles of their boxes, in (x, r) for a sector, whose images are told
 apart by their azimuths, and in (x, y, z) for a full net.
@@ -12,9 +12,12 @@ apart by their azimuths, and in (x, y, z) for a full net.
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.compiled import njit
 from codend.net.net import Floats, Ints
+
+Counts = NDArray[np.int64]
 
 TOUCHING = 1e-3
 """How far both ends of a bar must lie from a facet's plane to pierce it, over the shortest bar."""
@@ -25,13 +28,12 @@ CELLS = 8
 
 
 @njit(cache=True)
-def at_image(position: Floats, node: int, image: int, order: float) -> tuple[float, float, float]:
-    """A node turned about the x axis by ``image`` sectors."""
-    x, y, z = position[node, 0], position[node, 1], position[node, 2]
-    if image == 0:
-        return x, y, z
-    cosine, sine = math.cos(2.0 * math.pi * image / order), math.sin(2.0 * math.pi * image / order)
-    return x, cosine * y - sine * z, sine * y + cosine * z
+def write_point(position: Floats, node: int, image: int, cosines: Floats, sines: Floats, point: Floats) -> None:
+    """Write a node turned about the x axis by ``image`` sectors, (3,)."""
+    y, z = position[node, 1], position[node, 2]
+    turn = image % len(cosines)
+    cosine, sine = cosines[turn], sines[turn]
+    point[0], point[1], point[2] = position[node, 0], cosine * y - sine * z, sine * y + cosine * z
 
 
 @njit(cache=True)
@@ -58,7 +60,7 @@ def around_axis(points: Floats, count: int, on_axis: float) -> tuple[float, floa
     base, low, high, seen, winding, last = 0.0, 0.0, 0.0, 0, 0.0, 0.0
     for i in range(count):
         y, z = points[i, 1], points[i, 2]
-        if math.hypot(y, z) <= on_axis:
+        if math.sqrt(y * y + z * z) <= on_axis:
             continue
         azimuth = math.atan2(z, y)
         if seen == 0:
@@ -88,7 +90,7 @@ def write_box(points: Floats, count: int, sector: bool, box: Floats) -> None:
     for j in range(count):
         k = (j + 1) % count
         ay, az, by, bz = points[j, 1], points[j, 2], points[k, 1], points[k, 2]
-        least, most = min(least, nearest_to_axis(ay, az, by, bz)), max(most, math.hypot(ay, az))
+        least, most = min(least, nearest_to_axis(ay, az, by, bz)), max(most, math.sqrt(ay * ay + az * az))
         inside += 1 if ay * bz - az * by > 0.0 else -1
     if count == 3 and abs(inside) == 3:
         least = 0.0
@@ -96,26 +98,32 @@ def write_box(points: Floats, count: int, sector: bool, box: Floats) -> None:
 
 
 @njit(cache=True)
-def pierces(bar: Floats, facet: Floats, touching: float) -> bool:
-    """Whether a bar (2, 3) passes through a facet (3, 3), both its ends further than ``touching`` from its plane."""
-    ux, uy, uz = facet[1, 0] - facet[0, 0], facet[1, 1] - facet[0, 1], facet[1, 2] - facet[0, 2]
-    vx, vy, vz = facet[2, 0] - facet[0, 0], facet[2, 1] - facet[0, 1], facet[2, 2] - facet[0, 2]
+def write_plane(corners: Floats, touching: float, plane: Floats) -> None:
+    """Write the unit normal of a facet (3, 3) and its distance from the origin, (4,).
+
+    A facet thinner than the tolerance has no plane: its normal is 0, and nothing pierces it.
+    """
+    ux, uy, uz = corners[1, 0] - corners[0, 0], corners[1, 1] - corners[0, 1], corners[1, 2] - corners[0, 2]
+    vx, vy, vz = corners[2, 0] - corners[0, 0], corners[2, 1] - corners[0, 1], corners[2, 2] - corners[0, 2]
     nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
     size = math.sqrt(nx * nx + ny * ny + nz * nz)
-    # a facet thinner than the tolerance has no plane
-    if size <= touching * math.sqrt(max(ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz)):
-        return False
-    px, py, pz = bar[0, 0] - facet[0, 0], bar[0, 1] - facet[0, 1], bar[0, 2] - facet[0, 2]
-    qx, qy, qz = bar[1, 0] - facet[0, 0], bar[1, 1] - facet[0, 1], bar[1, 2] - facet[0, 2]
-    first, second = (px * nx + py * ny + pz * nz) / size, (qx * nx + qy * ny + qz * nz) / size
-    if first * second >= 0.0 or min(abs(first), abs(second)) <= touching:
-        return False
-    along = first / (first - second)
-    x, y, z = px + along * (qx - px), py + along * (qy - py), pz + along * (qz - pz)
-    wx, wy, wz = nx / (size * size), ny / (size * size), nz / (size * size)
-    b = (y * vz - z * vy) * wx + (z * vx - x * vz) * wy + (x * vy - y * vx) * wz
-    c = (uy * z - uz * y) * wx + (uz * x - ux * z) * wy + (ux * y - uy * x) * wz
-    return b >= -ON_EDGE and c >= -ON_EDGE and b + c <= 1.0 + ON_EDGE
+    plane[:] = 0.0
+    if size > touching * math.sqrt(max(ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz)):
+        plane[0], plane[1], plane[2] = nx / size, ny / size, nz / size
+        plane[3] = plane[0] * corners[0, 0] + plane[1] * corners[0, 1] + plane[2] * corners[0, 2]
+
+
+@njit(cache=True)
+def meets(corners: Floats, plane: Floats, x: float, y: float, z: float) -> bool:
+    """Whether a point in the plane of a facet (3, 3) lies in it: on the inner side of all its edges."""
+    for i in range(3):
+        j = (i + 1) % 3
+        ux, uy, uz = corners[j, 0] - corners[i, 0], corners[j, 1] - corners[i, 1], corners[j, 2] - corners[i, 2]
+        px, py, pz = x - corners[i, 0], y - corners[i, 1], z - corners[i, 2]
+        inside = plane[0] * (uy * pz - uz * py) + plane[1] * (uz * px - ux * pz) + plane[2] * (ux * py - uy * px)
+        if inside < -ON_EDGE * (ux * ux + uy * uy + uz * uz):
+            return False
+    return True
 
 
 @njit(cache=True)
@@ -143,56 +151,74 @@ def first_pierced(
         order: number of equal sectors all round.
         touching: distance of an end from a facet's plane up to which it touches, m.
     """
-    sector, count = order > 1.0, len(facets)
-    corners, points = np.empty((3, 3)), np.empty((2, 3))
-    boxes, spans = np.empty((count, 6)), np.empty((count, 2))
+    count, sectors, sector = len(facets), int(order), order > 1.0
+    if count == 0:
+        return -1, -1
+    angle = 2.0 * math.pi / order
+    cosines, sines = np.empty(sectors), np.empty(sectors)
+    for turn in range(sectors):
+        cosines[turn], sines[turn] = math.cos(angle * turn), math.sin(angle * turn)
+    corners, boxes, planes, spans = (
+        np.empty((count, 3, 3)),
+        np.empty((count, 6)),
+        np.empty((count, 4)),
+        np.zeros((count, 2)),
+    )
     for facet in range(count):
         for i in range(3):
-            corners[i] = at_image(position, facets[facet, i], facet_image[facet, i], order)
-        write_box(corners, 3, sector, boxes[facet])
+            write_point(position, facets[facet, i], facet_image[facet, i], cosines, sines, corners[facet, i])
+        write_box(corners[facet], 3, sector, boxes[facet])
+        write_plane(corners[facet], touching, planes[facet])
         if sector:
-            spans[facet] = around_axis(corners, 3, 1e-3 * touching)
-    start, contents, low, size, shape, reach = sorted_into_cells(boxes, order)
-    box, span = np.empty(6), np.zeros(2)
-    cell_low, cell_high = np.zeros(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
-    step = 2.0 * math.pi / order
+            spans[facet] = around_axis(corners[facet], 3, 1e-3 * touching)
+    start, contents, low, size, shape, reach = sorted_into_cells(boxes)
+    boxes, planes, spans = boxes[contents], planes[contents], spans[contents]
+    bars, box, span = np.empty((2, 3)), np.empty(6), np.zeros(2)
+    cells = np.empty((3, 2), dtype=np.int64)
     for bar in range(len(first)):
-        points[0] = at_image(position, first[bar], 0, order)
-        points[1] = at_image(position, second[bar], image[bar], order)
-        write_box(points, 2, sector, box)
+        write_point(position, first[bar], 0, cosines, sines, bars[0])
+        write_point(position, second[bar], image[bar], cosines, sines, bars[1])
+        write_box(bars, 2, sector, box)
         if sector:
-            span[:] = around_axis(points, 2, 1e-3 * touching)
+            span[:] = around_axis(bars, 2, 1e-3 * touching)
         for i in range(3):
-            cell_low[i] = max(int(math.floor((box[i] - reach[i] - low[i]) / size)), 0)
-            cell_high[i] = min(int(math.floor((box[3 + i] + reach[i] - low[i]) / size)), shape[i] - 1)
+            cells[i, 0] = max(int((box[i] - reach[i] - low[i]) / size), 0)
+            cells[i, 1] = min(int((box[3 + i] + reach[i] - low[i]) / size), shape[i] - 1)
+        px, qx = bars[0, 0], bars[1, 0]
         pierced = 0.0
-        for i in range(cell_low[0], cell_high[0] + 1):
-            for j in range(cell_low[1], cell_high[1] + 1):
+        for i in range(cells[0, 0], cells[0, 1] + 1):
+            for j in range(cells[1, 0], cells[1, 1] + 1):
                 row = (i * shape[1] + j) * shape[2]
                 # cells that follow one another along the last coordinate are one stretch of the list
-                for place in range(start[row + cell_low[2]], start[row + cell_high[2] + 1]):
-                    facet = contents[place]
-                    apart = False
-                    for k in range(3):
-                        apart = apart or box[k] > boxes[facet, 3 + k] or box[3 + k] < boxes[facet, k]
-                    if apart:
+                for place in range(start[row + cells[2, 0]], start[row + cells[2, 1] + 1]):
+                    if (
+                        box[0] > boxes[place, 3]
+                        or box[3] < boxes[place, 0]
+                        or box[1] > boxes[place, 4]
+                        or box[4] < boxes[place, 1]
+                        or box[2] > boxes[place, 5]
+                        or box[5] < boxes[place, 2]
+                    ):
                         continue
                     least, most = 0, 0
                     if sector:
-                        wide = span[1] + spans[facet, 1] + ON_EDGE
-                        least = math.ceil((span[0] - spans[facet, 0] - wide) / step)
-                        most = min(math.floor((span[0] - spans[facet, 0] + wide) / step), least + int(order) - 1)
+                        away, wide = span[0] - spans[place, 0], span[1] + spans[place, 1] + ON_EDGE
+                        least = math.ceil((away - wide) / angle)
+                        most = min(math.floor((away + wide) / angle), least + sectors - 1)
+                    nx, ny, nz, distance = planes[place, 0], planes[place, 1], planes[place, 2], planes[place, 3]
                     for turn in range(least, most + 1):
-                        shared = False
-                        for k in range(3):
-                            node, turned = facets[facet, k], facet_image[facet, k] + turn
-                            corners[k] = at_image(position, node, turned, order)
-                            for end in range(2):
-                                if node == (second[bar] if end else first[bar]):
-                                    between = turned - (image[bar] if end else 0)
-                                    axial = math.hypot(position[node, 1], position[node, 2]) <= touching
-                                    shared = shared or axial or between % int(order) == 0
-                        if not shared and pierces(points, corners, touching):
+                        # the bar is turned back, rather than the facet forward
+                        c, s = cosines[turn % sectors], sines[turn % sectors]
+                        py, pz = c * bars[0, 1] + s * bars[0, 2], c * bars[0, 2] - s * bars[0, 1]
+                        qy, qz = c * bars[1, 1] + s * bars[1, 2], c * bars[1, 2] - s * bars[1, 1]
+                        p = nx * px + ny * py + nz * pz - distance
+                        q = nx * qx + ny * qy + nz * qz - distance
+                        # an end that is one of the facet's corners lies in its plane
+                        if p * q >= 0.0 or min(abs(p), abs(q)) <= touching:
+                            continue
+                        facet, along = contents[place], p / (p - q)
+                        x, y, z = px + along * (qx - px), py + along * (qy - py), pz + along * (qz - pz)
+                        if meets(corners[facet], planes[place], x, y, z):
                             pierced += 1.0 if facet_weight[facet] >= 1.0 else 0.5
                             if pierced >= 1.0:
                                 return bar, facet
@@ -200,9 +226,7 @@ def first_pierced(
 
 
 @njit(cache=True)
-def sorted_into_cells(
-    boxes: Floats, order: float
-) -> tuple[Ints, Ints, Floats, float, Ints, Floats]:
+def sorted_into_cells(boxes: Floats) -> tuple[Counts, Counts, Floats, float, Counts, Floats]:
     """Sort facets into the cells of a grid by the middles of their boxes.
 
     Returns:

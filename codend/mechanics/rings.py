@@ -29,7 +29,7 @@ def rings_of(built: Floats, node_row: Ints, order: int) -> Rings:
     row = node_row[ring]
     ring = ring[np.argsort(row, kind="stable")]
     row = node_row[ring]
-    start = np.searchsorted(row, np.arange(row.max() + 2))
+    start = np.searchsorted(row, np.arange(row.max(initial=-1) + 2))
     azimuth = np.arctan2(built[ring, 2], built[ring, 1])
     sector = 2.0 * np.pi / order
     # counted from the ring's first knot, each in the image that puts it less than a sector on

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from codend.mechanics.crossing import passed_through_itself
 from codend.solvers import dynamic_relaxation, newton, rigid_bars
 from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.newton import NewtonSettings
 from codend.solvers.outcome import Outcome
+from codend.solvers.refusal import passage
 from codend.solvers.rigid_bars import RigidBarsSettings
 from codend.solvers.rigid_motion import simulate
 from validation.reference import departure, facing_rings
@@ -175,14 +175,13 @@ def test_a_net_that_has_passed_through_itself_is_seen_on_sectors_and_full_nets()
     for mesh in ({}, {"mesh": "square"}, {"mesh": "t90", "knot_mm": 8.0}, {"knot_mm": 8.0}):
         for globalisation, sectors in ((1, 1), (2, 2), (4, None)):
             _, problem = bag_and_problem(plan_of(netting=mesh), globalisation, sectors)
-            structure, catch = problem.structure, problem.loading.catch
             sound = newton.solve(problem, 1e-8).positions
             aft = sound[:, 0] > 0.5 * sound[:, 0].max()
             through = np.where(aft[:, None], sound * [1.0, -1.0, -1.0], sound)
-            assert not passed_through_itself(sound, structure, catch)
-            assert passed_through_itself(through, structure, catch)
+            assert passage(problem, sound) is None
+            assert passage(problem, through).outcome is Outcome.PASSED_THROUGH
             if sectors is None:
-                assert not passed_through_itself(sound + np.array([0.0, 3.0, 1.0]), structure, catch)
+                assert passage(problem, sound + np.array([0.0, 3.0, 1.0])) is None
 
 
 def test_relaxation_that_would_pass_through_itself_says_so_and_starts_again(crossed):
@@ -190,7 +189,7 @@ def test_relaxation_that_would_pass_through_itself_says_so_and_starts_again(cros
     found = dynamic_relaxation.solve(problem, 1e-8)
     assert Outcome.PASSED_THROUGH.value in found.report.attempts[0]
     assert found.report.outcome is Outcome.CONVERGED
-    assert not passed_through_itself(found.positions, problem.structure, problem.loading.catch)
+    assert passage(problem, found.positions) is None
     assert found.positions == pytest.approx(answer.positions, abs=1e-6)
     stuck = dynamic_relaxation.solve(problem, 1e-8, settings=RelaxationSettings(restarts=0))
     assert stuck.report.outcome is Outcome.PASSED_THROUGH
@@ -199,7 +198,7 @@ def test_relaxation_that_would_pass_through_itself_says_so_and_starts_again(cros
 
 def test_what_the_twine_passed_through_is_an_unstable_equilibrium_of_less_drag(crossed, monkeypatch):
     problem, answer = crossed
-    monkeypatch.setattr(dynamic_relaxation, "passed_through_itself", lambda *_: False)
+    monkeypatch.setattr(dynamic_relaxation, "refusal", lambda *_: None)
     through = dynamic_relaxation.solve(problem, 1e-8)
     states = [departure(problem, s.positions, s.bar_tension, s.share) for s in (answer, through)]
     assert max(state.residual for state in states) < 1e-8
