@@ -90,15 +90,19 @@ def solve(
     problem = problem_of(scene.bag, scene.plan, case)
     attempts: list[str] = []
     spent = 0.0
+    solution: Solution | None = None
     for start, attempt in _attempts(scene, problem, case, known, progress):
         tried = attempt()
         if tried is None:
             continue
-        solution = tried
-        attempts += [f"from {start}: {line}" for line in solution.report.attempts]
-        spent += solution.report.solve_ms
+        # a net found in balance and refused tells more than a later start that led nowhere
+        if solution is None or not solution.report.outcome.refused or tried.report.outcome.balanced:
+            solution = tried
+        attempts += [f"from {start}: {line}" for line in tried.report.attempts]
+        spent += tried.report.solve_ms
         if solution.report.outcome.balanced:
             break
+    assert solution is not None  # every method has a start that is always there
     return problem, replace(solution, report=replace(solution.report, attempts=tuple(attempts), solve_ms=spent))
 
 

@@ -41,9 +41,24 @@ class Outcome(Enum):
         return self is Outcome.CONVERGED
 
     @property
+    def refused(self) -> bool:
+        """Whether a net in balance was found, but one that no towed net is."""
+        return self in _REFUSED
+
+    @property
     def balanced(self) -> bool:
         """Whether the net is in equilibrium: with its catch, or full, and the catch is larger."""
         return self in (Outcome.CONVERGED, Outcome.OVERFULL)
+
+
+_REFUSED = (
+    Outcome.PASSED_THROUGH,
+    Outcome.WRUNG,
+    Outcome.NO_VOLUME,
+    Outcome.FRONT_BEHIND,
+    Outcome.INSIDE_OUT,
+    Outcome.COMPRESSED,
+)
 
 
 @dataclass(frozen=True)
