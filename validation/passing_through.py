@@ -15,6 +15,7 @@ import click
 import numpy as np
 from scipy.spatial import cKDTree
 
+from codend.bag.bag import Bag
 from codend.errors import InputError
 from codend.net.net import Net
 from codend.plan.plan import Plan, plan_from_dict
@@ -38,11 +39,7 @@ TOUCHING = 2e-3
 
 
 def random_plan(seed: int, fidelity: str, method: str) -> Plan:
-    """One plan of the range above.
-
-    Raises:
-        InputError: the model does not take such a plan.
-    """
+    """One plan of the range above."""
     rng = np.random.default_rng((seed, 13))
     mesh = str(rng.choice(["diamond", "t90", "square"]))
     kind = str(rng.choice(["limp", "stiff", "elastic", "knotted"]))
@@ -80,6 +77,14 @@ def random_plan(seed: int, fidelity: str, method: str) -> Plan:
             },
         }
     )
+
+
+def solved(number: int, fidelity: str, method: str) -> CaseResult | None:
+    """One random plan by a method and fidelity; None where they do not take it."""
+    try:
+        return solve(random_plan(number, fidelity, method)).cases[0]
+    except InputError:
+        return None
 
 
 def set_all_round(net: Net, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -127,12 +132,13 @@ def piercing_bars(net: Net, positions: np.ndarray, touching: float) -> np.ndarra
     return np.flatnonzero(times >= 1.0)
 
 
-def crossed_rings(net: Net, positions: np.ndarray, touching: float) -> list[int]:
+def crossed_rings(bag: Bag, positions: np.ndarray, touching: float) -> list[int]:
     """Rows whose rings, seen along the axis and joined in the order in which they were built, cross themselves."""
+    net = bag.net
     turn = np.exp(2j * np.pi * np.arange(net.order) / net.order)
     found = []
-    for row in range(int(net.node_row.max())):
-        ring = np.flatnonzero(net.node_row == row)
+    for row in range(int(bag.node_row.max())):
+        ring = np.flatnonzero(bag.node_row == row)
         built, solved = (
             (turn[:, None] * (shape[ring, 1] + 1j * shape[ring, 2])).ravel() for shape in (net.positions, positions)
         )
@@ -152,13 +158,13 @@ def crossed_rings(net: Net, positions: np.ndarray, touching: float) -> list[int]
 
 def fault(result: CaseResult) -> str:
     """How a converged net passes through itself, or what is impossible about its catch; empty if nothing is."""
-    net, measures = result.net, result.measures
+    net, measures = result.problem.net, result.measures
     if not measures.catch_volume_m3 > 0.0 or measures.front_from_codline_m < 0.0 or measures.folded_share > 0.5:
         return "impossible catch"
     if np.any(result.bar_tension_n < 0.0):
         return "compression"
     touching = TOUCHING * float(net.bar_length.min())
-    bars, rings = piercing_bars(net, result.positions, touching), crossed_rings(net, result.positions, touching)
+    bars, rings = piercing_bars(net, result.positions, touching), crossed_rings(result.bag, result.positions, touching)
     return f"{len(bars)} bars pierce, rings {rings} cross" if len(bars) or rings else ""
 
 
@@ -176,12 +182,11 @@ def main(plans: int, seed: int, rigid_every: int) -> None:
             if model == ("full", "rigid-bars") and number % rigid_every:
                 continue
             began = perf_counter()
-            try:
-                result = solve(random_plan(number, *model)).cases[0]
-            except InputError:
+            result = solved(number, *model)
+            spent[model] += perf_counter() - began
+            if result is None:
                 counts[model]["not taken"] += 1
                 continue
-            spent[model] += perf_counter() - began
             outcome = result.report.outcome
             counts[model]["converged" if result.converged else "refused" if outcome.refused else "failed"] += 1
             if result.converged and (seen := fault(result)):
