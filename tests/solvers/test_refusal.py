@@ -1,4 +1,4 @@
-"""Answers that are refused: nets that pass through themselves, by the judgement of others too, and impossible catches."""
+"""Answers that are refused: nets that pass through themselves, as others judge it, and impossible catches."""
 
 from dataclasses import replace
 
@@ -8,7 +8,6 @@ import pytest
 
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
-from codend.bag.measures import measure_all
 from codend.mechanics.crossing import band_turns
 from codend.mechanics.piercing import first_pierced
 from codend.mechanics.problem import Problem
@@ -125,7 +124,7 @@ def test_a_ring_that_runs_twice_round_its_middle_is_told():
 @pytest.mark.parametrize(("mesh", "netting"), KINDS)
 @pytest.mark.parametrize("sectors", [1, None])
 def test_the_turns_of_the_bands_add_up_to_that_of_the_net(mesh, netting, sectors):
-    bag, problem, solution = solved(mesh, netting, sectors)
+    _, problem, solution = solved(mesh, netting, sectors)
     turn, share = 2.5, np.clip(solution.positions[:, 0] / solution.positions[:, 0].max() / 0.9, 0.0, 1.0)
     across = (solution.positions[:, 1] + 1j * solution.positions[:, 2]) * np.exp(1j * turn * share)
     wrung = np.stack([solution.positions[:, 0], across.real, across.imag], axis=1)
