@@ -83,9 +83,10 @@ def solve(
     from its equilibrium under the loads themselves, along a path of catches from the nearest equilibrium, from rough
     relaxations of the crude bag, for small catches along a path from half a bag, in which fewer bars are slack; and
     relaxation alone. Where the catch is not given by its meshes, the meridian method must search for the front and so
-    comes last of these. The other methods try what they can of that; rigid bars that lead nowhere try again with bars
-    that go slack. The report of what is returned tells every attempt; its time is that of all of them, the guesses
-    included.
+    comes last of these. The other methods try what they can of that; relaxation of a full net, too, begins with the
+    equilibrium of a sector, for from a crude bag it goes through itself on the way; rigid bars that lead nowhere try
+    again with bars that go slack. The report of what is returned tells every attempt; its time is that of all of them,
+    the guesses included.
     """
     problem = problem_of(scene.bag, scene.plan, case)
     attempts: list[str] = []
