@@ -37,7 +37,7 @@ def nanoseconds_a_bar_and_step(problem: Problem, runs: int = 30) -> float:
 @numba.njit
 def _steps(count, state, chain, bar_end, bar_image, law, rotations):  # type: ignore[no-untyped-def]
     for _ in range(count):
-        relaxation.step(state, chain, bar_end, bar_image, law, rotations, 1.0, 1.0)
+        relaxation.step(state, chain, bar_end, bar_image, law, rotations, 1.0, 1.0, 1.0)
 
 
 def _timed(function, *arguments) -> float:  # type: ignore[no-untyped-def]

@@ -12,6 +12,7 @@ from catch_models.pressure import PressureLaw
 from codend.bag.bag import Bag, mesh_corners, real_tensions
 from codend.mechanics import bars, bending, drag, pressure
 from codend.mechanics.catch_front import band_geometry
+from codend.mechanics.crossing import band_turns
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, rotate
 from codend.solvers.outcome import Solution
@@ -43,6 +44,8 @@ class Measures:
     """nan where there is no strap."""
     folded_share: float
     """Share of the netting on the catch that lies in folds, facing inward; see ``folded_share``."""
+    turn_deg: float
+    """By how much the bag is turned about its axis from the entry to the codline, summed over the bands."""
 
     @classmethod
     def unknown(cls) -> "Measures":
@@ -232,6 +235,7 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows) -> Measu
         max_bar_tension_n=float(np.delete(tension, straps).max()),
         max_strap_tension_n=float(tension[straps].max()) if len(straps) else float("nan"),
         folded_share=folded_share(bag, position, rows, share),
+        turn_deg=float(np.degrees(band_turns(position, structure, loading.catch)[0].sum())),
     )
 
 

@@ -33,7 +33,7 @@ widest ring, and changes means all round in the second. Found on full nets of ra
 meshes bear the weight, but in a bag of fewer rows and wider meshes: they may be off by as much."""
 HEAVIEST_SQUARE = 0.2
 """Weight over the drag from which nets of square mesh can fold over, and no estimate holds."""
-NEARBY = replace(DIRECT, iterations_allowed=8, keeps_factors=True)
+NEARBY = replace(DIRECT, iterations_allowed=8, keeps_factors=True, refuses=False)
 """From a result it is a step or two, with the factors that were used last; if it is not, there is no estimate."""
 
 

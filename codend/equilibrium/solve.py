@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from time import perf_counter
 
 import numpy as np
@@ -83,22 +83,27 @@ def solve(
     from its equilibrium under the loads themselves, along a path of catches from the nearest equilibrium, from rough
     relaxations of the crude bag, for small catches along a path from half a bag, in which fewer bars are slack; and
     relaxation alone. Where the catch is not given by its meshes, the meridian method must search for the front and so
-    comes last of these. The other methods try what they can of that; rigid bars that lead nowhere try again with bars
-    that go slack. The report of what is returned tells every attempt; its time is that of all of them, the guesses
-    included.
+    comes last of these. The other methods try what they can of that; relaxation of a full net, too, begins with the
+    equilibrium of a sector, for from a crude bag it goes through itself on the way; rigid bars that lead nowhere try
+    again with bars that go slack. The report of what is returned tells every attempt; its time is that of all of them,
+    the guesses included.
     """
     problem = problem_of(scene.bag, scene.plan, case)
     attempts: list[str] = []
     spent = 0.0
+    solution: Solution | None = None
     for start, attempt in _attempts(scene, problem, case, known, progress):
         tried = attempt()
         if tried is None:
             continue
-        solution = tried
-        attempts += [f"from {start}: {line}" for line in solution.report.attempts]
-        spent += solution.report.solve_ms
+        # a net found in balance and refused tells more than a later start that led nowhere
+        if solution is None or not solution.report.outcome.refused or tried.report.outcome.balanced:
+            solution = tried
+        attempts += [f"from {start}: {line}" for line in tried.report.attempts]
+        spent += tried.report.solve_ms
         if solution.report.outcome.balanced:
             break
+    assert solution is not None  # every method has a start that is always there
     return problem, replace(solution, report=replace(solution.report, attempts=tuple(attempts), solve_ms=spent))
 
 
@@ -146,14 +151,20 @@ def _attempts(
             return larger
         return _later(in_steps(problem, (half, larger), from_start), larger.report.solve_ms)
 
-    def from_sector() -> Solution | None:
+    @cache
+    def sector_all_round() -> tuple[Solution | None, float]:
         sector = scene_of(scene.plan, scene.globalisation, 1)
-        known_part = solve(sector, case, (), None)[1]
-        if not known_part.report.outcome.converged:
-            return None
-        start = all_round_start(sector.bag, known_part.positions, known_part.bar_tension, sector.bag.net.order)
-        return _later(from_start(problem, start, first_settings), known_part.report.solve_ms)
+        part = solve(sector, case, (), None)[1]
+        if not part.report.outcome.converged:
+            return None, part.report.solve_ms
+        start = all_round_start(sector.bag, part.positions, part.bar_tension, sector.bag.net.order)
+        return start, part.report.solve_ms
 
+    def from_sector(solved: Callable[[Solution], Solution]) -> Solution | None:
+        start, sector_ms = sector_all_round()
+        return None if start is None else _later(solved(start), sector_ms)
+
+    has_sector = scene.sectors is None and scene.plan.model.bars_per_side == 1
     if method in ("auto", "newton"):
         path = _at_its_speed(case, known)
         same = any(other.catch_value == case.catch_value for other, _ in known)
@@ -162,8 +173,9 @@ def _attempts(
         led = known and (scene.sectors == 1 or same or near)
         if led:
             yield "where the last equilibria lead", from_the_last
-        if scene.sectors is None and scene.plan.model.bars_per_side == 1:
-            yield "the equilibrium of a sector", from_sector
+        if has_sector:
+            settled = partial(from_start, problem, settings=first_settings)
+            yield "the equilibrium of a sector", lambda: from_sector(settled)
         yield "a crude bag", through_the_interior
         if by_meshes:
             yield "the meridian method's shape", lambda: from_meridian(first_guess, first_settings)
@@ -183,7 +195,11 @@ def _attempts(
             yield "the meridian method's equilibrium", lambda: from_meridian(equilibrium_guess, DIRECT)
     if method in ("auto", "dynamic-relaxation"):
         settings = RelaxationSettings(viscous=scene.plan.model.damping == "viscous")
-        yield "a crude bag", lambda: dynamic_relaxation.solve(problem, tolerance, settings=settings, progress=progress)
+        relaxed = partial(dynamic_relaxation.solve, problem, tolerance, settings=settings, progress=progress)
+        if has_sector:
+            # a full net relaxed from a crude bag folds while it is far from its shape, and goes through itself
+            yield "the equilibrium of a sector", lambda: from_sector(relaxed)
+        yield "a crude bag", relaxed
     if method == "rigid-bars":
         yield "a crude bag", lambda: rigid_bars.solve(problem, tolerance, progress=progress)
         slack = RigidBarsSettings(slack=True)

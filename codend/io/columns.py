@@ -30,6 +30,7 @@ RESULT_COLUMNS = [
     "drag_change_with_suction",
     "negative_pivots",
     "folded_share",
+    "turn_deg",
 ]
 
 STRAP_COLUMNS = ["max_strap_tension_n"]

@@ -1,8 +1,9 @@
-"""Whether a net has passed through itself at its axis: a kernel.
+"""How a net is turned about its axis from band to band, and whether one has gone through itself there: a kernel.
 
 A net of hinged bars can pass through itself where it is narrow, and balance on the other side of its axis; twine
 cannot. A band has passed through when the ends of its bars lie on opposite sides of their rings' middles, on the mean
-of the band: when the rings of knots at its ends are turned against each other by more than a right angle.
+of the band: when the rings of knots at its ends are turned against each other by more than a right angle. Turned by
+less in every band but by as much over several, a net is wrung: it has crossed its axis little by little.
 """
 
 import numpy as np
@@ -18,38 +19,66 @@ THROUGH = 1e-6
 
 
 @njit(cache=True)
-def passed_through_itself(position: Floats, structure: Structure, catch: Catch) -> bool:
-    """Whether any band of a net has passed through itself; bars that lie in a ring do not count.
+def band_turns(position: Floats, structure: Structure, catch: Catch) -> tuple[Floats, int]:
+    """Turn of every band about the axis, rad, (bands,), and the first band that has passed through itself, -1 for none.
 
-    The rings of a sector have their middles on the axis, those of a full net where their knots have theirs.
+    Bars that lie in a ring do not count. The rings of a sector have their middles on the axis, those of a full net
+    where their knots have theirs. Twine that ends in nodes between two rings and what leads on from there are told
+    apart: their turns add up.
     """
     firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
     bands, rows, lengths = catch.bar_band, catch.node_row, structure.length
     count = len(catch.band_meshes)
-    middles, meeting, bars = np.zeros((count, 4)), np.zeros(count), np.zeros(count)
+    # of each band what leaves its fore ring, what lies between two nodes that are in no ring, and what ends in its aft
+    middles, along, across, bars = (
+        np.zeros((count, 3, 4)),
+        np.zeros((count, 3)),
+        np.zeros((count, 3)),
+        np.zeros((count, 3)),
+    )
     shortest = np.inf
     for middling in (True, False):
         for bar in range(len(bands)):
             first, second, band = firsts[bar], seconds[bar], bands[bar]
-            if rows[first] == rows[second]:
+            if rows[first] == rows[second] and rows[first] >= 0:
                 continue
             y, z = turned(position[second, 1], position[second, 2], images[bar], rotations)
+            fore_y, fore_z, aft_y, aft_z = position[first, 1], position[first, 2], y, z
+            part = 0 if band in (rows[first], rows[second]) else (1 if rows[first] == rows[second] else 2)
+            # the node between two rings with the higher number is a hinge, ahead of a knot's
+            forward = rows[first] == band if part == 0 else (rows[second] >= 0 if part == 2 else False)
+            if not forward:
+                fore_y, fore_z, aft_y, aft_z = aft_y, aft_z, fore_y, fore_z
             if middling:
-                bars[band] += 1.0
+                bars[band, part] += 1.0
                 shortest = min(shortest, lengths[bar])
                 if structure.order == 1.0:
-                    middles[band, 0] += position[first, 1]
-                    middles[band, 1] += position[first, 2]
-                    middles[band, 2] += y
-                    middles[band, 3] += z
+                    middles[band, part, 0] += fore_y
+                    middles[band, part, 1] += fore_z
+                    middles[band, part, 2] += aft_y
+                    middles[band, part, 3] += aft_z
             else:
-                fore_y, fore_z = position[first, 1] - middles[band, 0], position[first, 2] - middles[band, 1]
-                meeting[band] += fore_y * (y - middles[band, 2]) + fore_z * (z - middles[band, 3])
+                middle = middles[band, part]
+                fore_y, fore_z, aft_y, aft_z = (
+                    fore_y - middle[0],
+                    fore_z - middle[1],
+                    aft_y - middle[2],
+                    aft_z - middle[3],
+                )
+                along[band, part] += fore_y * aft_y + fore_z * aft_z
+                across[band, part] += fore_y * aft_z - fore_z * aft_y
         if middling:
             for band in range(count):
-                for i in range(4):
-                    middles[band, i] /= max(bars[band], 1.0)
-    through = False
-    for band in range(count):
-        through = through or meeting[band] < -THROUGH * shortest * shortest * bars[band]
-    return through
+                for part in range(3):
+                    for i in range(4):
+                        middles[band, part, i] /= max(bars[band, part], 1.0)
+    turns = np.zeros(count)
+    through = -1
+    for band in range(count - 1, -1, -1):
+        for part in range(3):
+            least = THROUGH * shortest * shortest * bars[band, part]
+            if along[band, part] < -least:
+                through = band
+            if abs(along[band, part]) + abs(across[band, part]) > least:
+                turns[band] += np.arctan2(across[band, part], along[band, part])
+    return turns, through

@@ -21,6 +21,8 @@ from codend.mechanics.structure import Structure
 from codend.net.net import Floats, Ints
 
 REFRESH = 25
+LONGEST_MOVE = 0.15
+"""Longest move of a node in one step, over the mean bar: what goes further goes through its neighbours."""
 X, FORCE, VELOCITY, MOBILITY, LOAD = 0, 3, 6, 9, 12
 WIDTH = 16
 """Columns of the packed state of a node: position, force, velocity, 1 / mass, load; one column is spare."""
@@ -137,13 +139,22 @@ def refresh(work: Workspace, structure: Structure, loading: Loading, mass_factor
 
 @njit(cache=True, fastmath=True, error_model="numpy")
 def step(
-    state: Floats, chain: Ints, bar_end: Ints, bar_image: Ints, law: Floats, rotations: Floats, keep: float, push: float
+    state: Floats,
+    chain: Ints,
+    bar_end: Ints,
+    bar_image: Ints,
+    law: Floats,
+    rotations: Floats,
+    keep: float,
+    push: float,
+    longest: float,
 ) -> float:
     """Move all nodes by one step, v <- keep v + push f / m, x <- x + v; return the work done by the forces.
 
-    With keep = push = 1 that work is the change of kinetic energy.
+    With keep = push = 1 that work is the change of kinetic energy, but for what is taken from nodes that would move
+    further than ``longest``.
     """
-    gain = 0.0
+    gain, square = 0.0, longest * longest
     middle = (rotations.shape[0] - 1) // 2
     turning = rotations.shape[0] > 1
     one = np.uint64(1)
@@ -183,6 +194,10 @@ def step(
         ux = keep * vx + push * state[node, 9] * fx
         uy = keep * vy + push * state[node, 10] * fy
         uz = keep * vz + push * state[node, 11] * fz
+        move = ux * ux + uy * uy + uz * uz
+        if move > square:
+            shorter = longest / np.sqrt(move)
+            ux, uy, uz = shorter * ux, shorter * uy, shorter * uz
         gain += fx * (ux + vx) + fy * (uy + vy) + fz * (uz + vz)
         state[node, 6], state[node, 7], state[node, 8] = ux, uy, uz
         state[node, 0], state[node, 1], state[node, 2] = x + ux, y + uy, z + uz
@@ -259,6 +274,7 @@ def relax(
     at_rest = True
     # stiff twine is too stiff a load to stand still for long
     interval = REFRESH if len(structure.corner_rest) == 0 else 1
+    longest = LONGEST_MOVE * structure.length.mean()
     last_x, last_force = state[:, X : X + 3].copy(), work.force.copy()
     while True:
         if not np.isfinite(residual):
@@ -274,7 +290,9 @@ def relax(
             last_energy, energy_before, since_rest = energy, energy, 0
         at_rest = False
         for _ in range(interval):
-            work_done = step(state, work.chain, work.bar_end, work.bar_image, work.law, structure.rotations, keep, push)
+            work_done = step(
+                state, work.chain, work.bar_end, work.bar_image, work.law, structure.rotations, keep, push, longest
+            )
             steps += 1
             if viscous:
                 continue

@@ -10,13 +10,13 @@ import numpy as np
 
 from codend.mechanics import relaxation
 from codend.mechanics.bars import augmented_law, bar_lengths, length_error
-from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.loads import add_force
 from codend.mechanics.problem import Problem
 from codend.mechanics.relaxation import Workspace
 from codend.net.net import Floats
 from codend.solvers.clock import Clock
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.refusal import Refusal, passage, refusal, told
 
 METHOD = "dynamic-relaxation"
 LENGTH_TOLERANCE = 1e-6
@@ -76,17 +76,18 @@ def solve(
             )
             run = _Run(problem, work, settings, penalty, mass_factor, settings.steps_allowed - steps, progress)
             outcome = run.to_equilibrium(tolerance, start)
-            if outcome.balanced and passed_through_itself(work.position, problem.structure, problem.loading.catch):
-                outcome = Outcome.PASSED_THROUGH
+            if outcome.balanced:
+                run.refused = refusal(problem, work.position, work.share)
+                outcome = outcome if run.refused is None else run.refused.outcome
             steps += run.steps
             damping = "viscous" if settings.viscous else "kinetic"
             attempts.append(
                 f"{METHOD}, {damping} damping, penalty {penalty:g}, masses x {mass_factor:g}: "
-                f"{run.steps} steps, residual {run.residual:.1e}. {outcome.value}"
+                f"{run.steps} steps, residual {run.residual:.1e}. {told(outcome, run.refused)}"
             )
             if outcome.balanced or steps >= settings.steps_allowed:
                 break
-            if outcome in (Outcome.OVERSTRETCHED, Outcome.NOT_FINITE, Outcome.PASSED_THROUGH):
+            if outcome is not Outcome.STEPS_SPENT:
                 penalty *= 4.0
             mass_factor *= 2.0
         spent_ms = clock.ms
@@ -157,6 +158,7 @@ class _Run:
         self.steps = 0
         self.residual = self.imbalance = self.length_error = np.inf
         self.tension = 0.0
+        self.refused: Refusal | None = None
 
     def to_equilibrium(self, tolerance: float, start: Solution | None) -> Outcome:
         work, structure = self.work, self.problem.structure
@@ -180,6 +182,11 @@ class _Run:
             outcome = _OUTCOMES[code]
             if outcome in (Outcome.NOT_FINITE, Outcome.OVERSTRETCHED):
                 return outcome
+            if structure.order == 1.0:
+                # a full net that has passed through itself does not come back
+                self.refused = passage(self.problem, np.ascontiguousarray(work.state[:, :3]))
+                if self.refused is not None:
+                    return self.refused.outcome
             if max(self.residual, self.imbalance) < 0.5 * best:
                 best, last_gain = max(self.residual, self.imbalance), self.steps
             if outcome is Outcome.STEPS_SPENT:

@@ -13,7 +13,6 @@ import numpy as np
 
 from codend.mechanics import newton_step as kernels
 from codend.mechanics.bars import bar_lengths
-from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.newton_state import State, empty_state, measure
 from codend.mechanics.newton_step import Step
 from codend.mechanics.problem import Problem
@@ -24,6 +23,7 @@ from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tensio
 from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
 from codend.solvers.newton_advance import FAILED, IN_FIRST, IN_SECOND, Iteration, Limits, advance, advance_banded
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.refusal import Refusal, refusal, told
 
 METHOD = "newton"
 CLEAR_GAIN = 0.1
@@ -46,6 +46,8 @@ class NewtonSettings:
     """Iterations with each of them; from a start that was given only the first is tried before the net is relaxed."""
     least_iterations: int = 0
     """Made even from a start within the tolerance, which is one of single nodes: a small load on all hides below it."""
+    refuses: bool = True
+    """Whether an answer is held to what answers are refused for; needless a step from one that was."""
     keeps_factors: bool = False
     """Whether the first iteration takes the factors there are, best of the tangent at an equilibrium nearby; where they
     are of no use it makes its own."""
@@ -176,6 +178,7 @@ class _Run:
         self.state, self.first, self.second = prepared.states
         self.iterations = 0
         self.singular = False
+        self.refused: Refusal | None = None
         self.history: list[float] = []
 
     def from_start(
@@ -187,7 +190,7 @@ class _Run:
             outcome = self.to_equilibrium(tolerance, start, switch)
             attempts.append(
                 f"{METHOD} with {self.prepared.system.name}, switch {switch:g}: {self.iterations - before} iterations, "
-                f"residual {self.state.residual:.1e}. {outcome.value}"
+                f"residual {self.state.residual:.1e}. {told(outcome, self.refused)}"
             )
             if outcome.balanced or outcome is Outcome.NOT_FINITE:
                 break
@@ -219,8 +222,10 @@ class _Run:
                     np.maximum(self.state.density, 0.0, out=self.state.density)
                     self._measure()
                     continue
-                if passed_through_itself(self.state.position, self.structure, self.problem.loading.catch):
-                    return Outcome.PASSED_THROUGH
+                if self.settings.refuses:
+                    self.refused = refusal(self.problem, self.state.position, self.state.share)
+                    if self.refused is not None:
+                        return self.refused.outcome
                 return Outcome.CONVERGED if marks["fits"] else Outcome.OVERFULL
             if self.iterations >= last:
                 return Outcome.STEPS_SPENT

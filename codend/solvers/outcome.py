@@ -24,7 +24,11 @@ class Outcome(Enum):
     OVERFULL = "The catch does not fit into the net: give a smaller one."
     SINGULAR = "The tangent could not be factorised: the net is a mechanism at this shape."
     NOT_IMPROVING = "No step lowered the residual further: start nearer to the equilibrium."
-    PASSED_THROUGH = "The net has passed through itself at its axis, which twine cannot: start from another shape."
+    PASSED_THROUGH = "The net has passed through itself, which twine cannot: it was refused; start from another shape."
+    WRUNG = "The net is turned about its axis by more than a right angle, wrung as no tow does: it was refused."
+    NO_VOLUME = "The catch found has no volume, or less than none: it was refused; start from another shape."
+    FRONT_BEHIND = "The front of the catch found lies behind the codline: it was refused; start from another shape."
+    INSIDE_OUT = "Most of the netting on the catch found faces inward: it was refused; start from another shape."
     COMPRESSED = "The only solution found has bars in compression, which twine cannot carry: it was refused."
     NO_MERIDIAN = "Newton's method found no meridian from any start: model a sector, or start from a larger catch."
     SLOPE_REVERSED = "The meridian found runs back upstream, which is no equilibrium of a towed bag: it was refused."
@@ -37,9 +41,24 @@ class Outcome(Enum):
         return self is Outcome.CONVERGED
 
     @property
+    def refused(self) -> bool:
+        """Whether a net in balance was found, but one that no towed net is."""
+        return self in _REFUSED
+
+    @property
     def balanced(self) -> bool:
         """Whether the net is in equilibrium: with its catch, or full, and the catch is larger."""
         return self in (Outcome.CONVERGED, Outcome.OVERFULL)
+
+
+_REFUSED = (
+    Outcome.PASSED_THROUGH,
+    Outcome.WRUNG,
+    Outcome.NO_VOLUME,
+    Outcome.FRONT_BEHIND,
+    Outcome.INSIDE_OUT,
+    Outcome.COMPRESSED,
+)
 
 
 @dataclass(frozen=True)

@@ -16,13 +16,13 @@ import numpy as np
 
 from codend.mechanics.balance import out_of_balance
 from codend.mechanics.bars import add_bar_forces, bar_lengths, length_error
-from codend.mechanics.crossing import passed_through_itself
 from codend.mechanics.problem import Problem
 from codend.mechanics.weight import GRAVITY_M_S2
 from codend.net.net import Floats
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.refusal import Refusal, refusal, told
 from codend.solvers.rigid_motion import RigidMotion
 
 METHOD = "rigid-bars"
@@ -94,7 +94,8 @@ def solve(
             mean_step = run.time_s / run.steps if run.steps else 0.0
             attempts.append(
                 f"{METHOD}, time step {mean_step:.1e} s: {run.steps} steps, {run.time_s:.3g} s of motion, "
-                f"{run.stops} stops, drift up to {run.largest_drift:.1e}, residual {run.residual:.1e}. {outcome.value}"
+                f"{run.stops} stops, drift up to {run.largest_drift:.1e}, residual {run.residual:.1e}. "
+                f"{told(outcome, run.refused)}"
             )
             if outcome is not Outcome.NOT_FINITE or run.steps == 0:
                 break
@@ -140,6 +141,7 @@ class _Run:
         self.time_s = self.speed = self.largest_drift = 0.0
         self.residual = self.imbalance = self.length_error = np.inf
         self.tension: Floats = np.full(len(problem.net.bars), np.nan)
+        self.refused: Refusal | None = None
 
     def to_rest(self, tolerance: float) -> Outcome:
         """Step until the net is at rest."""
@@ -200,10 +202,10 @@ class _Run:
             self.tension = carried * length
             if max(self.residual, self.imbalance) > tolerance:
                 outcome = Outcome.COMPRESSED
-            elif passed_through_itself(motion.position, structure, self.problem.loading.catch):
-                outcome = Outcome.PASSED_THROUGH
             elif self.length_error <= LENGTH_TOLERANCE:
-                outcome = Outcome.CONVERGED if motion.fits else Outcome.OVERFULL
+                self.refused = refusal(self.problem, motion.position, motion.share)
+                fits = Outcome.CONVERGED if motion.fits else Outcome.OVERFULL
+                outcome = fits if self.refused is None else self.refused.outcome
         if outcome is None:
             motion.set_state(moving)
         return outcome

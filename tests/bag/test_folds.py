@@ -9,6 +9,7 @@ from codend.bag.loads import problem_of
 from codend.bag.measures import folded_share, measure_meshes, measure_rows
 from codend.cli.main import main
 from codend.solvers import newton
+from codend.solvers.outcome import Outcome
 from codend.studies.study import solve
 from tests.plans import joined_plan, make_plan
 
@@ -18,6 +19,22 @@ KINDS = [
     ("t90", {"knot_mm": 8.0}),
     ("square", {}),
 ]
+STIFF_AT_THE_CODLINE = """title = "Stiff T90 twine"
+tow = {speed_m_s = 1.9, water_density_kg_m3 = 1026.0}
+entry = {radius_m = 0.187}
+catch = {filled_meshes = 3.5}
+model = {fidelity = "sector"}
+
+[[netting]]
+mesh = "t90"
+meshes_round = 48
+meshes_long = 12
+bar_mm = 54.0
+knot_mm = 12.0
+twine_mm = 2.7
+bending_stiffness_n_m2 = 4.5e-4
+rest_opening_deg = 63.0
+"""
 WIDE_BEHIND_NARROW = """title = "More squares than diamonds"
 tow = {speed_m_s = 1.0, water_density_kg_m3 = 1000.0}
 entry = {radius_m = 0.45}
@@ -70,10 +87,17 @@ def test_a_net_that_sags_is_in_no_folds_for_that(model):
 
 
 def test_the_command_names_cases_whose_netting_lies_in_folds(tmp_path):
-    (tmp_path / "plan.toml").write_text(WIDE_BEHIND_NARROW)
+    (tmp_path / "plan.toml").write_text(STIFF_AT_THE_CODLINE)
     told = CliRunner().invoke(main, ["run", str(tmp_path / "plan.toml"), "--out", str(tmp_path / "out")])
     assert told.exit_code == 0
     assert "Netting on the catch lies in folds" in told.output
     assert "Netting on the catch lies in folds" in (tmp_path / "out" / "report.html").read_text()
     limp = solve(joined_plan(("diamond", 18, 10, 40.0, {}), ("diamond", 12, 10, 40.0, {}))).table
     assert limp["folded_share"].item() == 0.0
+
+
+def test_folds_that_pass_through_one_another_are_refused(tmp_path):
+    (tmp_path / "plan.toml").write_text(WIDE_BEHIND_NARROW)
+    told = CliRunner().invoke(main, ["run", str(tmp_path / "plan.toml"), "--out", str(tmp_path / "out")])
+    assert told.exit_code == 3
+    assert Outcome.PASSED_THROUGH.value[:40] in told.output

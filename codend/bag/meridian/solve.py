@@ -134,6 +134,11 @@ def _shape(problem: MeridianProblem, grid: Grid, result: NewtonResult, method: s
         outcome = Outcome.SLOPE_REVERSED
     elif np.any(radius < -_ROUND_OFF):
         outcome = Outcome.RADIUS_NEGATIVE
+    volume = float(np.pi * spread**3 * (volumes @ grid.in_catch))
+    if outcome is Outcome.CONVERGED and x[-1] < x[grid.front]:
+        outcome = Outcome.FRONT_BEHIND
+    elif outcome is Outcome.CONVERGED and not volume > 0.0:
+        outcome = Outcome.NO_VOLUME
     rows = grid.rows
     return MeridianShape(
         x_m=x[rows],
@@ -146,7 +151,7 @@ def _shape(problem: MeridianProblem, grid: Grid, result: NewtonResult, method: s
         front_radius_m=float(spread * radius[grid.front]),
         largest_radius_m=spread * _largest_radius(step, state, bars.row_length),
         length_m=float(x[-1]),
-        catch_volume_m3=float(np.pi * spread**3 * (volumes @ grid.in_catch)),
+        catch_volume_m3=volume,
         drag_n=catch_drag + twine_drag,
         catch_drag_n=catch_drag,
         twine_drag_n=twine_drag,

@@ -1,0 +1,270 @@
+"""Bars that pierce the netting: where a net has passed through itself, in sectors with their images and in full nets.
+
+Netting is seen as its facets. A quadrangle that is covered by both of its divisions into triangles, each at half
+weight, is pierced when a bar pierces one triangle of either: a bar that ends in the space between the two divisions
+touches it. A bar pierces a facet if it meets it and both its ends are further from the facet's plane than a tolerance:
+bars that share a node with a facet do not, nor does netting that is folded flat and lies on itself.
+
+Facets are sorted into the cells of a grid by the middles of their boxes, in (x, r) for a sector, whose images are told
+apart by their azimuths, and in (x, y, z) for a full net.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codend.compiled import njit
+from codend.net.net import Floats, Ints
+
+Counts = NDArray[np.int64]
+
+TOUCHING = 1e-3
+"""How far both ends of a bar must lie from a facet's plane to pierce it, over the shortest bar."""
+ON_EDGE = 1e-9
+"""Share by which facets are widened: nets with a plane of symmetry are pierced at the edges of facets, if at all."""
+CELLS = 8
+"""Most cells of the grid, over the number of facets."""
+
+
+@njit(cache=True)
+def write_point(position: Floats, node: int, image: int, cosines: Floats, sines: Floats, point: Floats) -> None:
+    """Write a node turned about the x axis by ``image`` sectors, (3,)."""
+    y, z = position[node, 1], position[node, 2]
+    turn = image % len(cosines)
+    cosine, sine = cosines[turn], sines[turn]
+    point[0], point[1], point[2] = position[node, 0], cosine * y - sine * z, sine * y + cosine * z
+
+
+@njit(cache=True)
+def wrapped(angle: float) -> float:
+    """The angle between -pi and pi that differs from this one by whole turns."""
+    return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
+
+
+@njit(cache=True)
+def nearest_to_axis(ay: float, az: float, by: float, bz: float) -> float:
+    """Least distance from the axis of a straight line between two points, seen along the axis."""
+    y, z = by - ay, bz - az
+    square = y * y + z * z
+    along = min(max(-(ay * y + az * z) / square, 0.0), 1.0) if square > 0.0 else 0.0
+    return math.hypot(ay + along * y, az + along * z)
+
+
+@njit(cache=True)
+def around_axis(points: Floats, count: int, on_axis: float) -> tuple[float, float]:
+    """Middle and half width of the azimuths of a bar or a facet, by its corners (count, 3); pi where it spans the axis.
+
+    Corners on the axis have none: what lies between the others counts.
+    """
+    base, low, high, seen, winding, last = 0.0, 0.0, 0.0, 0, 0.0, 0.0
+    for i in range(count):
+        y, z = points[i, 1], points[i, 2]
+        if math.sqrt(y * y + z * z) <= on_axis:
+            continue
+        azimuth = math.atan2(z, y)
+        if seen == 0:
+            base = azimuth
+        else:
+            winding += wrapped(azimuth - last)
+        away = wrapped(azimuth - base)
+        low, high, last = min(low, away), max(high, away), azimuth
+        seen += 1
+    winding += wrapped(base - last)
+    if abs(winding) > 1.0 or high - low > math.pi:
+        return 0.0, math.pi
+    return base + 0.5 * (low + high), 0.5 * (high - low)
+
+
+@njit(cache=True)
+def write_box(points: Floats, count: int, sector: bool, box: Floats) -> None:
+    """Write the least and the largest coordinates of a bar or a facet, (6,): (x, y, z), or (x, r, 0) in a sector."""
+    for i in range(3):
+        box[i], box[3 + i] = points[0, i], points[0, i]
+        for j in range(1, count):
+            box[i], box[3 + i] = min(box[i], points[j, i]), max(box[3 + i], points[j, i])
+    if not sector:
+        return
+    least, most = np.inf, 0.0
+    inside = 0
+    for j in range(count):
+        k = (j + 1) % count
+        ay, az, by, bz = points[j, 1], points[j, 2], points[k, 1], points[k, 2]
+        least, most = min(least, nearest_to_axis(ay, az, by, bz)), max(most, math.sqrt(ay * ay + az * az))
+        inside += 1 if ay * bz - az * by > 0.0 else -1
+    if count == 3 and abs(inside) == 3:
+        least = 0.0
+    box[1], box[4], box[2], box[5] = least, most, 0.0, 0.0
+
+
+@njit(cache=True)
+def write_plane(corners: Floats, touching: float, plane: Floats) -> None:
+    """Write the unit normal of a facet (3, 3) and its distance from the origin, (4,).
+
+    A facet thinner than the tolerance has no plane: its normal is 0, and nothing pierces it.
+    """
+    ux, uy, uz = corners[1, 0] - corners[0, 0], corners[1, 1] - corners[0, 1], corners[1, 2] - corners[0, 2]
+    vx, vy, vz = corners[2, 0] - corners[0, 0], corners[2, 1] - corners[0, 1], corners[2, 2] - corners[0, 2]
+    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+    size = math.sqrt(nx * nx + ny * ny + nz * nz)
+    plane[:] = 0.0
+    if size > touching * math.sqrt(max(ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz)):
+        plane[0], plane[1], plane[2] = nx / size, ny / size, nz / size
+        plane[3] = plane[0] * corners[0, 0] + plane[1] * corners[0, 1] + plane[2] * corners[0, 2]
+
+
+@njit(cache=True)
+def meets(corners: Floats, plane: Floats, x: float, y: float, z: float) -> bool:
+    """Whether a point in the plane of a facet (3, 3) lies in it: on the inner side of all its edges."""
+    for i in range(3):
+        j = (i + 1) % 3
+        ux, uy, uz = corners[j, 0] - corners[i, 0], corners[j, 1] - corners[i, 1], corners[j, 2] - corners[i, 2]
+        px, py, pz = x - corners[i, 0], y - corners[i, 1], z - corners[i, 2]
+        inside = plane[0] * (uy * pz - uz * py) + plane[1] * (uz * px - ux * pz) + plane[2] * (ux * py - uy * px)
+        if inside < -ON_EDGE * (ux * ux + uy * uy + uz * uz):
+            return False
+    return True
+
+
+@njit(cache=True)
+def first_pierced(
+    position: Floats,
+    first: Ints,
+    second: Ints,
+    image: Ints,
+    facets: Ints,
+    facet_image: Ints,
+    facet_weight: Floats,
+    order: float,
+    touching: float,
+) -> tuple[int, int]:
+    """The first bar that pierces the netting, and a facet it pierces; -1, -1 where none does.
+
+    Args:
+        position: nodes, (n, 3).
+        first: first end of the bars, (m,).
+        second: second end, (m,).
+        image: image of the second end, (m,).
+        facets: corners, (f, 3).
+        facet_image: their images, (f, 3).
+        facet_weight: below 1 where a quadrangle is covered twice, (f,).
+        order: number of equal sectors all round.
+        touching: distance of an end from a facet's plane up to which it touches, m.
+    """
+    count, sectors, sector = len(facets), int(order), order > 1.0
+    if count == 0:
+        return -1, -1
+    angle = 2.0 * math.pi / order
+    cosines, sines = np.empty(sectors), np.empty(sectors)
+    for turn in range(sectors):
+        cosines[turn], sines[turn] = math.cos(angle * turn), math.sin(angle * turn)
+    corners, boxes, planes, spans = (
+        np.empty((count, 3, 3)),
+        np.empty((count, 6)),
+        np.empty((count, 4)),
+        np.zeros((count, 2)),
+    )
+    for facet in range(count):
+        for i in range(3):
+            write_point(position, facets[facet, i], facet_image[facet, i], cosines, sines, corners[facet, i])
+        write_box(corners[facet], 3, sector, boxes[facet])
+        write_plane(corners[facet], touching, planes[facet])
+        if sector:
+            spans[facet] = around_axis(corners[facet], 3, 1e-3 * touching)
+    start, contents, low, size, shape, reach = sorted_into_cells(boxes)
+    boxes, planes, spans = boxes[contents], planes[contents], spans[contents]
+    bars, box, span = np.empty((2, 3)), np.empty(6), np.zeros(2)
+    cells = np.empty((3, 2), dtype=np.int64)
+    for bar in range(len(first)):
+        write_point(position, first[bar], 0, cosines, sines, bars[0])
+        write_point(position, second[bar], image[bar], cosines, sines, bars[1])
+        write_box(bars, 2, sector, box)
+        if sector:
+            span[:] = around_axis(bars, 2, 1e-3 * touching)
+        for i in range(3):
+            cells[i, 0] = max(int((box[i] - reach[i] - low[i]) / size), 0)
+            cells[i, 1] = min(int((box[3 + i] + reach[i] - low[i]) / size), shape[i] - 1)
+        px, qx = bars[0, 0], bars[1, 0]
+        pierced = 0.0
+        for i in range(cells[0, 0], cells[0, 1] + 1):
+            for j in range(cells[1, 0], cells[1, 1] + 1):
+                row = (i * shape[1] + j) * shape[2]
+                # cells that follow one another along the last coordinate are one stretch of the list
+                for place in range(start[row + cells[2, 0]], start[row + cells[2, 1] + 1]):
+                    if (
+                        box[0] > boxes[place, 3]
+                        or box[3] < boxes[place, 0]
+                        or box[1] > boxes[place, 4]
+                        or box[4] < boxes[place, 1]
+                        or box[2] > boxes[place, 5]
+                        or box[5] < boxes[place, 2]
+                    ):
+                        continue
+                    least, most = 0, 0
+                    if sector:
+                        away, wide = span[0] - spans[place, 0], span[1] + spans[place, 1] + ON_EDGE
+                        least = math.ceil((away - wide) / angle)
+                        most = min(math.floor((away + wide) / angle), least + sectors - 1)
+                    nx, ny, nz, distance = planes[place, 0], planes[place, 1], planes[place, 2], planes[place, 3]
+                    for turn in range(least, most + 1):
+                        # the bar is turned back, rather than the facet forward
+                        c, s = cosines[turn % sectors], sines[turn % sectors]
+                        py, pz = c * bars[0, 1] + s * bars[0, 2], c * bars[0, 2] - s * bars[0, 1]
+                        qy, qz = c * bars[1, 1] + s * bars[1, 2], c * bars[1, 2] - s * bars[1, 1]
+                        p = nx * px + ny * py + nz * pz - distance
+                        q = nx * qx + ny * qy + nz * qz - distance
+                        # an end that is one of the facet's corners lies in its plane
+                        if p * q >= 0.0 or min(abs(p), abs(q)) <= touching:
+                            continue
+                        facet, along = contents[place], p / (p - q)
+                        x, y, z = px + along * (qx - px), py + along * (qy - py), pz + along * (qz - pz)
+                        if meets(corners[facet], planes[place], x, y, z):
+                            pierced += 1.0 if facet_weight[facet] >= 1.0 else 0.5
+                            if pierced >= 1.0:
+                                return bar, facet
+    return -1, -1
+
+
+@njit(cache=True)
+def sorted_into_cells(boxes: Floats) -> tuple[Counts, Counts, Floats, float, Counts, Floats]:
+    """Sort facets into the cells of a grid by the middles of their boxes.
+
+    Returns:
+        where the facets of each cell begin in the list, the list, the grid's lowest corner, the size of its cells, how
+        many it has along each coordinate, and half the largest extent of a box along each.
+    """
+    count = len(boxes)
+    low, high, reach = np.full(3, np.inf), np.full(3, -np.inf), np.zeros(3)
+    extent = 0.0
+    for facet in range(count):
+        widest = 0.0
+        for i in range(3):
+            middle, wide = 0.5 * (boxes[facet, i] + boxes[facet, 3 + i]), boxes[facet, 3 + i] - boxes[facet, i]
+            low[i], high[i] = min(low[i], middle), max(high[i], middle)
+            reach[i], widest = max(reach[i], 0.5 * wide), max(widest, wide)
+        extent += widest / count
+    size = max(extent, 1e-300)
+    shape = np.empty(3, dtype=np.int64)
+    while True:
+        for i in range(3):
+            shape[i] = int((high[i] - low[i]) / size) + 1
+        if shape[0] * shape[1] * shape[2] <= CELLS * count + 8:
+            break
+        size *= 1.25
+    start = np.zeros(shape[0] * shape[1] * shape[2] + 1, dtype=np.int64)
+    cell = np.empty(count, dtype=np.int64)
+    for facet in range(count):
+        index = 0
+        for i in range(3):
+            middle = 0.5 * (boxes[facet, i] + boxes[facet, 3 + i])
+            index = index * shape[i] + min(int((middle - low[i]) / size), shape[i] - 1)
+        cell[facet] = index
+        start[index + 1] += 1
+    for index in range(len(start) - 1):
+        start[index + 1] += start[index]
+    contents = np.empty(count, dtype=np.int64)
+    free = start[:-1].copy()
+    for facet in range(count):
+        contents[free[cell[facet]]] = facet
+        free[cell[facet]] += 1
+    return start, contents, low, size, shape, reach

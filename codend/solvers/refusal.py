@@ -1,0 +1,86 @@
+"""What an answer in balance is refused for: nets that have passed through themselves, and catches that cannot be."""
+
+import math
+from typing import NamedTuple
+
+from codend.mechanics import possible
+from codend.mechanics.crossing import band_turns
+from codend.mechanics.piercing import TOUCHING, first_pierced
+from codend.mechanics.problem import Problem
+from codend.mechanics.rings import first_crossed_ring, rings_of
+from codend.net.net import Floats
+from codend.solvers.outcome import Outcome
+
+LARGEST_TURN = 0.5 * math.pi
+"""Turn about its axis, from entry to codline, up to which a net is not wrung, rad."""
+_IMPOSSIBLE = {
+    possible.NO_VOLUME: (Outcome.NO_VOLUME, "volume {:.2g} m3"),
+    possible.FRONT_BEHIND: (Outcome.FRONT_BEHIND, "front {:.2g} m ahead of the codline"),
+    possible.INSIDE_OUT: (Outcome.INSIDE_OUT, "share that faces inward {:.2f}"),
+}
+
+
+class Refusal(NamedTuple):
+    """How a solve ends instead."""
+
+    outcome: Outcome
+    where: str
+    """What was seen, and where in the net."""
+
+
+def refusal(problem: Problem, position: Floats, share: Floats) -> Refusal | None:
+    """What speaks against an equilibrium with nodes at ``position`` (n, 3) and so much of each band in the catch."""
+    through = passage(problem, position)
+    if through is not None:
+        return through
+    code, number = possible.impossible(position, problem.structure, problem.loading.catch, share)
+    if code == possible.POSSIBLE:
+        return None
+    outcome, seen = _IMPOSSIBLE[code]
+    return Refusal(outcome, seen.format(number))
+
+
+def passage(problem: Problem, position: Floats) -> Refusal | None:
+    """Where a net has passed through itself, or that it is wrung; None where it has not."""
+    structure, catch = problem.structure, problem.loading.catch
+    touching = TOUCHING * float(structure.length.min())
+    if catch.row_size.any():
+        round_axis = _rings(problem, position, touching)
+        if round_axis is not None:
+            return round_axis
+    bar, facet = first_pierced(position, *_sheet(problem), touching)
+    if bar < 0:
+        return None
+    band, met = catch.bar_band[bar] + 1, catch.facet_band[facet] + 1
+    return Refusal(Outcome.PASSED_THROUGH, f"a bar of band {band} pierces band {met} of {problem.bands}")
+
+
+def _rings(problem: Problem, position: Floats, touching: float) -> Refusal | None:
+    """What the rings of knots of a bag tell: turned against each other, or crossing themselves."""
+    structure, catch = problem.structure, problem.loading.catch
+    turns, band = band_turns(position, structure, catch)
+    if band >= 0:
+        return Refusal(Outcome.PASSED_THROUGH, f"band {band + 1} of {problem.bands} at the axis")
+    turn = float(turns.sum())
+    if abs(turn) > LARGEST_TURN:
+        return Refusal(Outcome.WRUNG, f"{math.degrees(turn):.0f} degrees")
+    # a ring of one or two knots a sector is sound, or a bar of it pierces the netting
+    if structure.order > 1.0 and catch.row_size.max() <= 2.0:
+        return None
+    rings = rings_of(problem.net.positions, catch.node_row, problem.net.order)
+    row, times = first_crossed_ring(position, *rings, structure.order, touching)
+    if row < 0:
+        return None
+    runs = f"runs {times} times round and " if times != 1 else ""
+    return Refusal(Outcome.PASSED_THROUGH, f"ring {row} of {problem.bands} {runs}crosses itself")
+
+
+def told(outcome: Outcome, refused: Refusal | None) -> str:
+    """An outcome in words, and where in the net what it was refused for."""
+    return outcome.value if refused is None or refused.outcome is not outcome else f"{outcome.value} ({refused.where})"
+
+
+def _sheet(problem: Problem) -> tuple:
+    """Bars and facets as ``first_pierced`` takes them."""
+    s = problem.structure
+    return s.first, s.second, s.image, s.facets, s.facet_image, s.facet_weight, s.order
