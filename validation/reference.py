@@ -115,7 +115,7 @@ def departure(problem: Problem, positions: np.ndarray, tension: np.ndarray, shar
     stretch = length / net.bar_length - 1.0 - tension * net.bar_flexibility
     return Departure(
         residual=float(np.linalg.norm(force, axis=1).max() / scale),
-        imbalance=float(abs(net.order * force[:, 0].sum()) / (np.linalg.norm(resultant) + mean_tension)),
+        imbalance=float(abs(net.order * force[:, 0].sum()) / np.linalg.norm(resultant)),
         length_error=float(np.where(tension > 0, np.abs(stretch), stretch).max()),
         compression=float(max(0.0, -tension.min()) / max(tension.max(), 1e-300)),
         drag=float(net.order * loads[:, 0].sum()),

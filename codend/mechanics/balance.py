@@ -6,8 +6,8 @@ from codend.compiled import njit
 from codend.mechanics.structure import Structure
 from codend.net.net import Floats
 
-CANCELLED = 1e-12
-"""Resultant of the loads, over the sum of their sizes, that is no more than round-off."""
+CANCELLED = 1e-6
+"""Resultant, over the sizes of loads and tensions, under which loads are said to cancel."""
 
 
 @njit(cache=True)
@@ -16,7 +16,7 @@ def out_of_balance(structure: Structure, force: Floats, load: Floats, tension: f
 
     The residual is taken over the sizes of the loads of all nodes, (n, 3), summed all round, and the mean tension of
     the bars: not over the resultant, for loads may cancel, and a net may be tight without any. The axial imbalance, the
-    sum of all that is left over, is taken over the resultant, which is the drag of a towed net, and the mean tension.
+    sum of all that is left over, is taken over the resultant, which is the drag of a towed net, unless loads cancel.
     """
     largest, axial, size = 0.0, 0.0, 0.0
     x, y, z = 0.0, 0.0, 0.0
@@ -32,12 +32,9 @@ def out_of_balance(structure: Structure, force: Floats, load: Floats, tension: f
         x, y, z = x + order * lx, y + ly, z + lz
     # across the axis the loads of a sector's images cancel
     resultant = abs(x) if order > 1.0 else np.sqrt(x * x + y * y + z * z)
-    scale, axial_scale = size + tension, resultant + tension
+    scale = size + tension
     if not np.isfinite(largest) or not np.isfinite(scale):
         return np.inf, np.inf
     if largest == 0.0:
         return 0.0, 0.0
-    # loads that cancel, before any bar is tight
-    if axial_scale <= CANCELLED * scale:
-        axial_scale = scale
-    return np.sqrt(largest) / scale, abs(axial) / axial_scale
+    return np.sqrt(largest) / scale, abs(axial) / (resultant if resultant > CANCELLED * scale else scale)
