@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, NamedTuple
@@ -59,7 +59,7 @@ class FieldData:
         other_raising: (R,) raising factor >= 1 of the cover or control gear.
         covariate_names: the C haul covariates.
         covariates: (H, C) their values.
-        notes: in words, what was done to the table and what of it was not used.
+        columns: of the table, those that are constant within hauls and factors, (H,) each, for formulas.
     """
 
     source: str
@@ -73,7 +73,13 @@ class FieldData:
     other_raising: Array
     covariate_names: tuple[str, ...]
     covariates: Array
-    notes: tuple[str, ...] = ()
+    columns: Mapping[str, Array | NDArray[np.object_]] = field(default_factory=dict)
+
+    def haul_columns(self) -> pd.DataFrame:
+        """A row a haul, with its name and what else is known of it: numbers as such, others as text."""
+        import pandas as pd
+
+        return pd.DataFrame({"haul": list(self.haul_names)} | dict(self.columns))
 
     @property
     def log_offset(self) -> Array:
@@ -82,7 +88,7 @@ class FieldData:
 
 
 def read_field_data(
-    data: str | Path | pd.DataFrame, design: str, covariates: Sequence[str] = (), reading: HaulReading = AS_IT_STANDS
+    data: str | Path | pd.DataFrame, design: str, covariates: Sequence[str] = (), factors: Sequence[str] = ()
 ) -> FieldData:
     """Read and check a table of counted fish.
 
@@ -92,7 +98,7 @@ def read_field_data(
             optional `test_raising, control_raising` ("paired"); `length_mm` will do for `length_cm`.
         design: "covered" or "paired".
         covariates: names of numeric columns, constant within a haul, that L50 and SR may depend on.
-        reading: what the user says of the form of the table, its lengths and the rows that are wanted.
+        factors: names of columns, constant within a haul, whose values are names even where they look like numbers.
 
     Raises:
         InputError: a missing or empty table or column, a value that is not a number, not in range, or not whole,
@@ -156,14 +162,37 @@ def read_field_data(
         test_raising=test_raising,
         other_raising=other_raising,
         covariate_names=tuple(covariates),
-        covariates=of_hauls,
-        notes=(*([f"{source} has {table.form}"] if table.form else []), *notes, *unused(table, used)),
+        covariates=np.stack(per_haul, axis=-1) if per_haul else np.empty((len(names), 0)),
+        columns=haul_columns(table, haul, factors),
     )
 
 
-def catch_volumes_m3(
-    data: str | Path | pd.DataFrame, field: FieldData, density_kg_m3: float, reading: HaulReading = AS_IT_STANDS
-) -> Array | None:
+def haul_columns(
+    table: InputTable, haul: NDArray[np.int64], factors: Sequence[str] = ()
+) -> dict[str, Array | NDArray[np.object_]]:
+    """(H,) values of the columns of a table of R rows that are constant within hauls, but for `haul` itself.
+
+    Raises:
+        InputError: a factor is not there, or changes within a haul.
+    """
+    import pandas as pd
+
+    first = np.unique(haul, return_index=True)[1]
+    kept: dict[str, Array | NDArray[np.object_]] = {}
+    table.require(factors)
+    for column in table.frame.columns.difference(["haul"], sort=False):
+        cells = table.frame[column]
+        same = (cells.iloc[first[haul]].to_numpy() == cells.to_numpy()) & cells.notna().to_numpy()
+        if column in factors:
+            table.check(str(column), same, "one value that never changes within its haul")
+        if same.all():
+            numbers = pd.to_numeric(cells.iloc[first], errors="coerce").to_numpy(dtype=float)
+            is_number = bool(np.isfinite(numbers).all()) and column not in factors
+            kept[str(column)] = numbers if is_number else cells.iloc[first].astype(str).to_numpy(dtype=object)
+    return kept
+
+
+def catch_volumes_m3(data: str | Path | pd.DataFrame, field: FieldData, density_kg_m3: float) -> Array | None:
     """(H,) final catch of every haul, from the column `catch_volume_m3` or else `catch_kg`; None where there is none.
 
     Args:

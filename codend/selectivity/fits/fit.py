@@ -11,7 +11,7 @@ from scipy.special import chdtrc, expit, gammaln, log_expit, xlogy
 
 from codend.selectivity.fits.fielddata import FieldData
 from codend.selectivity.fits.model import SelectionModel, log_odds, without_covariates
-from codend.selectivity.fits.parameters import Estimates, delta_method
+from codend.selectivity.fits.parameters import Estimates, delta_method, within_lengths
 from codend.selectivity.fits.scoring import Maximum, Outcome, maximise
 
 Array = NDArray[np.float64]
@@ -20,6 +20,7 @@ OVERDISPERSION: Final = ("none", "pearson", "deviance")
 # a chi-square statistic is believed only over classes with more expected fish than this in both gears
 LEAST_EXPECTED: Final = 3.0
 LACK_OF_FIT_LEVEL: Final = 0.05
+FLAT_LEVEL: Final = 0.05
 
 
 @dataclass(frozen=True)
@@ -31,8 +32,10 @@ class Fit:
         model: curve, design and rows.
         outcome: how the fit ended; `outcome.value` is a sentence.
         theta: (k,) internal parameters of the model.
-        covariance: (k, k) their covariance, inverse expected information times `dispersion`.
-        estimates: the parameters users read, with delta-method intervals.
+        covariance: (k, k) their covariance, inverse observed information times `dispersion`.
+        estimates: the parameters users read, with delta-method intervals; L50 and SR are NaN where L50 lies outside the
+            lengths of the fish.
+        note: what is to be said of a fit without numbers, or without an L50; else empty.
         gradient_norm: distance to the maximum of the likelihood, in standard errors.
         iterations: Newton steps taken.
         n_fish: fish counted.
@@ -51,6 +54,7 @@ class Fit:
     theta: Array
     covariance: Array
     estimates: Estimates
+    note: str
     gradient_norm: float
     iterations: int
     n_fish: float
@@ -76,9 +80,40 @@ def fit_pooled(data: FieldData, model: SelectionModel, overdispersion: str = "pe
     The standard errors take no account of variation between hauls beyond the dispersion factor.
     """
     maximum = maximise(model, data.test_count[None], data.other_count[None])
-    return _described(
-        "pooled", model, maximum, 0, test=data.test_count, other=data.other_count, overdispersion=overdispersion
-    )
+    counts = {"test": data.test_count, "other": data.other_count}
+    fit = _described("pooled", data, model, maximum, 0, **counts, overdispersion=overdispersion)
+    if fit.converged and rise_p_value(data, fit.log_likelihood, model.n_parameters, fit.dispersion) > FLAT_LEVEL:
+        flat = Maximum(
+            maximum.theta * np.nan,
+            maximum.covariance * np.nan,
+            maximum.log_likelihood,
+            maximum.gradient_norm,
+            maximum.iterations,
+            np.array([Outcome.FLAT], dtype=object),
+        )
+        return _described("pooled", data, model, flat, 0, **counts, overdispersion="none")
+    return fit
+
+
+def rise_p_value(data: FieldData, log_likelihood: float, n_parameters: int, dispersion: float = 1.0) -> float:
+    """P-value of the hypothesis that the share of fish in the codend or test gear is the same at every length.
+
+    Likelihood ratio of a curve of `n_parameters` and `log_likelihood` (with coefficients) to one share for all lengths,
+    over the dispersion.
+    """
+    from scipy.optimize import brentq
+
+    test, n, offset = data.test_count, data.test_count + data.other_count, data.log_offset
+
+    def excess(zeta: float) -> float:
+        return float(test.sum() - (n * expit(zeta + offset)).sum())
+
+    limit = 40.0 + float(np.abs(offset).max())
+    level = brentq(excess, -limit, limit) if excess(-limit) * excess(limit) < 0.0 else np.sign(excess(0.0)) * limit
+    coefficients = gammaln(n + 1.0) - gammaln(test + 1.0) - gammaln(n - test + 1.0)
+    constant = test * log_expit(level + offset) + (n - test) * log_expit(-level - offset) + coefficients
+    ratio = 2.0 * (log_likelihood - float(constant.sum())) / dispersion
+    return float(chdtrc(max(n_parameters - 1, 1), max(ratio, 0.0)))
 
 
 def fit_hauls(data: FieldData, model: SelectionModel, overdispersion: str = "pearson") -> tuple[Fit, ...]:
@@ -88,13 +123,21 @@ def fit_hauls(data: FieldData, model: SelectionModel, overdispersion: str = "pea
     test, other = data.test_count * of_haul, data.other_count * of_haul
     maximum = maximise(model, test, other)
     return tuple(
-        _described(f"haul {name}", model, maximum, h, test=test[h], other=other[h], overdispersion=overdispersion)
+        _described(f"haul {name}", data, model, maximum, h, test=test[h], other=other[h], overdispersion=overdispersion)
         for h, name in enumerate(data.haul_names)
     )
 
 
 def _described(
-    group: str, model: SelectionModel, maximum: Maximum, i: int, *, test: Array, other: Array, overdispersion: str
+    group: str,
+    data: FieldData,
+    model: SelectionModel,
+    maximum: Maximum,
+    i: int,
+    *,
+    test: Array,
+    other: Array,
+    overdispersion: str,
 ) -> Fit:
     """Fit number i of a batch with its diagnostics."""
     n, theta = test + other, maximum.theta[i]
@@ -115,13 +158,18 @@ def _described(
     well_filled = (n * phi > LEAST_EXPECTED) & (n * expit(-zeta) > LEAST_EXPECTED)
     dispersion = 1.0 if squares is None else dispersion_factor(squares[well_filled], k)
     covariance = dispersion * maximum.covariance[i]
+    estimates = delta_method(model, theta, covariance)
+    note = "" if converged else maximum.outcome[i].value
+    if converged:
+        estimates, note = within_lengths(estimates, data.length_cm[fished])
     return Fit(
         group=group,
         model=model,
         outcome=maximum.outcome[i],
         theta=theta,
         covariance=covariance,
-        estimates=delta_method(model, theta, covariance),
+        estimates=estimates,
+        note=note,
         gradient_norm=float(maximum.gradient_norm[i]),
         iterations=int(maximum.iterations[i]),
         n_fish=float(n.sum()),

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import log_expit
+from scipy.special import log_expit, logit
 
 from codend.selectivity.fits.curves import CURVES, Curve, LogProbability
 from codend.selectivity.fits.fielddata import FieldData
@@ -36,7 +36,8 @@ class SelectionModel:
     Attributes:
         curve: the retention curve.
         design: "covered" or "paired".
-        estimate_split: paired gear only: the split p is estimated, else it is 0.5.
+        estimate_split: paired gear only: the split p is estimated, else it is `fixed_split`.
+        fixed_split: share of the fish entering the test gear, where it is not estimated.
         covariate_names: C haul covariates, entering a and b linearly.
         length_centre_cm, length_scale_cm: z = (L - centre) / scale.
         covariate_centre, covariate_scale: (C,) the same for covariates; the centre is the mean over hauls.
@@ -47,6 +48,7 @@ class SelectionModel:
     curve: Curve
     design: str
     estimate_split: bool
+    fixed_split: float
     covariate_names: tuple[str, ...]
     length_centre_cm: float
     length_scale_cm: float
@@ -61,9 +63,9 @@ class SelectionModel:
         return self.columns.shape[1] + self.curve.has_shape + self.estimate_split
 
     def shape_and_split(self, theta: Array) -> tuple[Array, Array]:
-        """(delta, logit p) of internal parameters (..., k), each (...); 1 and 0 where the model has none."""
+        """(delta, logit p) of internal parameters (..., k), each (...); delta is 1 where the model has none."""
         n_linear = self.columns.shape[1]
-        fixed = np.zeros(theta.shape[:-1])
+        fixed = np.full(theta.shape[:-1], logit(self.fixed_split))
         delta = np.exp(theta[..., n_linear]) if self.curve.has_shape else np.ones_like(fixed)
         return delta, theta[..., -1] if self.estimate_split else fixed
 
@@ -77,10 +79,12 @@ class Evaluation(NamedTuple):
     expected: Array
 
 
-def selection_model(data: FieldData, curve: str, estimate_split: bool = False) -> SelectionModel:
-    """The model of all rows of a trial; an estimated split needs paired gear."""
-    if estimate_split and data.design != "paired":
-        raise ValueError("a split is estimated for paired gear only")
+def selection_model(
+    data: FieldData, curve: str, estimate_split: bool = False, fixed_split: float = 0.5
+) -> SelectionModel:
+    """The model of all rows of a trial; an estimated split, or one other than 0.5, needs paired gear."""
+    if (estimate_split or fixed_split != 0.5) and data.design != "paired":
+        raise ValueError("only paired gear has a split")
     length_centre, length_scale = _centre_and_scale(data.length_cm)
     covariate_centre, covariate_scale = _centre_and_scale(data.covariates)
     covariates = ((data.covariates - covariate_centre) / covariate_scale)[data.haul]
@@ -90,6 +94,7 @@ def selection_model(data: FieldData, curve: str, estimate_split: bool = False) -
         curve=CURVES[curve],
         design=data.design,
         estimate_split=estimate_split,
+        fixed_split=fixed_split,
         covariate_names=data.covariate_names,
         length_centre_cm=float(length_centre),
         length_scale_cm=float(length_scale),

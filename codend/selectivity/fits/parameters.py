@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,28 @@ class Estimates:
     def __getitem__(self, name: str) -> float:
         """The estimate of that name."""
         return float(self.values[self.names.index(name)])
+
+
+def within_lengths(found: Estimates, length_cm: Array) -> tuple[Estimates, str]:
+    """Estimates without an L50 and SR that lie outside the lengths of the fish, and the word for it, empty if none is.
+
+    A curve that reaches one half nowhere among the lengths (n,) says nothing of where it does.
+    """
+    if "l50_cm" not in found.names or np.isnan(found["l50_cm"]):
+        return found, ""
+    lowest, highest = float(length_cm.min()), float(length_cm.max())
+    if lowest <= found["l50_cm"] <= highest:
+        return found, ""
+    outside = np.array([name.partition(":")[0] in ("l50_cm", "sr_cm") for name in found.names])
+    empty = {
+        field: np.where(outside, np.nan, getattr(found, field))
+        for field in ("values", "standard_errors", "lower_95", "upper_95")
+    }
+    side = "below" if found["l50_cm"] < lowest else "above"
+    return replace(found, **empty), (
+        f"no L50: the fitted curve is at one half {side} the lengths of the fish, {lowest:g} to {highest:g} cm, where "
+        "nothing was measured"
+    )
 
 
 def parameter_names(model: SelectionModel) -> tuple[str, ...]:

@@ -37,6 +37,10 @@ class Outcome(Enum):
         "the counts do not determine the parameters: too few lengths with fish, no lengths at which some fish are "
         "retained and some are not, or a curve with more parameters than the data support"
     )
+    FLAT = (
+        "the share of fish in the codend or test gear does not rise with length beyond chance (at the 5 % level): these "
+        "counts show no selection"
+    )
     FALLING = "the fitted retention falls with length; check which column is the codend or test gear"
 
 
@@ -45,7 +49,7 @@ class Maximum(NamedTuple):
 
     Attributes:
         theta: (B, k) internal parameters, NaN unless converged.
-        covariance: (B, k, k) inverse of the expected information, NaN unless converged.
+        covariance: (B, k, k) inverse of the observed information, NaN unless converged.
         log_likelihood: (B,) without the binomial coefficients.
         gradient_norm: (B,) sqrt(g' I^-1 g): distance to the maximum in standard errors.
         iterations: (B,).
@@ -106,7 +110,7 @@ def _maximise_block(model: SelectionModel, test_count: Array, other_count: Array
         done = (distance[active] < GRADIENT_TOLERANCE) & (damping[active] < 1e-2)
         active = active[~done & (damping[active] < 1e12)]
 
-    covariance, determined = _covariance(state.expected, scale)
+    covariance, determined = _covariance(state.observed, state.expected, scale)
     slope = theta[:, model.columns.shape[1] // 2]
     outcome = np.full(n_sets, Outcome.CONVERGED, dtype=object)
     outcome[slope <= 0.0] = Outcome.FALLING
@@ -160,11 +164,16 @@ def _damped_step(at: Evaluation, damping: Array, scale: Array) -> Array:
     return np.asarray(np.linalg.solve(matrix, at.gradient[..., None])[..., 0], dtype=float)
 
 
-def _covariance(information: Array, scale: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Inverse of the information, and whether it determines every parameter."""
+def _covariance(observed: Array, expected: Array, scale: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Inverse of the observed information, and whether the information determines every parameter.
+
+    The observed one tells how sharp the likelihood of these counts is (Efron and Hinkley 1978, Biometrika 65: 457).
+    """
     root = np.sqrt(np.where(scale > 0.0, scale, 1.0))
-    scaled = information / (root[:, :, None] * root[:, None, :])
-    determined = np.linalg.eigvalsh(scaled)[:, 0] > LEAST_INFORMATION
+    outer = root[:, :, None] * root[:, None, :]
+    determined = np.linalg.eigvalsh(expected / outer)[:, 0] > LEAST_INFORMATION
+    scaled = observed / outer
+    determined &= np.linalg.eigvalsh(scaled)[:, 0] > LEAST_INFORMATION
     scaled[~determined] = np.eye(scaled.shape[1])
-    covariance: Array = np.linalg.inv(scaled) / (root[:, :, None] * root[:, None, :])
+    covariance: Array = np.linalg.inv(scaled) / outer
     return covariance, determined

@@ -66,14 +66,16 @@ def test_covered_fits_agree_with_the_binomial_glm_of_statsmodels(curve: str, lin
     raising = table["cover_raising"] if curve == "logit" else 1.0
     fit = fit_field_data(table.assign(cover_raising=raising), "covered", curve, overdispersion="none").pooled
     fished = table[table["codend"] + table["cover"] > 0]
-    oracle = sm.GLM(
+    glm = sm.GLM(
         fished[["codend", "cover"]],
         sm.add_constant(fished["length_cm"]),
         family=sm.families.Binomial(link=getattr(sm.families.links, link)()),
         offset=np.log(np.broadcast_to(raising, len(table)))[fished.index],
-    ).fit(tol=1e-14, maxiter=100)
+    )
+    oracle = glm.fit(tol=1e-14, maxiter=100)
+    observed = np.sqrt(np.diagonal(np.linalg.inv(-glm.hessian(oracle.params, observed=True))))
     assert fit.estimates.values[:2] == pytest.approx(oracle.params.to_numpy(), rel=1e-7)
-    assert fit.estimates.standard_errors[:2] == pytest.approx(oracle.bse.to_numpy(), rel=1e-6)
+    assert fit.estimates.standard_errors[:2] == pytest.approx(observed, rel=1e-6)
     assert fit.deviance == pytest.approx(oracle.deviance, rel=1e-9)
     assert fit.pearson_chi2 == pytest.approx(oracle.pearson_chi2, rel=1e-7)
     assert fit.log_likelihood == pytest.approx(oracle.llf, rel=1e-9)

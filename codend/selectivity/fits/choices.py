@@ -1,0 +1,72 @@
+"""Choices of a fit as users write them, checked: the split, what differs between hauls, and names out of a list."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from codend.errors import OPTIONS, InputError
+from codend.selectivity.fits.marginal import RANDOM_TERMS
+
+RANDOM_ALLOWED = "haul, none or a column, and after a colon what differs: l50, sr, split (of an estimated split)"
+
+
+@dataclass(frozen=True)
+class RandomTerms:
+    """What differs at random between units.
+
+    Attributes:
+        unit: "haul" or a column that names larger units, such as trips.
+        terms: of `RANDOM_TERMS`; empty for none.
+    """
+
+    unit: str
+    terms: tuple[str, ...]
+
+
+def allowed_choice(key: str, value: str, allowed: Sequence[str]) -> None:
+    """Refuse a value out of a list.
+
+    Raises:
+        InputError: it is not in it.
+    """
+    if value not in allowed:
+        raise InputError(OPTIONS, key, value, ", ".join(allowed))
+
+
+def split_choice(split: str | float, design: str) -> tuple[bool, float]:
+    """Whether the split is estimated, and its value where it is not.
+
+    Raises:
+        InputError: no such split, or one for a covered codend.
+    """
+    allowed = "equal, estimated, or a share between 0 and 1"
+    if split in ("equal", "estimated"):
+        estimated, value = split == "estimated", 0.5
+    else:
+        try:
+            estimated, value = False, float(split)
+        except (TypeError, ValueError):
+            raise InputError(OPTIONS, "split", split, allowed) from None
+        if not (math.isfinite(value) and 0.0 < value < 1.0):
+            raise InputError(OPTIONS, "split", split, allowed)
+    if design == "covered" and (estimated or value != 0.5):
+        raise InputError(OPTIONS, "split", split, "equal (only paired gear has a split)")
+    return estimated, value
+
+
+def random_terms(random: str, split_estimated: bool) -> RandomTerms:
+    """Read `UNIT` or `UNIT:TERM,TERM`; L50, and an estimated split, differ where no terms are named.
+
+    Raises:
+        InputError: it cannot be read.
+    """
+    unit, colon, named = random.partition(":")
+    default = ("l50", "split") if split_estimated else ("l50",)
+    terms = tuple(term.strip() for term in named.split(",")) if colon else default
+    if not unit or not set(terms) <= set(RANDOM_TERMS) or ("split" in terms and not split_estimated):
+        raise InputError(OPTIONS, "random", random, RANDOM_ALLOWED)
+    if unit == "none" and colon:
+        raise InputError(OPTIONS, "random", random, RANDOM_ALLOWED)
+    return RandomTerms(unit, () if unit == "none" else tuple(term for term in RANDOM_TERMS if term in terms))

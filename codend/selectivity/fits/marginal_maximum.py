@@ -1,0 +1,172 @@
+"""The maximum of a marginal likelihood: a bounded quasi-Newton search, then Newton steps with the observed information."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codend.selectivity.fits.marginal import MarginalModel, Nodes, log_likelihood, place_nodes
+
+Array = NDArray[np.float64]
+
+SEARCH_TOLERANCE: Final = 1e-3
+DISTANCE_TOLERANCE: Final = 1e-4  # of a maximum, in standard errors
+NEWTON_STEPS: Final = 12
+DIFFERENCE: Final = 1e-5  # of the gradient, in units of `_scale`
+LEAST_CURVATURE: Final = 1e-7  # of the information, its diagonal scaled to 1
+STARTS_OF_SD: Final = {"l50": 0.4, "sr": 0.2, "split": 0.3}  # in units of SR for L50, as they are for the others
+
+
+class MarginalOutcome(Enum):
+    """How the search ended; the value is the sentence for the user."""
+
+    CONVERGED = "converged"
+    NO_MAXIMUM = (
+        "the likelihood has no maximum at a curve within the lengths measured: the counts do not tell L50, SR and the "
+        "split apart; try an equal or a fixed split, a curve with fewer parameters, or fewer terms"
+    )
+
+
+class MarginalMaximum(NamedTuple):
+    """The fit; numbers are NaN where it has none.
+
+    Attributes:
+        theta: (k,) parameters of `MarginalModel`, standard deviations 0 or more.
+        covariance: (k, k) inverse of the observed information.
+        log_likelihood: at theta, without the binomial coefficients.
+        modes: (H, s) predicted deviations of the hauls, in standard deviations.
+        distance: sqrt(g' I^-1 g), from the maximum, in standard errors.
+        outcome: whether it is one.
+    """
+
+    theta: Array
+    covariance: Array
+    log_likelihood: float
+    modes: Array
+    distance: float
+    outcome: MarginalOutcome
+
+
+def maximise_marginal(model: MarginalModel, start: Array) -> MarginalMaximum:
+    """The most likely of the maxima found from `start` (k,) with each of the family's starts of the shape."""
+    found = []
+    for shape in model.family.shape_starts:
+        begin = start.copy()
+        begin[model.slices["shape"]] = shape
+        found.append(_maximum(model, begin))
+    return max(found, key=lambda one: -np.inf if np.isnan(one.log_likelihood) else one.log_likelihood)
+
+
+def starting_point(model: MarginalModel, l50_cm: float, sr_cm: float, logit_split: float) -> Array:
+    """(k,) parameters of one curve for all hauls, and of hauls that differ a little."""
+    theta, at = np.zeros(model.n_parameters), model.slices
+    theta[at["l50"]][:1], theta[at["sr"]][:1] = l50_cm, np.log(sr_cm)
+    theta[at["split"]][:1] = logit_split
+    theta[at["sd"]] = [STARTS_OF_SD[term] * (sr_cm if term == "l50" else 1.0) for term in model.random]
+    return theta
+
+
+def _maximum(model: MarginalModel, start: Array) -> MarginalMaximum:
+    from scipy.optimize import minimize
+
+    scale, bounds = _scale(model), _bounds(model)
+    modes = np.zeros((model.first_row.size, len(model.random)))
+
+    def objective(scaled: Array) -> tuple[float, Array]:
+        nonlocal modes
+        theta = scaled * scale
+        nodes, modes = place_nodes(model, theta, modes)
+        value, gradient = log_likelihood(model, theta, nodes)
+        return -value, -gradient * scale
+
+    with np.errstate(all="ignore"):
+        begin = np.clip(start, bounds[:, 0], bounds[:, 1]) / scale
+        result = minimize(
+            objective,
+            begin,
+            jac=True,
+            method="L-BFGS-B",
+            bounds=bounds / scale[:, None],
+            options={"gtol": SEARCH_TOLERANCE, "ftol": 1e-10, "maxcor": 20, "maxiter": 300},
+        )
+        theta = result.x * scale
+        theta, covariance, distance, nodes, modes = _polished(model, theta, modes, scale)
+        inside = bool(((theta > bounds[:, 0]) & (theta < bounds[:, 1]))[: model.slices["sd"].start].all())
+        value = log_likelihood(model, theta, nodes)[0]
+    if not (inside and distance < DISTANCE_TOLERANCE and np.isfinite(value)):
+        k = theta.size
+        none = np.full((k, k), np.nan)
+        return MarginalMaximum(none[0], none, np.nan, modes * np.nan, distance, MarginalOutcome.NO_MAXIMUM)
+    sd = model.slices["sd"]
+    sign = np.ones(theta.size)
+    sign[sd] = np.where(theta[sd] < 0.0, -1.0, 1.0)
+    covariance = covariance * sign[:, None] * sign
+    return MarginalMaximum(
+        theta * sign, covariance, value, modes * sign[sd], distance, MarginalOutcome.CONVERGED
+    )
+
+
+def _polished(
+    model: MarginalModel, theta: Array, modes: Array, scale: Array
+) -> tuple[Array, Array, float, Nodes, Array]:
+    """Newton steps, nodes placed anew for each; the covariance, and the distance that the last step found."""
+    distance, covariance = np.inf, np.full((theta.size, theta.size), np.nan)
+    nodes, modes = place_nodes(model, theta, modes)
+    for _ in range(NEWTON_STEPS):
+        _, gradient = log_likelihood(model, theta, nodes)
+        information = observed_information(model, theta, nodes, scale)
+        root = np.sqrt(np.abs(np.diagonal(information)))
+        with np.errstate(all="ignore"):
+            scaled = information / (root[:, None] * root)
+        if not np.isfinite(scaled).all() or np.linalg.eigvalsh(scaled)[0] < LEAST_CURVATURE:
+            return theta, covariance, np.inf, nodes, modes
+        covariance = np.linalg.inv(scaled) / (root[:, None] * root)
+        step = covariance @ gradient
+        distance = float(np.sqrt(max(step @ gradient, 0.0)))
+        if distance < DISTANCE_TOLERANCE:
+            break
+        theta = theta + step / max(1.0, distance)
+        nodes, modes = place_nodes(model, theta, modes)
+    return theta, covariance, distance, nodes, modes
+
+
+def observed_information(model: MarginalModel, theta: Array, nodes: Nodes, scale: Array) -> Array:
+    """(k, k) minus the second derivatives, by central differences of the exact gradient at nodes that stay in place."""
+    rows = []
+    for i, unit in enumerate(scale):
+        step = np.zeros(theta.size)
+        step[i] = DIFFERENCE * unit
+        up, down = log_likelihood(model, theta + step, nodes)[1], log_likelihood(model, theta - step, nodes)[1]
+        rows.append((down - up) / (2.0 * step[i]))
+    information = np.array(rows)
+    return 0.5 * (information + information.T)
+
+
+def _scale(model: MarginalModel) -> Array:
+    """(k,) steps that are small for each parameter: a twentieth of the lengths for L50, a few tenths for the others."""
+    at, scale = model.slices, np.full(model.n_parameters, 0.2)
+    reach = float(np.ptp(model.length_cm)) or 1.0
+    scale[at["l50"]] = 0.05 * reach
+    for i, term in enumerate(model.random):
+        scale[at["sd"]][i : i + 1] = 0.05 * reach if term == "l50" else 0.2
+    return scale
+
+
+def _bounds(model: MarginalModel) -> Array:
+    """(k, 2) beyond which a curve is none: L50 further outside the lengths than they reach, SR far below a class."""
+    at, bounds = model.slices, np.tile([-20.0, 20.0], (model.n_parameters, 1))
+    lowest, highest = float(model.length_cm.min()), float(model.length_cm.max())
+    reach = (highest - lowest) or 1.0
+    bounds[at["l50"]] = -5.0 * reach, 5.0 * reach
+    bounds[at["l50"]][0] = lowest - reach, highest + reach
+    bounds[at["sr"]][0] = np.log(reach) - 7.0, np.log(reach) + 2.0
+    bounds[at["shape"]] = -6.0, 6.0
+    bounds[at["split"]] = -10.0, 10.0
+    bounds[at["sd"]] = 0.0, 10.0
+    for i, term in enumerate(model.random):
+        if term == "l50":
+            bounds[at["sd"]][i] = 0.0, 2.0 * reach
+    return bounds

@@ -1,0 +1,218 @@
+"""One-stage fits: all hauls in one likelihood, with hauls that differ and L50, SR and split that depend on what is known.
+
+The likelihood is that of `codend.selectivity.fits.marginal`: no haul is left out for having too few fish for a curve of
+its own, and the mean is that of the hauls' L50, which for hauls that differ is not the L50 of the pooled fish.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import expit, gammaln, logit, stdtrit
+
+from codend.selectivity.fits.families import FAMILIES
+from codend.selectivity.fits.fielddata import FieldData
+from codend.selectivity.fits.marginal import (
+    RANDOM_TERMS,
+    MarginalModel,
+    expected_share,
+)
+from codend.selectivity.fits.marginal_maximum import (
+    MarginalMaximum,
+    MarginalOutcome,
+    maximise_marginal,
+    starting_point,
+)
+from codend.selectivity.fits.model import selection_model, without_covariates
+from codend.selectivity.fits.predictors import Predictor, averaged
+from codend.selectivity.fits.scoring import grid_start
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+
+LEAST_HAULS: Final = 3
+"""Below which hauls are not taken as a sample of hauls."""
+SD_NAMES: Final = {"l50": "between_sd_l50_cm", "sr": "between_sd_log_sr", "split": "between_sd_logit_split"}
+
+
+class Point(NamedTuple):
+    """Predictors of one gear at given covariates: x' (q,) for L50, ln SR and logit split."""
+
+    l50: Array
+    log_sr: Array
+    split: Array
+
+
+@dataclass(frozen=True)
+class OneStage:
+    """A one-stage fit; every number is NaN when `converged` is False.
+
+    Attributes:
+        data: the counted fish.
+        hauls: a row a haul, with the columns that formulas may use.
+        l50, log_sr: predictors of L50 and ln SR.
+        split: of the split's logit; None where it is fixed or the design has none.
+        unit_names: the U units that differ at random: hauls, or what `random` names.
+        model: the likelihood, rows sorted by unit.
+        order: (R,) rows of `data` in the order of the model.
+        maximum: the fit.
+        group: column whose levels are gears; "" for one gear.
+        quantile: of the intervals: Student's t on as many degrees as there are units less coefficients of L50; normal
+            without random terms.
+    """
+
+    data: FieldData
+    hauls: pd.DataFrame
+    l50: Predictor
+    log_sr: Predictor
+    split: Predictor | None
+    unit_names: tuple[str, ...]
+    model: MarginalModel
+    order: NDArray[np.int64]
+    maximum: MarginalMaximum
+    group: str
+    quantile: float
+
+    @property
+    def converged(self) -> bool:
+        """Whether the estimates are a maximum of the likelihood."""
+        return self.maximum.outcome is MarginalOutcome.CONVERGED
+
+    @property
+    def theta(self) -> Array:
+        """(k,) internal parameters."""
+        return self.maximum.theta
+
+    @property
+    def log_likelihood(self) -> float:
+        """Marginal, with the binomial coefficients."""
+        test, n = self.model.test, self.model.test + self.model.other
+        return self.maximum.log_likelihood + float((gammaln(n + 1) - gammaln(test + 1) - gammaln(n - test + 1)).sum())
+
+    @property
+    def aic(self) -> float:
+        """2 k - 2 log-likelihood, standard deviations between hauls among the k."""
+        return 2.0 * self.model.n_parameters - 2.0 * self.log_likelihood
+
+    @property
+    def levels(self) -> tuple[str, ...]:
+        """Gears, in order of appearance; one empty name without a group."""
+        return tuple(dict.fromkeys(self.hauls[self.group])) if self.group else ("",)
+
+    def point(self, level: str = "", at: Mapping[str, str | float] | None = None) -> Point:
+        """Predictors of a gear with some covariates set, averaged over all hauls for those that are not."""
+        values = dict(at or {}) | ({self.group: level} if level else {})
+        none = np.empty(0)
+        return Point(
+            averaged(self.l50, self.hauls, values),
+            averaged(self.log_sr, self.hauls, values),
+            averaged(self.split, self.hauls, values) if self.split else none,
+        )
+
+    def curve_at(self, point: Point, theta: Array) -> tuple[float, float, float]:
+        """L50, SR (cm) and split of a haul that deviates in nothing."""
+        at = self.model.slices
+        logit_split = float(point.split @ theta[at["split"]]) if self.split else self.model.fixed_logit_split
+        return (
+            float(point.l50 @ theta[at["l50"]]),
+            float(np.exp(point.log_sr @ theta[at["sr"]])),
+            float(expit(logit_split)),
+        )
+
+    def retention_at(self, point: Point, length_cm: ArrayLike, theta: Array) -> Array:
+        """(n,) retention of a haul that deviates in nothing."""
+        l50, sr, _ = self.curve_at(point, theta)
+        shape = theta[self.model.slices["shape"]]
+        return self.model.family.retention(np.asarray(length_cm, dtype=float), np.float64(l50), np.float64(sr), shape)
+
+    def haul_l50_sr(self) -> Array:
+        """(U, 2) predicted L50 and SR of every unit (the mode of its deviation, which is drawn towards the mean)."""
+        at, first = self.model.slices, self.model.first_row
+        l50 = self.model.by_l50[first] @ self.theta[at["l50"]]
+        log_sr = self.model.by_log_sr[first] @ self.theta[at["sr"]]
+        sd = self.theta[at["sd"]]
+        for i, term in enumerate(self.model.random):
+            deviation = sd[i] * self.maximum.modes[:, i]
+            l50 = l50 + deviation * (term == "l50")
+            log_sr = log_sr + deviation * (term == "sr")
+        return np.stack([l50, np.exp(log_sr)], axis=-1)
+
+
+def fit_one_stage(
+    data: FieldData,
+    hauls: pd.DataFrame,
+    curve: str,
+    l50: Predictor,
+    log_sr: Predictor,
+    split: Predictor | None,
+    *,
+    fixed_split: float = 0.5,
+    random: Sequence[str] = (),
+    units: Sequence[str] | None = None,
+    group: str = "",
+) -> OneStage:
+    """Fit L50, SR and split of all hauls in one likelihood.
+
+    Args:
+        data: the counted fish.
+        hauls: a row a haul with the columns that the predictors use.
+        curve: name in `FAMILIES`.
+        l50, log_sr: predictors of L50 and ln SR.
+        split: of the logit of the split; None for a fixed split or a covered codend.
+        fixed_split: its value where it is fixed.
+        random: which of `RANDOM_TERMS` differ between units.
+        units: (H,) the unit of each haul; each haul its own if not given.
+        group: column of `hauls` with the gear.
+    """
+    unit_of_haul = np.arange(len(data.haul_names))
+    names = data.haul_names
+    if units is not None:
+        labels, unit_of_haul = np.unique(np.asarray(units, dtype=str), return_inverse=True)
+        names = tuple(map(str, labels))
+    fished = np.flatnonzero(data.test_count + data.other_count > 0.0)
+    order = fished[np.argsort(unit_of_haul[data.haul[fished]], kind="stable")]
+    haul, present = data.haul[order], np.unique(unit_of_haul[data.haul[order]])
+    model = MarginalModel(
+        family=FAMILIES[curve],
+        design=data.design,
+        haul=np.searchsorted(present, unit_of_haul[haul]),
+        length_cm=data.length_cm[order],
+        test=data.test_count[order],
+        other=data.other_count[order],
+        log_offset=data.log_offset[order],
+        by_l50=l50.columns[haul],
+        by_log_sr=log_sr.columns[haul],
+        by_split=split.columns[haul] if split else np.empty((order.size, 0)),
+        fixed_logit_split=float(logit(fixed_split)),
+        random=tuple(term for term in RANDOM_TERMS if term in random),
+    )
+    maximum = maximise_marginal(model, starting_point(model, *_grid_start(data, split is not None, fixed_split)))
+    degrees = present.size - l50.columns.shape[1]
+    quantile = float(stdtrit(degrees, 0.975)) if random and degrees > 0 else 1.959963984540054
+    unit_names = tuple(names[i] for i in present)
+    return OneStage(data, hauls, l50, log_sr, split, unit_names, model, order, maximum, group, quantile)
+
+
+def _grid_start(data: FieldData, estimate_split: bool, fixed_split: float) -> tuple[float, float, float]:
+    """L50, SR and logit split of the most likely pooled logit curve of a coarse grid."""
+    model = without_covariates(selection_model(data, "logit", estimate_split, fixed_split))
+    theta = grid_start(model, data.test_count[None], data.other_count[None])[0]
+    beta = theta[1] / model.length_scale_cm
+    l50 = model.length_centre_cm - theta[0] / beta
+    return float(l50), float(2.0 * np.log(3.0) / beta), float(model.shape_and_split(theta)[1])
+
+
+def conditional_residuals(fit: OneStage) -> Array:
+    """(R,) Pearson residuals of the rows of `fit.data` about each unit's own predicted curve; NaN without fish."""
+    share = expected_share(fit.model, fit.theta, fit.maximum.modes)
+    n = fit.model.test + fit.model.other
+    found = np.full(fit.data.haul.size, np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found[fit.order] = (fit.model.test - n * share) / np.sqrt(n * share * (1.0 - share))
+    return found
