@@ -167,6 +167,12 @@ def haul_modes(model: MarginalModel, theta: Array, start: Array) -> tuple[Array,
     s, first = len(model.random), model.first_row
     v = start.copy()
     value, gradient, information = _haul_values(model, theta, v)
+    if v.any():  # a start left over from a wild trial step may lie where the integrand is flat
+        fresh = _haul_values(model, theta, np.zeros_like(v))
+        better = fresh[0] > value
+        if better.any():
+            v = np.where(better[:, None], 0.0, v)
+            value, gradient, information = _haul_values(model, theta, v)
     for _ in range(MODE_STEPS):
         step = np.linalg.solve(information, gradient[..., None])[..., 0]
         if np.abs(step).max(initial=0.0) < MODE_TOLERANCE:

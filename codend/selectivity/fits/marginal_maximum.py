@@ -12,12 +12,14 @@ from codend.selectivity.fits.marginal import MarginalModel, Nodes, log_likelihoo
 
 Array = NDArray[np.float64]
 
-SEARCH_TOLERANCE: Final = 1e-3
+SEARCH_TOLERANCE: Final = 1e-5  # of the log-likelihood
 DISTANCE_TOLERANCE: Final = 1e-4  # of a maximum, in standard errors
 NEWTON_STEPS: Final = 12
 DIFFERENCE: Final = 1e-5  # of the gradient, in units of `_scale`
 LEAST_CURVATURE: Final = 1e-7  # of the information, its diagonal scaled to 1
 STARTS_OF_SD: Final = {"l50": 0.4, "sr": 0.2, "split": 0.3}  # in units of SR for L50, as they are for the others
+RETRIES: Final = (1.0, 0.3, 2.5)  # times the start of the standard deviations, until a maximum is found
+LEAST_SD: Final = 0.05  # in the search, in units of `_scale`: at 0 every slope by it is 0, were it a maximum or not
 
 
 class MarginalOutcome(Enum):
@@ -52,11 +54,14 @@ class MarginalMaximum(NamedTuple):
 
 def maximise_marginal(model: MarginalModel, start: Array) -> MarginalMaximum:
     """The most likely of the maxima found from `start` (k,) with each of the family's starts of the shape."""
-    found = []
+    found, at = [], model.slices
     for shape in model.family.shape_starts:
-        begin = start.copy()
-        begin[model.slices["shape"]] = shape
-        found.append(_maximum(model, begin))
+        for factor in RETRIES if model.random else RETRIES[:1]:
+            begin = start.copy()
+            begin[at["shape"]], begin[at["sd"]] = shape, factor * start[at["sd"]]
+            found.append(_maximum(model, begin))
+            if found[-1].outcome is MarginalOutcome.CONVERGED:
+                break
     return max(found, key=lambda one: -np.inf if np.isnan(one.log_likelihood) else one.log_likelihood)
 
 
@@ -88,9 +93,9 @@ def _maximum(model: MarginalModel, start: Array) -> MarginalMaximum:
             objective,
             begin,
             jac=True,
-            method="L-BFGS-B",
+            method="SLSQP",
             bounds=bounds / scale[:, None],
-            options={"gtol": SEARCH_TOLERANCE, "ftol": 1e-10, "maxcor": 20, "maxiter": 300},
+            options={"ftol": SEARCH_TOLERANCE, "maxiter": 300},
         )
         theta = result.x * scale
         theta, covariance, distance, nodes, modes = _polished(model, theta, modes, scale)
@@ -165,8 +170,7 @@ def _bounds(model: MarginalModel) -> Array:
     bounds[at["sr"]][0] = np.log(reach) - 7.0, np.log(reach) + 2.0
     bounds[at["shape"]] = -6.0, 6.0
     bounds[at["split"]] = -10.0, 10.0
-    bounds[at["sd"]] = 0.0, 10.0
+    bounds[at["sd"], 0] = LEAST_SD * _scale(model)[at["sd"]]
     for i, term in enumerate(model.random):
-        if term == "l50":
-            bounds[at["sd"]][i] = 0.0, 2.0 * reach
+        bounds[at["sd"].start + i, 1] = 2.0 * reach if term == "l50" else 10.0
     return bounds
