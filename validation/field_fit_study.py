@@ -68,18 +68,22 @@ def answers(seed: int, design: str, fish: float, replicates: int) -> dict[str, A
 def table_lines(design: str, fish: float, trials: Iterable[dict[str, Answer]]) -> list[str]:
     """Rows of the table for one design and number of fish, and the words of trials that had no number."""
     trials, lines = list(trials), []
-    for name in trials[0]:
-        for parameter in trials[0][name].values:
-            got = np.array([trial[name].values[parameter] for trial in trials], dtype=float)
+    complete = max(trials, key=len)  # a method that was not tried, for what another said, has no numbers either
+    for name, whole in complete.items():
+        for parameter in whole.values:
+            nothing = dict.fromkeys(whole.values, (np.nan,) * 3)
+            got = np.array([(trial[name].values if name in trial else nothing)[parameter] for trial in trials])
             truth, good = TRUTHS[parameter], np.isfinite(got[:, 0])
             value, lower, upper = got[good].T
-            held = ((lower <= truth) & (truth <= upper))[np.isfinite(lower)].mean() if np.isfinite(lower).any() else np.nan
+            limits = np.isfinite(lower) & np.isfinite(upper)
+            held = ((lower <= truth) & (truth <= upper))[limits].mean() if limits.any() else np.nan
             mean, median = (value.mean(), np.median(value)) if good.any() else (np.nan, np.nan)
             lines.append(
                 f"{design:8s} {fish:5g} {name:14s} {parameter:18s} {truth:6.2f} {mean:7.2f} {median:7.2f} {held:8.3f} "
                 f"{(~good).sum():7d}"
             )
-        silent = Counter(trial[name].said for trial in trials if not np.isfinite(trial[name].values["l50_cm"][0]))
+        answers = [trial.get(name, next(reversed(trial.values()))) for trial in trials]
+        silent = Counter(one.said for one in answers if not np.isfinite(one.values["l50_cm"][0]))
         lines += [f"    {count} of {len(trials)} {name}: {said or 'SILENT'}" for said, count in silent.items()]
     return lines
 

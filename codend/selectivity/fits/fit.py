@@ -20,6 +20,7 @@ OVERDISPERSION: Final = ("none", "pearson", "deviance")
 # a chi-square statistic is believed only over classes with more expected fish than this in both gears
 LEAST_EXPECTED: Final = 3.0
 LACK_OF_FIT_LEVEL: Final = 0.05
+LEAST_DEGREES: Final = 5  # of freedom: on fewer the factor itself is known within a factor of two or so
 FLAT_LEVEL: Final = 0.05
 
 
@@ -190,11 +191,12 @@ def dispersion_factor(squared_residuals: Array, n_parameters: int) -> float:
 
     With the classes of single hauls it is the replicate estimate of dispersion (REP) of Millar, Broadhurst and Macbeth
     (2004, Fish. Res. 67). Classes expected to hold 3 fish or fewer in either gear must be left out by the caller: their
-    residuals are far from chi-square and deflate (deviance) or scatter (Pearson) the estimate. Inflation is right for
+    residuals are far from chi-square and deflate (deviance) or scatter (Pearson) the estimate. On fewer than 5 degrees of
+    freedom there is no telling, and the factor is 1. Inflation is right for
     variation between fish and hauls; a curve of the wrong shape also raises X^2, and the residuals tell which it is.
     """
     degrees = squared_residuals.size - n_parameters
-    if degrees < 1:
+    if degrees < LEAST_DEGREES:
         return 1.0
     statistic = float(squared_residuals.sum())
     return statistic / degrees if chdtrc(degrees, statistic) < LACK_OF_FIT_LEVEL else 1.0

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.selectivity.fits.marginal import MarginalModel, Nodes, log_likelihood, place_nodes
+from codend.selectivity.fits.scoring import Outcome
 
 Array = NDArray[np.float64]
 
@@ -30,6 +31,7 @@ class MarginalOutcome(Enum):
         "the likelihood has no maximum at a curve within the lengths measured: the counts do not tell L50, SR and the "
         "split apart; try an equal or a fixed split, a curve with fewer parameters, or fewer terms"
     )
+    FLAT = Outcome.FLAT.value
 
 
 class MarginalMaximum(NamedTuple):

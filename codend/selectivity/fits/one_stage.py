@@ -58,7 +58,8 @@ class OneStage:
         hauls: a row a haul, with the columns that formulas may use.
         l50, log_sr: predictors of L50 and ln SR.
         split: of the split's logit; None where it is fixed or the design has none.
-        unit_names: the U units that differ at random: hauls, or what `random` names.
+        units: (H,) of every haul the unit that differs at random: itself, or what `random` names.
+        unit_names: the U units, in the order of the model.
         model: the likelihood, rows sorted by unit.
         order: (R,) rows of `data` in the order of the model.
         maximum: the fit.
@@ -72,6 +73,7 @@ class OneStage:
     l50: Predictor
     log_sr: Predictor
     split: Predictor | None
+    units: tuple[str, ...]
     unit_names: tuple[str, ...]
     model: MarginalModel
     order: NDArray[np.int64]
@@ -83,6 +85,11 @@ class OneStage:
     def converged(self) -> bool:
         """Whether the estimates are a maximum of the likelihood."""
         return self.maximum.outcome is MarginalOutcome.CONVERGED
+
+    @property
+    def fixed_split(self) -> float:
+        """The split where it is not estimated."""
+        return float(expit(self.model.fixed_logit_split))
 
     @property
     def theta(self) -> Array:
@@ -170,11 +177,9 @@ def fit_one_stage(
         units: (H,) the unit of each haul; each haul its own if not given.
         group: column of `hauls` with the gear.
     """
-    unit_of_haul = np.arange(len(data.haul_names))
-    names = data.haul_names
-    if units is not None:
-        labels, unit_of_haul = np.unique(np.asarray(units, dtype=str), return_inverse=True)
-        names = tuple(map(str, labels))
+    of_hauls = tuple(data.haul_names if units is None else units)
+    labels = tuple(dict.fromkeys(of_hauls))
+    unit_of_haul = np.array([labels.index(unit) for unit in of_hauls])
     fished = np.flatnonzero(data.test_count + data.other_count > 0.0)
     order = fished[np.argsort(unit_of_haul[data.haul[fished]], kind="stable")]
     haul, present = data.haul[order], np.unique(unit_of_haul[data.haul[order]])
@@ -195,8 +200,8 @@ def fit_one_stage(
     maximum = maximise_marginal(model, starting_point(model, *_grid_start(data, split is not None, fixed_split)))
     degrees = present.size - l50.columns.shape[1]
     quantile = float(stdtrit(degrees, 0.975)) if random and degrees > 0 else 1.959963984540054
-    unit_names = tuple(names[i] for i in present)
-    return OneStage(data, hauls, l50, log_sr, split, unit_names, model, order, maximum, group, quantile)
+    unit_names = tuple(labels[i] for i in present)
+    return OneStage(data, hauls, l50, log_sr, split, of_hauls, unit_names, model, order, maximum, group, quantile)
 
 
 def _grid_start(data: FieldData, estimate_split: bool, fixed_split: float) -> tuple[float, float, float]:

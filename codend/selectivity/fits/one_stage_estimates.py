@@ -17,6 +17,7 @@ from scipy.special import expit, logit
 
 from codend.selectivity.fits.one_stage import SD_NAMES, OneStage, Point
 from codend.selectivity.fits.parameters import Estimates, within_lengths
+from codend.selectivity.fits.predictors import Predictor
 
 Array = NDArray[np.float64]
 Function = Callable[[Array], Array]
@@ -55,16 +56,19 @@ class Band:
 def estimates(fit: OneStage, level: str = "", at: Mapping[str, str | float] | None = None) -> Estimates:
     """Parameters of one gear: the curve's, `split` (paired gear), `l50_cm, sr_cm`, and standard deviations between units.
 
-    Without a group and without `at` there follow for every covariate c the slopes of L50 and SR at the mean,
-    `l50_cm:c, sr_cm:c`. NaN where the fit failed.
+    Without a group and without `at` there follow for every covariate c of a formula the slopes of L50 and SR at the
+    mean, `l50_cm:c, sr_cm:c`. NaN where the fit failed.
     """
     point, sds = fit.point(level, at), [SD_NAMES[term] for term in fit.model.random]
     shape_names = {"richards": ("delta",), "dual": ("c", "d", "w")}.get(fit.model.family.name, ())
-    covariates = () if level or at else _covariates(fit)
-    steps = {name: _slope_points(fit, name) for name in covariates}
+    slopes = [] if level or at else [
+        (of, name) for of, one in ((0, fit.l50), (1, fit.log_sr)) for name in covariates(fit, one)
+    ]
+    slopes.sort(key=lambda slope: slope[1])
+    steps = [(of, *_slope_points(fit, name)) for of, name in slopes]
     paired = fit.model.design == "paired"
     names = ["a", "b", *shape_names, *(["split"] * paired), "l50_cm", "sr_cm"]
-    names += [f"{of}:{name}" for name in covariates for of in ("l50_cm", "sr_cm")]
+    names += [f"{('l50_cm', 'sr_cm')[of]}:{name}" for of, name in slopes]
 
     def values(theta: Array) -> Array:
         l50, sr, split = fit.curve_at(point, theta)
@@ -72,9 +76,8 @@ def estimates(fit: OneStage, level: str = "", at: Mapping[str, str | float] | No
         q25, q50, q75 = fit.model.family.quartiles(shape)[0]
         b = (q75 - q25) / sr
         found = [q50 - b * l50, b, *_public_shape(fit.model.family.name, shape), *([split] * paired), l50, sr]
-        for up, down, width in steps.values():
-            high, low = fit.curve_at(up, theta), fit.curve_at(down, theta)
-            found += [(high[0] - low[0]) / width, (high[1] - low[1]) / width]
+        for of, up, down, width in steps:
+            found.append((fit.curve_at(up, theta)[of] - fit.curve_at(down, theta)[of]) / width)
         return np.array([*found, *theta[fit.model.slices["sd"]]])
 
     return delta_estimates(fit, (*names, *sds), values)
@@ -191,10 +194,10 @@ def _public_shape(family: str, shape: Array) -> list[float]:
     return list(map(float, np.exp(shape)))
 
 
-def _covariates(fit: OneStage) -> tuple[str, ...]:
-    """Numeric columns that the formulas of L50 or SR use."""
-    used = set().union(*(one.spec.required_variables for one in (fit.l50, fit.log_sr) if one.spec is not None))
-    return tuple(str(c) for c in fit.hauls.columns if c in used and fit.hauls[c].dtype.kind == "f")
+def covariates(fit: OneStage, one: Predictor) -> list[str]:
+    """Numeric columns that a formula uses."""
+    used = one.spec.required_variables if one.spec is not None else ()
+    return [str(name) for name in fit.hauls.columns if name in used and fit.hauls[name].dtype.kind == "f"]
 
 
 def _slope_points(fit: OneStage, name: str) -> tuple[Point, Point, float]:
