@@ -1,4 +1,4 @@
-"""Commands on fish: codend selectivity, species and fit. Heavy libraries are imported where a command uses them."""
+"""Commands on predicted selectivity: codend selectivity and species. Heavy libraries are imported where a command uses them."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -6,12 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from codend.cli.common import NOT_CONVERGED, check_writable, haul_options, out_option, written_into
+from codend.cli.common import NOT_CONVERGED, check_writable, written_into
 from codend.cli.console import shown_progress, text_table
 from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
-    from codend.selectivity.fits.analysis import FieldFit
     from codend.selectivity.predicted_and_observed.together import Together
 
 
@@ -135,54 +134,3 @@ def species() -> None:
     from codend.selectivity.escape.species import example_species_path
 
     click.echo(example_species_path().read_text(encoding="utf-8"), nl=False)
-
-
-@click.command()
-@click.argument("data", metavar="DATA.csv")
-@click.option("--design", required=True, help="covered (codend and cover) or paired (test and control gear).")
-@click.option("--curve", default="logit", show_default=True, help="logit, probit, gompertz, cloglog or richards.")
-@click.option("--split", default="equal", show_default=True, help="Of paired gear: equal or estimated.")
-@click.option("--covariate", "covariates", multiple=True, metavar="NAME", help="A column; may be repeated.")
-@click.option("--bootstrap", "replicates", default=0, show_default=True, help="Replicates of the double bootstrap.")
-@click.option("--seed", default=0, show_default=True, help="Of the bootstrap.")
-@haul_options
-@out_option
-def fit(data: str, design: str, folder: Path, replicates: int, **choices: Any) -> int:
-    """Fit retention curves to a covered-codend or paired-gear trial; writes fit.csv and diagnostics.csv into DIR."""
-    check_writable(folder, ("fit.csv", "diagnostics.csv"))
-    from codend.io.files import write_table
-    from codend.selectivity.fits.analysis import diagnostics_table, fit_field_data, fit_table
-
-    fitted = fit_field_data(data, design, n_bootstrap=replicates, **choices)
-    with written_into(folder, ("fit.csv", "diagnostics.csv")):
-        write_table(fit_table(fitted), folder / "fit.csv")
-        write_table(diagnostics_table(fitted), folder / "diagnostics.csv")
-    for note in fitted.data.notes:
-        click.echo(note)
-    _print_fit(fitted)
-    return 0 if fitted.converged else NOT_CONVERGED
-
-
-def _print_fit(fitted: "FieldFit") -> None:
-    """The answer for the gear first: mean of the hauls, then bootstrap, then the pooled fit."""
-    from codend.selectivity.fits.analysis import fit_table
-
-    table = fit_table(fitted).set_index("group")
-    groups = [group for group in ("between-hauls", "bootstrap", "pooled") if group in table.index]
-    shown = table.loc[groups].reset_index()
-    if not fitted.pooled.model.estimate_split:
-        shown["parameter"] = shown["parameter"].replace("split", "split, fixed")
-    headers = ["group", "parameter", "estimate", "standard error", "lower 95 %", "upper 95 %"]
-    click.echo(text_table(headers, shown.drop(columns="curve").itertuples(index=False)))
-    if fitted.between_hauls is not None:
-        click.echo(f"{len(fitted.hauls)} hauls: {fitted.between_hauls.message}")
-    if fitted.bootstrap is not None and fitted.bootstrap.n_failed:
-        click.echo(f"{fitted.bootstrap.n_failed} of {fitted.bootstrap.n_replicates} bootstrap refits did not converge")
-    failed = [haul for haul in fitted.hauls if not haul.converged]
-    if not fitted.converged:
-        nor = f" (nor were {len(failed)} of {len(fitted.hauls)} hauls)" if failed else ""
-        click.echo(f"pooled was not fitted: {fitted.pooled.outcome.value}{nor}", err=True)
-        return
-    for outcome in dict.fromkeys(haul.outcome for haul in failed):
-        names = ", ".join(haul.group for haul in failed if haul.outcome is outcome)
-        click.echo(f"not fitted alone: {names}: {outcome.value}", err=True)

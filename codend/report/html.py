@@ -7,14 +7,16 @@ from dataclasses import dataclass
 from datetime import datetime
 from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from codend.io.names import as_text
 from codend.plan.plan import Plan
 from codend.report.page_tables import results_table, solving_table
 from codend.studies.case_result import CaseResult
 from codend.studies.study import Study
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
 
 FIDELITIES = {
     "sector": "One rotational sector of the real net",
@@ -55,6 +57,7 @@ def page_html(study: Study, figures: Sequence[PageFigure], run: str = "") -> str
     template = environment.from_string((files("codend.report") / "report.html").read_text(encoding="utf-8"))
     plan = study.plan
     return template.render(
+        style=page_style(),
         title=plan.title,
         summary=f"{_count(len(study.cases), 'case')}; written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}"
         + (f"; run {run}, as run.json beside its tables says." if run else "."),
@@ -70,6 +73,13 @@ def page_html(study: Study, figures: Sequence[PageFigure], run: str = "") -> str
         "leaves out. Which of them were measured and which were assumed stands in the comments of the plan's file.",
         versions=made_with(),
     )
+
+
+def page_style() -> "Markup":
+    """The style sheet that all pages share."""
+    from markupsafe import Markup
+
+    return Markup((files("codend.report") / "page.css").read_text(encoding="utf-8"))
 
 
 def notes(study: Study) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -54,6 +54,9 @@ class FieldFit:
             is only one haul.
         bootstrap: the pooled curve with double-bootstrap intervals; None when not asked for or the fit failed.
         answers: what each of them says of the gear, in the order in which they are printed.
+        shown: the fit behind the first answer, or behind the pooled one where that failed, to draw and predict from;
+            None where both did.
+        overdispersion: as asked for.
     """
 
     data: FieldData
@@ -63,6 +66,8 @@ class FieldFit:
     between_hauls: BetweenHauls | None
     bootstrap: Bootstrap | None
     answers: tuple[Answer, ...]
+    shown: OneStage | None
+    overdispersion: str
 
     @property
     def converged(self) -> bool:
@@ -119,6 +124,7 @@ def fit_field_data(
     one_stage = None
     if terms.terms and len(field_data.haul_names) >= LEAST_HAULS and pooled.outcome is not Outcome.FLAT:
         one_stage = fit_trial(field_data, curve, estimated, fixed, terms)
+    alike = _pooled_in_one_stage(field_data, pooled)
     return FieldFit(
         data=field_data,
         one_stage=one_stage,
@@ -126,8 +132,20 @@ def fit_field_data(
         hauls=hauls,
         between_hauls=between,
         bootstrap=bootstrap,
-        answers=_answers(field_data, one_stage, between, bootstrap, pooled),
+        answers=_answers(field_data, one_stage, between, bootstrap, pooled, alike),
+        shown=one_stage if one_stage is not None and one_stage.converged else alike,
+        overdispersion=overdispersion,
     )
+
+
+def _pooled_in_one_stage(data: FieldData, pooled: Fit) -> OneStage | None:
+    """The pooled curve by L50 and SR, its covariance with the dispersion; None where there is none."""
+    if not pooled.converged or pooled.note:
+        return None
+    model = pooled.model
+    same = fit_trial(data, model.curve.name, model.estimate_split, model.fixed_split, NO_TERMS)
+    widened = same.maximum._replace(covariance=same.maximum.covariance * pooled.dispersion)
+    return replace(same, maximum=widened) if same.converged else None
 
 
 def fit_trial(data: FieldData, curve: str, estimate_split: bool, fixed_split: float, terms: RandomTerms) -> OneStage:
@@ -148,6 +166,7 @@ def _answers(
     between: BetweenHauls | None,
     bootstrap: Bootstrap | None,
     pooled: Fit,
+    alike: OneStage | None,
 ) -> tuple[Answer, ...]:
     """What is printed, the answer that simulation shows unbiased first."""
     found, fished = [], data.length_cm[data.test_count + data.other_count > 0.0]
@@ -162,10 +181,8 @@ def _answers(
         said = f"{bootstrap.n_failed} of {bootstrap.n_replicates} refits did not converge" * bool(bootstrap.n_failed)
         found.append(Answer("bootstrap", bootstrap.estimates, _kinds(bootstrap.estimates, "percentile"), said))
     estimates, kinds = pooled.estimates, _kinds(pooled.estimates, "wald")
-    if pooled.converged and not pooled.note:
-        same = fit_trial(data, pooled.model.curve.name, pooled.model.estimate_split, pooled.model.fixed_split, NO_TERMS)
-        if same.converged and not data.covariate_names:
-            estimates, kinds = with_profile_limits(estimates, same, pooled.dispersion)
+    if alike is not None and not data.covariate_names:
+        estimates, kinds = with_profile_limits(estimates, alike, pooled.dispersion)
     found.append(Answer("pooled", estimates, kinds, pooled.note))
     return tuple(found)
 

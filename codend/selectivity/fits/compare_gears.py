@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,21 +12,43 @@ from codend.selectivity.fits.bootstrap import Bootstrap
 from codend.selectivity.fits.fielddata import FieldData
 
 Array = NDArray[np.float64]
+INDICATORS: Final = ("np_minus", "np_plus", "discard_ratio")
+
+
+class Replicated(Protocol):
+    """A curve with replicates of it: a `Bootstrap`, or draws from a fit's distribution."""
+
+    def retention(self, length_cm: ArrayLike) -> tuple[Array, Array]:
+        """Retention of the fit (n,) and of the replicates (S, n)."""
+
+    def interval(self, estimate: Array, replicates: Array) -> tuple[Array, Array]:
+        """95 % limits of any function of the replicates (S, ...)."""
 
 
 @dataclass(frozen=True)
 class CurveDifference:
-    """Retention of a first gear minus that of a second, arrays of one length with 95 % limits."""
+    """Retention of a first gear minus that of a second, arrays of one length with 95 % limits.
+
+    `lower_95, upper_95` hold at each length on its own, `lower_all_95, upper_all_95` at all lengths together: 95 % of
+    the replicates lie between them from end to end.
+    """
 
     length_cm: Array
     difference: Array
     lower_95: Array
     upper_95: Array
+    lower_all_95: Array
+    upper_all_95: Array
 
     @property
     def significant(self) -> NDArray[np.bool_]:
-        """Lengths whose interval leaves out zero (each length on its own, not jointly)."""
+        """Lengths whose own interval leaves out zero; among many, one in twenty does so by chance."""
         return (self.lower_95 > 0.0) | (self.upper_95 < 0.0)
+
+    @property
+    def significant_together(self) -> NDArray[np.bool_]:
+        """Lengths where the simultaneous band leaves out zero."""
+        return (self.lower_all_95 > 0.0) | (self.upper_all_95 < 0.0)
 
 
 def difference_curve(first: Bootstrap, second: Bootstrap, length_cm: ArrayLike) -> CurveDifference:
@@ -40,8 +63,13 @@ def difference_curve(first: Bootstrap, second: Bootstrap, length_cm: ArrayLike) 
     pairs = min(len(replicates_1), len(replicates_2))
     difference = estimate_1 - estimate_2
     unreliable = first if not first.reliable else second
-    lower, upper = unreliable.interval(difference, replicates_1[:pairs] - replicates_2[:pairs])
-    return CurveDifference(length, difference, lower, upper)
+    differences = replicates_1[:pairs] - replicates_2[:pairs]
+    lower, upper = unreliable.interval(difference, differences)
+    error = differences.std(axis=0)
+    farthest = (np.abs(differences - difference) / np.where(error > 0.0, error, 1.0)).max(axis=1)
+    wide = np.where(np.isfinite(lower), np.percentile(farthest, 95.0) * error, np.nan)
+    ends = np.fmin(difference - wide, lower), np.fmax(difference + wide, upper)
+    return CurveDifference(length, difference, lower, upper, *ends)
 
 
 @dataclass(frozen=True)
@@ -68,7 +96,7 @@ class Usability:
     discard_ratio: Indicator
 
 
-def usability(gear: Bootstrap, length_cm: ArrayLike, numbers: ArrayLike, reference_length_cm: float) -> Usability:
+def usability(gear: Replicated, length_cm: ArrayLike, numbers: ArrayLike, reference_length_cm: float) -> Usability:
     """Usability indicators of a gear for a population `numbers` (n,) at `length_cm` (n,).
 
     The intervals carry the uncertainty of the retention curve; the population is taken as given. An indicator whose

@@ -104,4 +104,5 @@ def _with_family(one: OneStage, name: str) -> OneStage:
         random=one.model.random,
         units=one.units,
         group=one.group,
+        near=one,
     )

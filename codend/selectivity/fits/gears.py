@@ -20,9 +20,10 @@ from scipy.special import chdtrc, ndtr
 
 from codend.errors import OPTIONS, InputError
 from codend.selectivity.fits.choices import RandomTerms, allowed_choice, random_terms, split_choice
+from codend.selectivity.fits.curves import CURVES
 from codend.selectivity.fits.families import FAMILIES
 from codend.selectivity.fits.fielddata import FieldData, read_field_data
-from codend.selectivity.fits.fit import fit_pooled
+from codend.selectivity.fits.fit import Fit, fit_hauls, fit_pooled
 from codend.selectivity.fits.marginal_maximum import MarginalOutcome
 from codend.selectivity.fits.model import selection_model, without_covariates
 from codend.selectivity.fits.one_stage import LEAST_HAULS, OneStage, fit_one_stage
@@ -52,11 +53,13 @@ class GearFit:
     Attributes:
         one: the fit.
         alike: the same without the group: one curve for all gears; None without a group.
+        hauls: a curve for each haul from its own fish; empty for a curve that single hauls are not fitted with.
         notes: what must be said.
     """
 
     one: OneStage
     alike: OneStage | None
+    hauls: tuple[Fit, ...]
     notes: tuple[str, ...]
 
     @property
@@ -153,7 +156,8 @@ def fit_gears(
             theta=one.maximum.theta * np.nan, covariance=one.maximum.covariance * np.nan, outcome=MarginalOutcome.FLAT
         )
         one = replace(one, maximum=nothing)
-    return GearFit(one, alike, _notes(one, terms))
+    alone = fit_hauls(field, selection_model(field, curve, estimated, fixed)) if curve in CURVES else ()
+    return GearFit(one, alike, alone, _notes(one, terms))
 
 
 def gear_table(fit: GearFit) -> pd.DataFrame:

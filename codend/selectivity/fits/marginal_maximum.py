@@ -28,8 +28,8 @@ class MarginalOutcome(Enum):
 
     CONVERGED = "converged"
     NO_MAXIMUM = (
-        "the likelihood has no maximum at a curve within the lengths measured: the counts do not tell L50, SR and the "
-        "split apart; try an equal or a fixed split, a curve with fewer parameters, or fewer terms"
+        "the likelihood has no maximum at a curve within the lengths measured: the counts do not tell its parameters (L50, "
+        "SR, shape, an estimated split) apart; try a fixed split, a curve with fewer parameters, or fewer terms"
     )
     FLAT = Outcome.FLAT.value
 
@@ -54,11 +54,14 @@ class MarginalMaximum(NamedTuple):
     outcome: MarginalOutcome
 
 
-def maximise_marginal(model: MarginalModel, start: Array) -> MarginalMaximum:
-    """The most likely of the maxima found from `start` (k,) with each of the family's starts of the shape."""
+def maximise_marginal(model: MarginalModel, start: Array, *, again: bool = True) -> MarginalMaximum:
+    """The most likely of the maxima found from `start` (k,) with each of the family's starts of the shape.
+
+    With `again`, from other standard deviations where the first find none.
+    """
     found, at = [], model.slices
     for shape in model.family.shape_starts:
-        for factor in RETRIES if model.random else RETRIES[:1]:
+        for factor in RETRIES if model.random and again else RETRIES[:1]:
             begin = start.copy()
             begin[at["shape"]], begin[at["sd"]] = shape, factor * start[at["sd"]]
             found.append(_maximum(model, begin))
@@ -97,7 +100,7 @@ def _maximum(model: MarginalModel, start: Array) -> MarginalMaximum:
             jac=True,
             method="SLSQP",
             bounds=bounds / scale[:, None],
-            options={"ftol": SEARCH_TOLERANCE, "maxiter": 300},
+            options={"ftol": SEARCH_TOLERANCE, "maxiter": 150},
         )
         theta = result.x * scale
         theta, covariance, distance, nodes, modes = _polished(model, theta, modes, scale)

@@ -138,17 +138,27 @@ class OneStage:
         shape = theta[self.model.slices["shape"]]
         return self.model.family.retention(np.asarray(length_cm, dtype=float), np.float64(l50), np.float64(sr), shape)
 
+    def deviations(self) -> dict[str, Array]:
+        """Predicted deviation (s,) of every unit: the mode, which is drawn towards 0 the less its fish say."""
+        sd = self.theta[self.model.slices["sd"]]
+        return {name: sd * mode for name, mode in zip(self.unit_names, self.maximum.modes, strict=True)}
+
+    def haul_curve(self, haul: int, deviation: Array) -> tuple[float, float]:
+        """L50 and SR (cm) of a haul of the table whose unit has a deviation."""
+        at, moved = self.model.slices, dict(zip(self.model.random, deviation, strict=True))
+        l50 = float(self.l50.columns[haul] @ self.theta[at["l50"]]) + float(moved.get("l50", 0.0))
+        log_sr = float(self.log_sr.columns[haul] @ self.theta[at["sr"]]) + float(moved.get("sr", 0.0))
+        return l50, float(np.exp(log_sr))
+
     def haul_l50_sr(self) -> Array:
-        """(U, 2) predicted L50 and SR of every unit (the mode of its deviation, which is drawn towards the mean)."""
-        at, first = self.model.slices, self.model.first_row
-        l50 = self.model.by_l50[first] @ self.theta[at["l50"]]
-        log_sr = self.model.by_log_sr[first] @ self.theta[at["sr"]]
-        sd = self.theta[at["sd"]]
-        for i, term in enumerate(self.model.random):
-            deviation = sd[i] * self.maximum.modes[:, i]
-            l50 = l50 + deviation * (term == "l50")
-            log_sr = log_sr + deviation * (term == "sr")
-        return np.stack([l50, np.exp(log_sr)], axis=-1)
+        """(H, 2) predicted L50 and SR of every haul; NaN for one without fish."""
+        known, nothing = self.deviations(), (np.nan, np.nan)
+        return np.array(
+            [
+                self.haul_curve(h, known[unit]) if unit in known else nothing
+                for h, unit in enumerate(self.units)
+            ]
+        )
 
 
 def fit_one_stage(
@@ -163,6 +173,7 @@ def fit_one_stage(
     random: Sequence[str] = (),
     units: Sequence[str] | None = None,
     group: str = "",
+    near: OneStage | None = None,
 ) -> OneStage:
     """Fit L50, SR and split of all hauls in one likelihood.
 
@@ -176,6 +187,7 @@ def fit_one_stage(
         random: which of `RANDOM_TERMS` differ between units.
         units: (H,) the unit of each haul; each haul its own if not given.
         group: column of `hauls` with the gear.
+        near: a fit of the same predictors and random terms with another curve, to start from.
     """
     of_hauls = tuple(data.haul_names if units is None else units)
     labels = tuple(dict.fromkeys(of_hauls))
@@ -197,7 +209,11 @@ def fit_one_stage(
         fixed_logit_split=float(logit(fixed_split)),
         random=tuple(term for term in RANDOM_TERMS if term in random),
     )
-    maximum = maximise_marginal(model, starting_point(model, *_grid_start(data, split is not None, fixed_split)))
+    start = starting_point(model, *_grid_start(data, split is not None, fixed_split))
+    if near is not None and near.converged:
+        for part in ("l50", "sr", "split"):
+            start[model.slices[part]] = near.theta[near.model.slices[part]]
+    maximum = maximise_marginal(model, start, again=near is None)
     degrees = present.size - l50.columns.shape[1]
     quantile = float(stdtrit(degrees, 0.975)) if random and degrees > 0 else 1.959963984540054
     unit_names = tuple(labels[i] for i in present)

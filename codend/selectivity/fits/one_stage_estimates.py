@@ -142,6 +142,17 @@ def retention_band(fit: OneStage, point: Point, length_cm: ArrayLike) -> Band:
     return _band(fit, length, log_odds, expit)
 
 
+def share_band(fit: OneStage, point: Point, length_cm: ArrayLike) -> Band:
+    """Share of the fish in the test gear, of equally sampled paired gear: p r / (p r + 1 - p)."""
+    length = np.asarray(length_cm, dtype=float)
+
+    def log_odds(theta: Array) -> Array:
+        split = fit.curve_at(point, theta)[2]
+        return np.asarray(np.log(np.maximum(fit.retention_at(point, length, theta), 1e-300)) + logit(split))
+
+    return _band(fit, length, log_odds, expit)
+
+
 def delta_band(fit: OneStage, first: Point, second: Point, length_cm: ArrayLike) -> Band:
     """Retention of a first gear minus that of a second, of one fit: both share what they are correlated in."""
     length = np.asarray(length_cm, dtype=float)

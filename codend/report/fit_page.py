@@ -1,0 +1,216 @@
+"""Everything `codend fit` leaves in its folder: tables, plots and `fit.html`, the answer and its picture first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import datetime
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from codend.io.files import whole_file, write_table
+from codend.report.fit_plots import comparison_plot, curve_plot, delta_plot, haul_plot, residual_plot
+from codend.report.html import PageFigure, made_with, page_style
+from codend.report.style import number_text, png
+from codend.selectivity.fits.catch_comparison import CatchComparison
+from codend.selectivity.fits.fit import Fit
+from codend.selectivity.fits.one_stage import OneStage
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+TABLES: Final = tuple(
+    f"{name}.csv"
+    for name in ("fit", "diagnostics", "coefficients", "curves", "predictions", "delta", "usability", "compare")
+)
+PLOTS: Final = ("curve", "hauls", "residuals", "delta", "compare")
+FILES: Final = (*TABLES, "fit.html", *(f"plots/fit_{name}.png" for name in PLOTS))
+"""Every file that `write_fit` may write or remove."""
+
+CAPTIONS: Final = {
+    "curve": "Fitted retention with 95 % bands: the darker one holds at each length on its own, the paler one the whole "
+    "curve. Points are the fish of all hauls together, their area by the number counted. Grey: the curves predicted for "
+    "single hauls.",
+    "paired": " Left: what is fitted, the share of the fish in the test gear, which tends to the split (dotted) for fish "
+    "that are all retained. Right: retention; points can lie above 1 by chance.",
+    "hauls": "L50 and SR of single hauls. Open circles with bars: the haul's own fish alone, 95 %; diamonds: predicted in "
+    "one stage, drawn towards the mean where a haul has few fish. Line and band: the mean with its 95 % interval.",
+    "residuals": "Pearson residuals of every length and haul about the haul's own predicted curve, area by fish; the line "
+    "is their mean by length. A curve of the right shape leaves a line near 0; most points of well-filled classes lie "
+    "within the dotted lines.",
+    "delta": "Difference of the curves. Gears differ at lengths where the paler band, which holds the whole curve, leaves "
+    "out 0.",
+    "compare": "Share of the fish in the test gear, and the ratio of the catches; the line across is where both gears catch "
+    "alike, given equal effort. Points are the fish of all hauls together.",
+}
+
+
+@dataclass(frozen=True)
+class FitReport:
+    """What a page is made of.
+
+    Attributes:
+        title: of the page.
+        summary: of the data and the model, in one or two sentences.
+        lead: the answers, a line a gear.
+        notes: what a reader must know.
+        tables: by file name without its ending, all that is to be written; `SHOWN` says which the page shows.
+        fit: what is drawn; None where nothing was fitted.
+        hauls: the hauls' own fits; empty where there are none.
+        covariates: numeric columns against which L50 and SR are drawn.
+        comparison: catch comparison; None where that was not asked for.
+    """
+
+    title: str
+    summary: str
+    lead: Sequence[str]
+    notes: Sequence[str]
+    tables: Mapping[str, pd.DataFrame]
+    fit: OneStage | None = None
+    hauls: tuple[Fit, ...] = ()
+    covariates: list[str] = field(default_factory=list)
+    comparison: CatchComparison | None = None
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the page."""
+
+    heading: str
+    texts: tuple[str, ...] = ()
+    heads: tuple[str, ...] = ()
+    words: tuple[bool, ...] = ()
+    rows: tuple[tuple[str, ...], ...] = ()
+    figures: tuple[PageFigure, ...] = ()
+
+
+SHOWN: Final = {
+    "fit": ("Estimates", ""),
+    "usability": (
+        "Usability",
+        "Of the fish that met the gears, all hauls together: np_minus, those below the reference length that are "
+        "retained, of all below it; np_plus, the same at and above it; discard_ratio, those below it of all retained.",
+    ),
+    "coefficients": ("Coefficients of the formulas", ""),
+    "curves": (
+        "Curves by AIC",
+        "The least AIC is the best trade of fit and parameters; within 2 of it the data do not choose. The average is by "
+        "the weights, its standard errors hold the choice of the curve.",
+    ),
+    "diagnostics": ("How each fit went", ""),
+}
+HEADS: Final = {
+    "standard_error": "standard error",
+    "lower_95": "lower 95 %",
+    "upper_95": "upper 95 %",
+    "log_likelihood": "log-likelihood",
+    "aic": "AIC",
+    "delta_aic": "above least AIC",
+    "l50_cm": "L50 cm",
+    "l50_standard_error_cm": "its standard error",
+    "sr_cm": "SR cm",
+    "sr_standard_error_cm": "its standard error",
+    "p_value": "p",
+    "n_fish": "fish",
+    "pearson_chi2": "Pearson chi²",
+    "degrees_of_freedom": "degrees of freedom",
+    "gradient_norm": "gradient",
+}
+
+
+def write_fit(report: FitReport, folder: Path) -> list[Path]:
+    """Write the tables, `plots/fit_*.png` and `fit.html`; what an earlier call left of those is removed.
+
+    Raises:
+        OSError: a file cannot be written.
+    """
+    for name in FILES:
+        (folder / name).unlink(missing_ok=True)
+    written = []
+    for name, table in report.tables.items():
+        written.append(folder / f"{name}.csv")
+        write_table(table, written[-1])
+    (folder / "plots").mkdir(exist_ok=True)
+    figures = {}
+    for name, draw in _drawings(report).items():
+        picture, path = png(draw()), folder / "plots" / f"fit_{name}.png"
+        with whole_file(path) as temporary:
+            temporary.write_bytes(picture)
+        written.append(path)
+        paired = name == "curve" and report.fit is not None and report.fit.model.design == "paired"
+        figures[name] = PageFigure(picture, CAPTIONS[name] + CAPTIONS["paired"] * paired)
+    written.append(folder / "fit.html")
+    with whole_file(written[-1]) as temporary:
+        temporary.write_text(fit_html(report, figures), encoding="utf-8")
+    return written
+
+
+def _drawings(report: FitReport) -> dict[str, Callable[[], Figure]]:
+    drawn: dict[str, Callable[[], Figure]] = {}
+    if (found := report.comparison) is not None:
+        drawn["compare"] = lambda: comparison_plot(found)
+    if (fit := report.fit) is not None and fit.converged:
+        drawn["curve"] = lambda: curve_plot(fit)
+        if fit.group:
+            drawn["delta"] = lambda: delta_plot(fit)
+        if len(fit.hauls) > 1:
+            drawn["hauls"] = lambda: haul_plot(fit, report.hauls, report.covariates)
+        drawn["residuals"] = lambda: residual_plot(fit)
+    return drawn
+
+
+def fit_html(report: FitReport, figures: Mapping[str, PageFigure]) -> str:
+    """The page, everything from the table escaped: answers, their picture, estimates, differences, hauls, residuals."""
+    from jinja2 import Environment, StrictUndefined
+
+    sections = [Section("", figures=_some(figures, "compare", "curve")), _table(report, "fit")]
+    sections += [
+        Section("Differences of gears", figures=_some(figures, "delta")),
+        _table(report, "usability"),
+        _table(report, "coefficients"),
+        Section("Hauls", figures=_some(figures, "hauls")),
+        Section("Residuals", figures=_some(figures, "residuals")),
+        _table(report, "curves"),
+        _table(report, "diagnostics"),
+    ]
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+    template = environment.from_string((files("codend.report") / "fit.html").read_text(encoding="utf-8"))
+    return template.render(
+        style=page_style(),
+        title=report.title,
+        summary=f"{report.summary} Written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}.",
+        lead=report.lead,
+        notes=report.notes,
+        sections=[section for section in sections if section is not None and (section.figures or section.rows)],
+        versions=made_with(),
+    )
+
+
+def _some(figures: Mapping[str, PageFigure], *names: str) -> tuple[PageFigure, ...]:
+    return tuple(figures[name] for name in names if name in figures)
+
+
+def _table(report: FitReport, name: str) -> Section | None:
+    """A table of the page; estimates without those of single hauls, which are drawn."""
+    if name not in report.tables:
+        return None
+    table, (heading, text) = report.tables[name], SHOWN[name]
+    if name == "fit":
+        table = table[~table["group"].str.startswith("haul ")]
+        table = table.assign(group=table["group"].where(~table["group"].duplicated(), ""))
+    if name == "diagnostics":
+        table = table.drop(columns=["curve", "gradient_norm"])
+    words = tuple(table[column].dtype.kind not in "fiu" for column in table.columns)
+    rows = tuple(tuple(map(_cell, row)) for row in table.itertuples(index=False))
+    heads = tuple(HEADS.get(column, column.replace("_", " ")) for column in table.columns)
+    return Section(heading, (text,) if text else (), heads, words, rows)
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, float):
+        return number_text(value, 4)
+    if isinstance(value, bool):
+        return "yes" if value else "NO"
+    return "" if str(value) == "<NA>" else str(value)

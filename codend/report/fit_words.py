@@ -1,0 +1,185 @@
+"""What is said of fits to field data: the answer in a line, the data and model in a sentence, what a reader must know."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from codend.selectivity.fits.fielddata import FieldData
+from codend.selectivity.fits.one_stage import OneStage, conditional_residuals
+from codend.selectivity.fits.parameters import Estimates
+
+if TYPE_CHECKING:
+    from codend.selectivity.fits.analysis import FieldFit
+    from codend.selectivity.fits.catch_comparison import CatchComparison
+    from codend.selectivity.fits.gears import GearFit
+
+
+def lead(level: str, found: Estimates) -> str:
+    """The answer for a gear in one line, with 95 % intervals."""
+    if np.isnan(found["l50_cm"]):
+        text = "no L50"
+    else:
+        parts = []
+        for name, of in (("L50", "l50_cm"), ("SR", "sr_cm")):
+            i = found.names.index(of)
+            lower, upper = found.lower_95[i], found.upper_95[i]
+            ends = " to ".join(f"{end:.2f}" if np.isfinite(end) else "no limit" for end in (lower, upper))
+            parts.append(f"{name} {found.values[i]:.2f} cm ({ends})")
+        text = ", ".join(parts)
+    return f"{level}: {text}" if level else text
+
+
+def data_text(data: FieldData) -> str:
+    """Hauls, fish, lengths and design."""
+    fish, fished = float((data.test_count + data.other_count).sum()), data.test_count + data.other_count > 0.0
+    gears = {"covered": "a covered codend", "paired": "paired gear"}[data.design]
+    count = len(data.haul_names)
+    lengths = data.length_cm[fished]
+    raised = "" if np.ptp(data.log_offset) == 0.0 == data.log_offset[0] else ", raising factors as offsets"
+    return (
+        f"{gears}, {count} haul{'s' * (count > 1)}, {fish:,.0f} fish counted, lengths {lengths.min():g} to "
+        f"{lengths.max():g} cm{raised}"
+    )
+
+
+def model_text(one: OneStage) -> str:
+    """The one-stage model in words."""
+    words = {"l50": "L50", "sr": "ln SR", "split": "the split's logit"}
+    differ = [words[term] for term in one.model.random]
+    unit = "hauls" if one.units == one.data.haul_names else "units"
+    between = f"{' and '.join(differ)} differing between {unit} at random" if differ else "hauls that do not differ"
+    parts = [f"{one.model.family.name} curve, one likelihood with {between}"]
+    if one.model.design == "paired":
+        parts.append("split estimated" if one.split else f"split fixed at {one.fixed_split:g}")
+    formulas = [
+        f"{name} ~ {part.formula}"
+        for name, part in (("L50", one.l50), ("ln SR", one.log_sr), ("logit split", one.split))
+        if part is not None and part.spec is not None
+    ]
+    return "; ".join([*parts, *formulas])
+
+
+def dispersion_text(one: OneStage) -> str:
+    """What scatter is left about the hauls' own curves; not in the errors."""
+    residual = conditional_residuals(one)
+    share = np.full(one.data.haul.size, np.nan)
+    from codend.selectivity.fits.fit import LEAST_EXPECTED
+    from codend.selectivity.fits.marginal import expected_share
+
+    share[one.order] = expected_share(one.model, one.theta, one.maximum.modes)
+    n = one.data.test_count + one.data.other_count
+    filled = (n * share > LEAST_EXPECTED) & (n * (1.0 - share) > LEAST_EXPECTED)
+    degrees = int(filled.sum()) - one.model.n_parameters - len(one.model.random) * (len(one.unit_names) - 1)
+    if degrees < 5:
+        return ""
+    factor = float((residual[filled] ** 2).sum()) / degrees
+    return (
+        f"Scatter left about the hauls' own curves: {factor:.2g} times that of chance (Pearson, {degrees} degrees of "
+        "freedom, well-filled classes); it is not in the errors in one stage, which hold the variation between hauls."
+    )
+
+
+def trial_summary(fitted: FieldFit) -> str:
+    """Data and model."""
+    shown = f" The answer is the {fitted.answers[0].group.replace('-', ' ')} fit: {_first_model(fitted)}."
+    return f"{data_text(fitted.data)[0].upper()}{data_text(fitted.data)[1:]}.{shown}"
+
+
+def _first_model(fitted: FieldFit) -> str:
+    if fitted.one_stage is not None:
+        return model_text(fitted.one_stage)
+    return f"{fitted.pooled.model.curve.name} curve for all fish together"
+
+
+def trial_notes(fitted: FieldFit) -> list[str]:
+    """Failures, hauls left out, dispersion, and what each answer lacks."""
+    notes = []
+    for answer in fitted.answers:
+        if answer.note:
+            failed = "was not fitted" if np.isnan(answer.estimates.values).all() else "warning"
+            notes.append(f"{answer.group} {failed}: {answer.note}")
+    silent = [fit for fit in fitted.hauls if fit.note]
+    if silent:
+        names = ", ".join(fit.group.removeprefix("haul ") for fit in silent[:8]) + ", ..." * (len(silent) > 8)
+        notes.append(
+            f"{len(silent)} of {len(fitted.hauls)} hauls have no L50 of their own ({names}); diagnostics.csv says why. In "
+            "one stage they count all the same."
+        )
+    pooled = fitted.pooled
+    if pooled.converged:
+        if fitted.overdispersion == "none":
+            notes.append("pooled: no dispersion factor, as asked for")
+        elif pooled.dispersion > 1.0:
+            notes.append(
+                f"pooled: dispersion {pooled.dispersion:.3g} ({fitted.overdispersion}) multiplies its variances; "
+                "--overdispersion none turns that off"
+            )
+        else:
+            notes.append(f"pooled: no lack of fit by {fitted.overdispersion}, dispersion 1")
+    if fitted.one_stage is not None and fitted.one_stage.converged:
+        notes += [text for text in (dispersion_text(fitted.one_stage),) if text]
+    return notes
+
+
+def gear_summary(fitted: GearFit) -> str:
+    """Data, model and the test of the group."""
+    text = data_text(fitted.one.data)
+    test = ""
+    if np.isfinite(fitted.p_value) and fitted.alike is not None:
+        gain = fitted.alike.aic - fitted.one.aic
+        test = (
+            f" One curve and split for all gears: likelihood ratio p = {fitted.p_value:.2g}, AIC "
+            f"{abs(gain):.3g} {'higher' if gain > 0.0 else 'lower'} than with gears apart."
+        )
+    return f"{text[0].upper()}{text[1:]}. {model_text(fitted.one)[0].upper()}{model_text(fitted.one)[1:]}.{test}"
+
+
+def gear_notes(fitted: GearFit) -> list[str]:
+    """Failures, and scatter."""
+    if not fitted.converged:
+        return [f"not fitted: {note}" for note in fitted.notes]
+    return [*fitted.notes, *(text for text in (dispersion_text(fitted.one),) if text)]
+
+
+def comparison_summary(found: CatchComparison) -> str:
+    """Data and models."""
+    text = data_text(found.data)
+    model = " + ".join(f"x^{order}" if order else "1" for order in found.orders)
+    return (
+        f"{text[0].upper()}{text[1:]}. Polynomials up to the fourth order averaged by AIC, the best {model}; bands of "
+        f"{found.n_replicates} double-bootstrap replicates."
+    )
+
+
+def comparison_lead(found: CatchComparison) -> list[str]:
+    """Where the gears differ."""
+    if not found.n_replicates:
+        return ["no bands, and so no telling where the gears differ"]
+    less, more = found.upper_all_95 < 0.5, found.lower_all_95 > 0.5
+    lines = [
+        f"the test gear catches {word} than the control at {_lengths(found.length_cm, at)}"
+        for word, at in (("less", less), ("more", more))
+        if at.any()
+    ]
+    return lines or ["no length at which the gears' catches differ beyond chance, all lengths taken together"]
+
+
+def comparison_notes(found: CatchComparison) -> list[str]:
+    """Lack of fit, and what the ratio takes for granted."""
+    notes = ["The ratio takes both gears to have fished with equal effort; where they did not, it is off by that factor."]
+    if np.isfinite(found.p_value):
+        lack = "a shape these polynomials lack, or hauls that differ" if found.p_value < 0.05 else "no lack of fit"
+        notes.append(
+            f"Lengths pooled over hauls: deviance {found.deviance:.4g} on {found.degrees_of_freedom}, p = "
+            f"{found.p_value:.2g}: {lack}."
+        )
+    return notes
+
+
+def _lengths(length_cm: np.ndarray, at: np.ndarray) -> str:
+    """Runs of lengths in words."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], at, [False]]).astype(int)))
+    runs = [(length_cm[a], length_cm[b - 1]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    return ", ".join(f"{a:g} cm" if a == b else f"{a:g} to {b:g} cm" for a, b in runs)
