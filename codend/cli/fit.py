@@ -23,9 +23,7 @@ HEADERS = ["group", "parameter", "estimate", "standard error", "lower 95 %", "up
 @click.command()
 @click.argument("data", metavar="DATA.csv")
 @click.option("--design", required=True, help="covered (codend and cover) or paired (test and control gear).")
-@click.option(
-    "--curve", default="logit", show_default=True, help="logit, probit, gompertz, cloglog, richards or dual."
-)
+@click.option("--curve", default="logit", show_default=True, help="logit, probit, gompertz, cloglog, richards or dual.")
 @click.option("--split", default="equal", show_default=True, help="Of paired gear: equal, estimated or a share.")
 @click.option("--covariate", "covariates", multiple=True, metavar="NAME", help="A column; may be repeated.")
 @click.option("--group", default="", metavar="COLUMN", help="Gears to set beside each other, by this column.")
@@ -107,12 +105,19 @@ def _print(report: "FitReport") -> None:
         shown = table[~table["group"].str.startswith("haul ")].drop(columns="curve")
         click.echo(text_table(HEADERS, shown.itertuples(index=False)))
     if "usability" in report.tables:
-        click.echo(text_table(["gear", "indicator", "%", "lower 95 %", "upper 95 %"], report.tables["usability"].itertuples(index=False)))
+        click.echo(
+            text_table(
+                ["gear", "indicator", "%", "lower 95 %", "upper 95 %"],
+                report.tables["usability"].itertuples(index=False),
+            )
+        )
     if "curves" in report.tables:
         table = report.tables["curves"]
         columns = ["curve", "parameters", "aic", "weight", "l50_cm", "sr_cm"]
         shown = table[columns].assign(parameters=table["parameters"].astype(float))
-        click.echo(text_table(["curve", "parameters", "AIC", "weight", "L50 cm", "SR cm"], shown.itertuples(index=False)))
+        click.echo(
+            text_table(["curve", "parameters", "AIC", "weight", "L50 cm", "SR cm"], shown.itertuples(index=False))
+        )
     for note in report.notes:
         click.echo(note, err=True)
 
@@ -135,7 +140,10 @@ def _trial_report(fitted: "FieldFit", at: Sequence[str], reference_length: float
         tables=tables,
         fit=shown,
         hauls=fitted.hauls,
-        covariates=[*fitted.data.covariate_names, *(name for name in columns if name not in fitted.data.covariate_names)],
+        covariates=[
+            *fitted.data.covariate_names,
+            *(name for name in columns if name not in fitted.data.covariate_names),
+        ],
     )
 
 

@@ -138,10 +138,14 @@ def delta_plot(fit: OneStage) -> Figure:
     """Differences of the retention of every pair of gears, with bands for each length and for the whole curve."""
     bands = delta_bands(fit)
     figure = new_figure(WIDTH_IN, 3.2 * len(bands))
-    for axes, ((first, second), band) in zip(figure.subplots(len(bands), 1, squeeze=False)[:, 0], bands.items(), strict=True):
+    for axes, ((first, second), band) in zip(
+        figure.subplots(len(bands), 1, squeeze=False)[:, 0], bands.items(), strict=True
+    ):
         dress(axes)
         wide = "95 % of the whole curve"
-        axes.fill_between(band.length_cm, band.lower_all_95, band.upper_all_95, color=PALE, alpha=0.7, lw=0.0, label=wide)
+        axes.fill_between(
+            band.length_cm, band.lower_all_95, band.upper_all_95, color=PALE, alpha=0.7, lw=0.0, label=wide
+        )
         one = "95 % at each length"
         axes.fill_between(band.length_cm, band.lower_95, band.upper_95, color=BLUE, alpha=0.3, linewidth=0.0, label=one)
         axes.plot(band.length_cm, band.value, color=BLUE, linewidth=1.8)
@@ -162,7 +166,10 @@ def comparison_plot(found: CatchComparison) -> Figure:
     fish = np.array([(raised.test_count + raised.other_count)[rows].sum() for rows in at])
     share = np.array([test[rows].sum() / (test + other)[rows].sum() for rows in at])
     table = found.table()
-    for axes, name, seen in ((left, "share", share), (right, "ratio", share / np.where(share < 1.0, 1.0 - share, np.nan))):
+    for axes, name, seen in (
+        (left, "share", share),
+        (right, "ratio", share / np.where(share < 1.0, 1.0 - share, np.nan)),
+    ):
         dress(axes)
         names = [f"{name}_{limit}" for limit in ("lower_all_95", "upper_all_95", "lower_95", "upper_95")]
         wide_low, wide_high, low, high = (np.minimum(table[column], MOST_RATIO) for column in names)

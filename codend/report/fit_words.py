@@ -168,7 +168,9 @@ def comparison_lead(found: CatchComparison) -> list[str]:
 
 def comparison_notes(found: CatchComparison) -> list[str]:
     """Lack of fit, and what the ratio takes for granted."""
-    notes = ["The ratio takes both gears to have fished with equal effort; where they did not, it is off by that factor."]
+    notes = [
+        "The ratio takes both gears to have fished with equal effort; where they did not, it is off by that factor."
+    ]
     if np.isfinite(found.p_value):
         lack = "a shape these polynomials lack, or hauls that differ" if found.p_value < 0.05 else "no lack of fit"
         notes.append(

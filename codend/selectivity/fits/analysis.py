@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 NO_TERMS = RandomTerms("haul", ())
 
+
 class Answer(NamedTuple):
     """What one method says of the gear: its name, estimates, kinds of intervals, and what must be said."""
 

@@ -99,7 +99,9 @@ def compare_catches(
     test, other = field.test_count, field.other_count
     lengths = np.unique(field.length_cm[test + other > 0.0])
     if lengths.size < 3 or test.sum() == 0.0 or other.sum() == 0.0:
-        raise InputError(field.source, "length_cm", None, "fish of three or more lengths, some in each gear", "are too few")
+        raise InputError(
+            field.source, "length_cm", None, "fish of three or more lengths, some in each gear", "are too few"
+        )
     keys, row = np.unique(np.column_stack([field.length_cm, field.log_offset]), axis=0, return_inverse=True)
     merge = np.zeros((field.haul.size, len(keys)))
     merge[np.arange(field.haul.size), row.ravel()] = 1.0
@@ -151,7 +153,9 @@ def _averaged(
     columns: Array, offset: Array, test: Array, other: Array, at: Array
 ) -> tuple[Array, dict[tuple[int, ...], Array], dict[tuple[int, ...], Array]]:
     """Averaged shares (B, n) at columns `at` (n, q), and weights and log-likelihoods (B,) of each model by its powers."""
-    models = [orders for size in range(1, columns.shape[1] + 1) for orders in combinations(range(columns.shape[1]), size)]
+    models = [
+        orders for size in range(1, columns.shape[1] + 1) for orders in combinations(range(columns.shape[1]), size)
+    ]
     logits, likelihood = {}, {}
     for orders in models:
         coefficients, likelihood[orders] = _binomial(columns[:, orders], offset, test, other)

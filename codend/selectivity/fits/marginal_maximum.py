@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 SEARCH_TOLERANCE: Final = 1e-5  # of the log-likelihood
 DISTANCE_TOLERANCE: Final = 1e-4  # of a maximum, in standard errors
 NEWTON_STEPS: Final = 12
+SD_DIFFERENCE: Final = 0.1  # of a standard deviation, in its standard errors
 DIFFERENCE: Final = 1e-5  # of the gradient, in units of `_scale`
 LEAST_CURVATURE: Final = 1e-7  # of the information, its diagonal scaled to 1
 STARTS_OF_SD: Final = {"l50": 0.4, "sr": 0.2, "split": 0.3}  # in units of SR for L50, as they are for the others
@@ -38,9 +39,10 @@ class MarginalMaximum(NamedTuple):
     """The fit; numbers are NaN where it has none.
 
     Attributes:
-        theta: (k,) parameters of `MarginalModel`, standard deviations 0 or more.
-        covariance: (k, k) inverse of the observed information.
-        log_likelihood: at theta, without the binomial coefficients.
+        theta: (k,) parameters of `MarginalModel`, standard deviations 0 or more and corrected (see `_corrected`).
+        covariance: (k, k) inverse of the observed information, at the corrected standard deviations.
+        covariance_by_sd: (s, k, k) its derivatives by the standard deviations.
+        log_likelihood: at its maximum, without the binomial coefficients.
         modes: (H, s) predicted deviations of the hauls, in standard deviations.
         distance: sqrt(g' I^-1 g), from the maximum, in standard errors.
         outcome: whether it is one.
@@ -48,6 +50,7 @@ class MarginalMaximum(NamedTuple):
 
     theta: Array
     covariance: Array
+    covariance_by_sd: Array
     log_likelihood: float
     modes: Array
     distance: float
@@ -109,14 +112,44 @@ def _maximum(model: MarginalModel, start: Array) -> MarginalMaximum:
     if not (inside and distance < DISTANCE_TOLERANCE and np.isfinite(value)):
         k = theta.size
         none = np.full((k, k), np.nan)
-        return MarginalMaximum(none[0], none, np.nan, modes * np.nan, distance, MarginalOutcome.NO_MAXIMUM)
+        by_sd = np.full((len(model.random), k, k), np.nan)
+        return MarginalMaximum(none[0], none, by_sd, np.nan, modes * np.nan, distance, MarginalOutcome.NO_MAXIMUM)
     sd = model.slices["sd"]
     sign = np.ones(theta.size)
     sign[sd] = np.where(theta[sd] < 0.0, -1.0, 1.0)
-    covariance = covariance * sign[:, None] * sign
-    return MarginalMaximum(
-        theta * sign, covariance, value, modes * sign[sd], distance, MarginalOutcome.CONVERGED
-    )
+    theta, covariance, modes = theta * sign, covariance * sign[:, None] * sign, modes * sign[sd]
+    with np.errstate(all="ignore"):
+        theta, covariance, by_sd = _corrected(model, theta, covariance, modes, scale)
+    return MarginalMaximum(theta, covariance, by_sd, value, modes, distance, MarginalOutcome.CONVERGED)
+
+
+def _corrected(
+    model: MarginalModel, theta: Array, covariance: Array, modes: Array, scale: Array
+) -> tuple[Array, Array, Array]:
+    """Standard deviations without the bias of maximum likelihood, the covariance there, and its derivatives by them.
+
+    One Newton step of the profile likelihood adjusted for the p other parameters, l - ln|I_pp| / 2 (Cox and Reid 1987,
+    J. R. Stat. Soc. B 49: 1-39): what REML is to least squares. With H units and errors that are small it is
+    multiplication by 1 + 1 / 2H. A standard deviation of 0 stays.
+    """
+    sd, s = model.slices["sd"], len(model.random)
+    p, by_sd, log_det = sd.start, np.zeros((s, theta.size, theta.size)), np.zeros(s)
+    for i in range(s):
+        step = np.zeros(theta.size)
+        step[p + i] = SD_DIFFERENCE * np.sqrt(covariance[p + i, p + i])
+        sides = []
+        for moved in (theta + step, theta - step):
+            nodes, _ = place_nodes(model, moved, modes)
+            sides.append(np.linalg.inv(observed_information(model, moved, nodes, scale)[:p, :p]))
+        by_sd[i, :p, :p] = (sides[0] - sides[1]) / (2.0 * step[p + i])
+        log_det[i] = (np.linalg.slogdet(sides[0])[1] - np.linalg.slogdet(sides[1])[1]) / (2.0 * step[p + i])
+    change = 0.5 * covariance[sd, sd] @ log_det
+    change = np.clip(change, -theta[sd], theta[sd])
+    moved, widened = theta.copy(), covariance + np.tensordot(change, by_sd, axes=1)
+    moved[sd] += change
+    if not (np.isfinite(widened).all() and np.linalg.eigvalsh(widened)[0] > 0.0):
+        return theta, covariance, np.zeros_like(by_sd)
+    return moved, widened, by_sd
 
 
 def _polished(

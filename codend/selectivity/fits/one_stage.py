@@ -38,6 +38,7 @@ Array = NDArray[np.float64]
 
 LEAST_HAULS: Final = 3
 """Below which hauls are not taken as a sample of hauls."""
+NORMAL: Final = 1.959963984540054  # 97.5 % quantile of the normal distribution
 SD_NAMES: Final = {"l50": "between_sd_l50_cm", "sr": "between_sd_log_sr", "split": "between_sd_logit_split"}
 
 
@@ -64,8 +65,8 @@ class OneStage:
         order: (R,) rows of `data` in the order of the model.
         maximum: the fit.
         group: column whose levels are gears; "" for one gear.
-        quantile: of the intervals: Student's t on as many degrees as there are units less coefficients of L50; normal
-            without random terms.
+        degrees: of freedom of the variation between units: their number less the coefficients of L50; infinite without
+            random terms.
     """
 
     data: FieldData
@@ -79,7 +80,7 @@ class OneStage:
     order: NDArray[np.int64]
     maximum: MarginalMaximum
     group: str
-    quantile: float
+    degrees: float
 
     @property
     def converged(self) -> bool:
@@ -101,6 +102,28 @@ class OneStage:
         """Marginal, with the binomial coefficients."""
         test, n = self.model.test, self.model.test + self.model.other
         return self.maximum.log_likelihood + float((gammaln(n + 1) - gammaln(test + 1) - gammaln(n - test + 1)).sum())
+
+    @property
+    def quantile(self) -> float:
+        """Student's t of 95 % intervals on `degrees`; normal without random terms."""
+        return NORMAL if np.isinf(self.degrees) else float(stdtrit(self.degrees, 0.975))
+
+    def quantiles(self, slopes: Array) -> Array:
+        """(m,) Student's t of 95 % intervals of functions with derivatives (m, k) by theta.
+
+        Satterthwaite's degrees of freedom, 2 V^2 / var V for the variance V of a function, var V from the errors of the
+        standard deviations between units; no fewer than `degrees`, and no more than twice that, for normal intervals
+        are too short where few units and few fish are all there is (`validation.field_fit_study`).
+        """
+        if np.isinf(self.degrees):
+            return np.full(len(slopes), NORMAL)
+        sd, found = self.model.slices["sd"], self.maximum
+        variance = np.einsum("mi,ij,mj->m", slopes, found.covariance, slopes)
+        by_sd = np.einsum("mi,sij,mj->ms", slopes, found.covariance_by_sd, slopes)
+        of_variance = np.einsum("ms,st,mt->m", by_sd, found.covariance[sd, sd], by_sd)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            degrees = np.nan_to_num(2.0 * variance**2 / of_variance, nan=np.inf)
+        return np.asarray(stdtrit(np.clip(degrees, self.degrees, 2.0 * self.degrees), 0.975))
 
     @property
     def aic(self) -> float:
@@ -154,10 +177,7 @@ class OneStage:
         """(H, 2) predicted L50 and SR of every haul; NaN for one without fish."""
         known, nothing = self.deviations(), (np.nan, np.nan)
         return np.array(
-            [
-                self.haul_curve(h, known[unit]) if unit in known else nothing
-                for h, unit in enumerate(self.units)
-            ]
+            [self.haul_curve(h, known[unit]) if unit in known else nothing for h, unit in enumerate(self.units)]
         )
 
 
@@ -214,10 +234,9 @@ def fit_one_stage(
         for part in ("l50", "sr", "split"):
             start[model.slices[part]] = near.theta[near.model.slices[part]]
     maximum = maximise_marginal(model, start, again=near is None)
-    degrees = present.size - l50.columns.shape[1]
-    quantile = float(stdtrit(degrees, 0.975)) if random and degrees > 0 else 1.959963984540054
+    degrees = float(max(present.size - l50.columns.shape[1], 1)) if random else np.inf
     unit_names = tuple(labels[i] for i in present)
-    return OneStage(data, hauls, l50, log_sr, split, of_hauls, unit_names, model, order, maximum, group, quantile)
+    return OneStage(data, hauls, l50, log_sr, split, of_hauls, unit_names, model, order, maximum, group, degrees)
 
 
 def _grid_start(data: FieldData, estimate_split: bool, fixed_split: float) -> tuple[float, float, float]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import expit, logit
 
-from codend.selectivity.fits.one_stage import SD_NAMES, OneStage, Point
+from codend.selectivity.fits.one_stage import NORMAL, SD_NAMES, OneStage, Point
 from codend.selectivity.fits.parameters import Estimates, within_lengths
 from codend.selectivity.fits.predictors import Predictor
 
@@ -61,9 +61,11 @@ def estimates(fit: OneStage, level: str = "", at: Mapping[str, str | float] | No
     """
     point, sds = fit.point(level, at), [SD_NAMES[term] for term in fit.model.random]
     shape_names = {"richards": ("delta",), "dual": ("c", "d", "w")}.get(fit.model.family.name, ())
-    slopes = [] if level or at else [
-        (of, name) for of, one in ((0, fit.l50), (1, fit.log_sr)) for name in covariates(fit, one)
-    ]
+    slopes = (
+        []
+        if level or at
+        else [(of, name) for of, one in ((0, fit.l50), (1, fit.log_sr)) for name in covariates(fit, one)]
+    )
     slopes.sort(key=lambda slope: slope[1])
     steps = [(of, *_slope_points(fit, name)) for of, name in slopes]
     paired = fit.model.design == "paired"
@@ -100,8 +102,9 @@ def delta_estimates(fit: OneStage, names: tuple[str, ...], function: Function) -
     if not fit.converged:
         nothing = np.full(len(names), np.nan)
         return Estimates(names, nothing, nothing, nothing, nothing)
-    value, errors = function(fit.theta), standard_errors(fit, function)
-    half = fit.quantile * errors
+    value, slopes = function(fit.theta), jacobian(fit, function)
+    errors = np.sqrt(np.maximum(np.einsum("mi,ij,mj->m", slopes, fit.maximum.covariance, slopes), 0.0))
+    half = fit.quantiles(slopes) * errors
     lower, upper = value - half, value + half
     with np.errstate(all="ignore"):
         for i, name in enumerate(names):
@@ -123,12 +126,6 @@ def jacobian(fit: OneStage, function: Function) -> Array:
         step[i] = DIFFERENCE * error
         columns.append((function(fit.theta + step) - function(fit.theta - step)) / (2.0 * step[i]))
     return np.stack(columns, axis=-1)
-
-
-def standard_errors(fit: OneStage, function: Function) -> Array:
-    """(m,) by the delta method."""
-    slopes = jacobian(fit, function)
-    return np.sqrt(np.maximum(np.einsum("mi,ij,mj->m", slopes, fit.maximum.covariance, slopes), 0.0))
 
 
 def retention_band(fit: OneStage, point: Point, length_cm: ArrayLike) -> Band:
@@ -171,7 +168,8 @@ def _band(fit: OneStage, length: Array, function: Function, back: Callable[[Arra
     root = covariance_root(fit.maximum.covariance)
     directions = slopes @ root
     errors = np.sqrt((directions**2).sum(axis=1))
-    half, wide = fit.quantile * errors, simultaneous_quantile(directions, fit.quantile) * errors
+    pointwise = fit.quantiles(slopes)
+    half, wide = pointwise * errors, simultaneous_factor(directions) * pointwise * errors
     return Band(length, back(value), *(back(value + part) for part in (-half, half, -wide, wide)))
 
 
@@ -181,22 +179,21 @@ def covariance_root(covariance: Array) -> Array:
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
-def simultaneous_quantile(directions: Array, pointwise: float) -> float:
-    """Factor on standard errors with which a band holds the whole curve: 95 % quantile of the largest |deviate|.
+def simultaneous_factor(directions: Array) -> float:
+    """How much wider than for a single point a band is that holds the whole curve, by the largest |deviate|.
 
     Args:
         directions: (n, k) derivatives of the curve times a root of the covariance.
-        pointwise: factor of a single point; the normal one is widened in the same ratio, for Student's t.
 
-    Source: Hothorn, Bretz and Westfall (2008), Biom. J. 50: 346-363, with the quantile by simulation, fixed seed.
+    Source: Hothorn, Bretz and Westfall (2008), Biom. J. 50: 346-363, with the normal quantile by simulation, fixed seed.
     """
     errors = np.sqrt((directions**2).sum(axis=1))
     good = errors > 1e-12 * errors.max(initial=0.0)
     if not good.any():
-        return pointwise
+        return 1.0
     deviates = np.random.default_rng(0).standard_normal((DRAWS, directions.shape[1]))
     largest = np.abs(deviates @ (directions[good] / errors[good, None]).T).max(axis=1)
-    return float(np.quantile(largest, 0.95)) * pointwise / 1.959963984540054
+    return max(float(np.quantile(largest, 0.95)) / NORMAL, 1.0)
 
 
 def _public_shape(family: str, shape: Array) -> list[float]:

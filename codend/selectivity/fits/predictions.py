@@ -58,7 +58,9 @@ def settings(fit: OneStage, texts: Sequence[str]) -> list[dict[str, str | float]
     Raises:
         InputError: a name that no formula uses, a value that is no number, or none of a factor's.
     """
-    used = {name for one in (fit.l50, fit.log_sr, fit.split) if one and one.spec for name in one.spec.required_variables}
+    used = {
+        name for one in (fit.l50, fit.log_sr, fit.split) if one and one.spec for name in one.spec.required_variables
+    }
     known = [str(name) for name in fit.hauls.columns if name in used and name != fit.group]
     return [_setting(fit, text, known) for text in texts]
 
@@ -68,7 +70,9 @@ def _setting(fit: OneStage, text: str, known: Sequence[str]) -> dict[str, str | 
     for pair in text.split(","):
         name, equals, value = (part.strip() for part in pair.partition("="))
         if not equals or name not in known:
-            raise InputError(OPTIONS, "--at", text, f"NAME=VALUE with what formulas use ({', '.join(known) or 'nothing'})")
+            raise InputError(
+                OPTIONS, "--at", text, f"NAME=VALUE with what formulas use ({', '.join(known) or 'nothing'})"
+            )
         cells = fit.hauls[name]
         if cells.dtype.kind != "f":
             if value not in set(cells):
@@ -163,7 +167,9 @@ def usability_table(fit: OneStage, reference_length_cm: float) -> pd.DataFrame:
 def at_text(fit: OneStage, values: Values) -> str:
     """A setting in words."""
     if values:
-        return ", ".join(f"{name}={value:g}" if isinstance(value, float) else f"{name}={value}" for name, value in values.items())
+        return ", ".join(
+            f"{name}={value:g}" if isinstance(value, float) else f"{name}={value}" for name, value in values.items()
+        )
     used = {name for one in (fit.l50, fit.log_sr) if one.spec for name in one.spec.required_variables} - {fit.group}
     return "mean of hauls" if used else ""
 

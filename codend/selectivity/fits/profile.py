@@ -24,9 +24,7 @@ FARTHEST: Final = 12.0
 PRECISION: Final = 2e-3  # of a limit, in standard errors
 
 
-def with_profile_limits(
-    found: Estimates, fit: OneStage, dispersion: float = 1.0
-) -> tuple[Estimates, tuple[str, ...]]:
+def with_profile_limits(found: Estimates, fit: OneStage, dispersion: float = 1.0) -> tuple[Estimates, tuple[str, ...]]:
     """Estimates with profile limits of L50, SR and an estimated split, and the kind of each interval.
 
     The parameters of `fit` are to be the mean L50, ln SR and logit split, that is, of one gear. A side without a limit
