@@ -29,12 +29,12 @@ SHARES /= SHARES.sum()
 L50_CM, SR_CM, BETWEEN_SD_CM, HAULS = 32.0, 5.0, 1.5, 15
 TRUTHS = {"l50_cm": L50_CM, "sr_cm": SR_CM, "split": 0.5, "between_sd_l50_cm": BETWEEN_SD_CM}
 FISH = (30, 60, 120, 300, 1000)
-HEADER = f"{'design':8s} {'fish':>5s} {'answer':14s} {'parameter':18s} {'truth':>6s} {'mean':>7s} {'median':>7s} {'coverage':>8s} {'without':>7s}"  # fmt: skip
+HEADER = "design    fish answer         parameter           truth    mean  median coverage without"
 
 
 @dataclass(frozen=True)
 class Answer:
-    """Estimates of one method in one trial, by parameter: value, lower and upper limit; what it said, if it had none."""
+    """Estimates of one method in one trial, by parameter: value and limits; what it said, if it had none."""
 
     values: dict[str, tuple[float, float, float]]
     said: str

@@ -140,6 +140,7 @@ def _trial_report(fitted: "FieldFit", at: Sequence[str], reference_length: float
         tables=tables,
         fit=shown,
         hauls=fitted.hauls,
+        reference_length_cm=reference_length or float("nan"),
         covariates=[
             *fitted.data.covariate_names,
             *(name for name in columns if name not in fitted.data.covariate_names),
@@ -168,6 +169,7 @@ def _gears_report(fitted: "GearFit", at: Sequence[str], reference_length: float 
         tables=tables,
         fit=one if one.converged else None,
         hauls=fitted.hauls,
+        reference_length_cm=reference_length or float("nan"),
         covariates=list(dict.fromkeys([*covariates(one, one.l50), *covariates(one, one.log_sr)])),
     )
 

@@ -27,8 +27,8 @@ from codend.cli.common import (
     written_into,
 )
 from codend.cli.console import shown_progress, text_table
-from codend.cli.force import force
 from codend.cli.fit import fit
+from codend.cli.force import force
 from codend.cli.selectivity import selectivity, species
 from codend.cli.sweep import sweep
 from codend.errors import OPTIONS, InputError

@@ -1,4 +1,4 @@
-"""Commands on predicted selectivity: codend selectivity and species. Heavy libraries are imported where a command uses them."""
+"""Commands on predicted selectivity: selectivity and species. Heavy libraries are imported where used."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -9,6 +9,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from codend.io.files import whole_file, write_table
 from codend.report.fit_plots import comparison_plot, curve_plot, delta_plot, haul_plot, residual_plot
 from codend.report.html import PageFigure, made_with, page_style
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+SMALLEST: Final = 1e-7
+"""Below which a number of a table is shown as 0."""
 TABLES: Final = tuple(
     f"{name}.csv"
     for name in ("fit", "diagnostics", "coefficients", "curves", "predictions", "delta", "usability", "compare")
@@ -30,20 +34,20 @@ FILES: Final = (*TABLES, "fit.html", *(f"plots/fit_{name}.png" for name in PLOTS
 """Every file that `write_fit` may write or remove."""
 
 CAPTIONS: Final = {
-    "curve": "Fitted retention with 95 % bands: the darker one holds at each length on its own, the paler one the whole "
-    "curve. Points are the fish of all hauls together, their area by the number counted. Grey: the curves predicted for "
-    "single hauls.",
-    "paired": " Left: what is fitted, the share of the fish in the test gear, which tends to the split (dotted) for fish "
-    "that are all retained. Right: retention; points can lie above 1 by chance.",
-    "hauls": "L50 and SR of single hauls. Open circles with bars: the haul's own fish alone, 95 %; diamonds: predicted in "
-    "one stage, drawn towards the mean where a haul has few fish. Line and band: the mean with its 95 % interval.",
-    "residuals": "Pearson residuals of every length and haul about the haul's own predicted curve, area by fish; the line "
-    "is their mean by length. A curve of the right shape leaves a line near 0; most points of well-filled classes lie "
-    "within the dotted lines.",
-    "delta": "Difference of the curves. Gears differ at lengths where the paler band, which holds the whole curve, leaves "
-    "out 0.",
-    "compare": "Share of the fish in the test gear, and the ratio of the catches; the line across is where both gears catch "
-    "alike, given equal effort. Points are the fish of all hauls together.",
+    "curve": "Fitted retention with 95 % bands: the darker one holds at each length on its own, the paler one the "
+    "whole curve. Points are the fish of all hauls together, their area by the number counted. Grey: the curves "
+    "predicted for single hauls.",
+    "paired": " Left: what is fitted, the share of the fish in the test gear, which tends to the split (dotted) for "
+    "fish that are all retained. Right: retention; points can lie above 1 by chance.",
+    "hauls": "L50 and SR of single hauls. Open circles with bars: the haul's own fish alone, 95 %; diamonds: predicted "
+    "in one stage, drawn towards the mean where a haul has few fish. Line and band: the mean with its 95 % interval.",
+    "residuals": "Pearson residuals of every length and haul about the haul's own predicted curve, area by fish; the "
+    "line is their mean by length. A curve of the right shape leaves a line near 0; most points of well-filled classes "
+    "lie within the dotted lines.",
+    "delta": "Difference of the curves. Gears differ at lengths where the paler band, which holds the whole curve, "
+    "leaves out 0.",
+    "compare": "Share of the fish in the test gear, and the ratio of the catches; the line across is where both gears "
+    "catch alike, given equal effort. Points are the fish of all hauls together.",
 }
 
 
@@ -60,6 +64,7 @@ class FitReport:
         fit: what is drawn; None where nothing was fitted.
         hauls: the hauls' own fits; empty where there are none.
         covariates: numeric columns against which L50 and SR are drawn.
+        reference_length_cm: of the usability indicators.
         comparison: catch comparison; None where that was not asked for.
     """
 
@@ -71,6 +76,7 @@ class FitReport:
     fit: OneStage | None = None
     hauls: tuple[Fit, ...] = ()
     covariates: list[str] = field(default_factory=list)
+    reference_length_cm: float = np.nan
     comparison: CatchComparison | None = None
 
 
@@ -90,16 +96,20 @@ SHOWN: Final = {
     "fit": ("Estimates", ""),
     "usability": (
         "Usability",
-        "Of the fish that met the gears, all hauls together: np_minus, those below the reference length that are "
-        "retained, of all below it; np_plus, the same at and above it; discard_ratio, those below it of all retained.",
+        "Of the fish that met the gears, all hauls together, with the curve of each gear.",
     ),
     "coefficients": ("Coefficients of the formulas", ""),
     "curves": (
         "Curves by AIC",
-        "The least AIC is the best trade of fit and parameters; within 2 of it the data do not choose. The average is by "
-        "the weights, its standard errors hold the choice of the curve.",
+        "The least AIC is the best trade of fit and parameters; within 2 of it the data do not choose. The average is "
+        "by the weights, its standard errors hold the choice of the curve.",
     ),
     "diagnostics": ("How each fit went", ""),
+}
+INDICATORS: Final = {
+    "np_minus": "retained, of the fish below the reference length (np-)",
+    "np_plus": "retained, of the fish at and above it (np+)",
+    "discard_ratio": "below the reference length, of the fish retained",
 }
 HEADS: Final = {
     "standard_error": "standard error",
@@ -198,10 +208,13 @@ def _table(report: FitReport, name: str) -> Section | None:
         return None
     table, (heading, text) = report.tables[name], SHOWN[name]
     if name == "fit":
-        table = table[~table["group"].str.startswith("haul ")]
+        table = table[~table["group"].str.startswith("haul ")].drop(columns="curve")
         table = table.assign(group=table["group"].where(~table["group"].duplicated(), ""))
     if name == "diagnostics":
         table = table.drop(columns=["curve", "gradient_norm"])
+    if name == "usability":
+        table = table.assign(indicator=table["indicator"].map(INDICATORS))
+        text = f"Reference length {report.reference_length_cm:g} cm. {text}"
     words = tuple(table[column].dtype.kind not in "fiu" for column in table.columns)
     rows = tuple(tuple(map(_cell, row)) for row in table.itertuples(index=False))
     heads = tuple(HEADS.get(column, column.replace("_", " ")) for column in table.columns)
@@ -210,7 +223,7 @@ def _table(report: FitReport, name: str) -> Section | None:
 
 def _cell(value: object) -> str:
     if isinstance(value, float):
-        return number_text(value, 4)
+        return number_text(value, 4) if abs(value) > SMALLEST or np.isnan(value) else "0"
     if isinstance(value, bool):
         return "yes" if value else "NO"
     return "" if str(value) == "<NA>" else str(value)

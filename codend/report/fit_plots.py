@@ -1,4 +1,4 @@
-"""Plots of fits to field data: curves with their fish, residuals, L50 and SR of hauls, differences of gears, catch ratio.
+"""Plots of fits to field data: curves with their fish, residuals, L50 and SR of hauls, differences, catch ratio.
 
 Gears differ in colour; hauls lie behind in pale lines; the area of a point is by its fish.
 """
@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from codend.net.net import Floats
-from codend.report.style import BLUE, INK, ORANGE, PALE, dress, new_figure, number_text
+from codend.report.style import BLUE, INK, ORANGE, PALE, dress, new_figure
 from codend.selectivity.fits.catch_comparison import CatchComparison
 from codend.selectivity.fits.fit import Fit
-from codend.selectivity.fits.observed import GearFish, fish_of_gears
+from codend.selectivity.fits.observed import fish_of_gears
 from codend.selectivity.fits.one_stage import OneStage, conditional_residuals
 from codend.selectivity.fits.one_stage_estimates import estimates, retention_band, share_band
 from codend.selectivity.fits.predictions import delta_bands, lengths_of
@@ -33,7 +33,7 @@ MOST_COVARIATES: Final = 4
 
 
 def curve_plot(fit: OneStage) -> Figure:
-    """Retention with the hauls behind; for paired gear also the share of fish in the test gear, which is what is fitted."""
+    """Retention with the hauls behind; for paired gear also what is fitted, the share of fish in the test gear."""
     paired = fit.model.design == "paired"
     figure = new_figure(WIDTH_IN, 5.0)
     panels = figure.subplots(1, 1 + paired, squeeze=False)[0]
@@ -61,7 +61,7 @@ def curve_plot(fit: OneStage) -> Figure:
             _points(panels[0], gear.length_cm, gear.share, gear.fish, colour=colour, largest=largest)
             panels[0].axhline(split, color=colour, linewidth=0.9, linestyle=":")
     seen = [gear.retention[np.isfinite(gear.retention)] for gear in gears]
-    top = max(1.02, min(MOST_RETENTION, 1.03 * max((float(values.max(initial=0.0)) for values in seen))))
+    top = max(1.02, min(MOST_RETENTION, 1.03 * max(float(values.max(initial=0.0)) for values in seen)))
     right.set(xlabel="fish length (cm)", ylabel="retention", ylim=(-0.01, top))
     right.axhline(0.5, color=INK, linewidth=0.6, linestyle=":")
     if paired:
@@ -244,10 +244,3 @@ def _limit(axes: Axes, predicted: Floats, hauls: tuple[Fit, ...], of: str) -> No
     middle, reach = float(np.median(values)), max(float(np.ptp(predicted[np.isfinite(predicted)])), 0.5)
     low = max(float(values.min()) - reach, middle - 6.0 * reach, 0.0)
     axes.set_ylim(low, min(float(values.max()) + reach, middle + 6.0 * reach))
-
-
-def answer_text(name: str, value: float, lower: float, upper: float) -> str:
-    """An estimate with its interval in words."""
-    if not np.isfinite(value):
-        return f"{name} none"
-    return f"{name} {number_text(value)} cm ({number_text(lower)} to {number_text(upper)})"

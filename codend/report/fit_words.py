@@ -1,4 +1,4 @@
-"""What is said of fits to field data: the answer in a line, the data and model in a sentence, what a reader must know."""
+"""What is said of fits to field data: the answer in a line, data and model in a sentence, what a reader must know."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from codend.selectivity.fits.fielddata import FieldData
-from codend.selectivity.fits.one_stage import OneStage, conditional_residuals
+from codend.selectivity.fits.one_stage import OneStage, left_over_dispersion
 from codend.selectivity.fits.parameters import Estimates
 
 if TYPE_CHECKING:
@@ -54,31 +54,22 @@ def model_text(one: OneStage) -> str:
     if one.model.design == "paired":
         parts.append("split estimated" if one.split else f"split fixed at {one.fixed_split:g}")
     formulas = [
-        f"{name} ~ {part.formula}"
+        f"{name} ~ {part.formula.replace('`', '')}"
         for name, part in (("L50", one.l50), ("ln SR", one.log_sr), ("logit split", one.split))
         if part is not None and part.spec is not None
     ]
     return "; ".join([*parts, *formulas])
 
 
-def dispersion_text(one: OneStage) -> str:
-    """What scatter is left about the hauls' own curves; not in the errors."""
-    residual = conditional_residuals(one)
-    share = np.full(one.data.haul.size, np.nan)
-    from codend.selectivity.fits.fit import LEAST_EXPECTED
-    from codend.selectivity.fits.marginal import expected_share
-
-    share[one.order] = expected_share(one.model, one.theta, one.maximum.modes)
-    n = one.data.test_count + one.data.other_count
-    filled = (n * share > LEAST_EXPECTED) & (n * (1.0 - share) > LEAST_EXPECTED)
-    degrees = int(filled.sum()) - one.model.n_parameters - len(one.model.random) * (len(one.unit_names) - 1)
-    if degrees < 5:
-        return ""
-    factor = float((residual[filled] ** 2).sum()) / degrees
-    return (
+def scatter_text(one: OneStage) -> list[str]:
+    """What scatter is left about the hauls' own curves, in a sentence; none where too few classes tell."""
+    factor, degrees = left_over_dispersion(one)
+    if np.isnan(factor):
+        return []
+    return [
         f"Scatter left about the hauls' own curves: {factor:.2g} times that of chance (Pearson, {degrees} degrees of "
-        "freedom, well-filled classes); it is not in the errors in one stage, which hold the variation between hauls."
-    )
+        "freedom). It does not widen the errors in one stage, which hold the variation between hauls."
+    ]
 
 
 def trial_summary(fitted: FieldFit) -> str:
@@ -104,8 +95,8 @@ def trial_notes(fitted: FieldFit) -> list[str]:
     if silent:
         names = ", ".join(fit.group.removeprefix("haul ") for fit in silent[:8]) + ", ..." * (len(silent) > 8)
         notes.append(
-            f"{len(silent)} of {len(fitted.hauls)} hauls have no L50 of their own ({names}); diagnostics.csv says why. In "
-            "one stage they count all the same."
+            f"{len(silent)} of {len(fitted.hauls)} hauls have no L50 of their own ({names}); diagnostics.csv says why. "
+            "In one stage they count all the same."
         )
     pooled = fitted.pooled
     if pooled.converged:
@@ -119,7 +110,7 @@ def trial_notes(fitted: FieldFit) -> list[str]:
         else:
             notes.append(f"pooled: no lack of fit by {fitted.overdispersion}, dispersion 1")
     if fitted.one_stage is not None and fitted.one_stage.converged:
-        notes += [text for text in (dispersion_text(fitted.one_stage),) if text]
+        notes += scatter_text(fitted.one_stage)
     return notes
 
 
@@ -140,7 +131,7 @@ def gear_notes(fitted: GearFit) -> list[str]:
     """Failures, and scatter."""
     if not fitted.converged:
         return [f"not fitted: {note}" for note in fitted.notes]
-    return [*fitted.notes, *(text for text in (dispersion_text(fitted.one),) if text)]
+    return [*fitted.notes, *scatter_text(fitted.one)]
 
 
 def comparison_summary(found: CatchComparison) -> str:

@@ -153,12 +153,10 @@ def fit_trial(data: FieldData, curve: str, estimate_split: bool, fixed_split: fl
     """One gear in one stage, its covariates in L50 and ln SR."""
     hauls = data.haul_columns()
     formula = " + ".join(f"`{name}`" for name in data.covariate_names) or "1"
-    predictors = [predictor(name, formula, hauls, data.source) for name in ("l50", "sr")]
+    l50, sr = (predictor(name, formula, hauls, data.source) for name in ("l50", "sr"))
     split = predictor("split", "1", hauls, data.source) if estimate_split else None
     units = hauls[terms.unit].astype(str).to_list() if terms.terms and terms.unit != "haul" else None
-    return fit_one_stage(
-        data, hauls, curve, *predictors, split, fixed_split=fixed_split, random=terms.terms, units=units
-    )
+    return fit_one_stage(data, hauls, curve, l50, sr, split, fixed_split=fixed_split, random=terms.terms, units=units)
 
 
 def _answers(
@@ -195,9 +193,9 @@ def _kinds(estimates: Estimates, kind: str) -> tuple[str, ...]:
 def fit_table(fit: FieldFit) -> pd.DataFrame:
     """`fit.csv`: `group, curve, parameter, estimate, standard_error, lower_95, upper_95, interval`.
 
-    Groups are those of `FieldFit.answers`, the answer for the gear first: "one-stage" (all hauls in one likelihood, hauls
-    differ), "between-hauls" (mean of the hauls' own curves), "bootstrap" (the pooled curve, double-bootstrap errors and
-    intervals), "pooled" (all hauls one curve), then "haul NAME" each. Parameters are named in
+    Groups are those of `FieldFit.answers`, the answer for the gear first: "one-stage" (all hauls in one likelihood, in
+    which they differ), "between-hauls" (mean of the hauls' own curves), "bootstrap" (the pooled curve, with
+    double-bootstrap errors and intervals), "pooled" (all hauls one curve), then "haul NAME" each. Parameters are named in
     `codend.selectivity.fits.parameters.parameter_names`, besides in one stage the standard deviations between hauls,
     `between_sd_l50_cm, between_sd_log_sr, between_sd_logit_split`. `interval` is its kind: "student t", "wald",
     "profile" or "percentile". What could not be estimated is NaN, and so are the error and interval of a split that is

@@ -69,7 +69,7 @@ class CatchComparison:
     n_replicates: int
 
     def table(self) -> pd.DataFrame:
-        """`compare.csv`: `length_cm`, then `share` and `ratio` each with `_lower_95, _upper_95, _lower_all_95, _upper_all_95`."""
+        """`compare.csv`: `length_cm`, `share` and its limits, `share_lower_95` and so on, `ratio` and its limits."""
         import pandas as pd
 
         columns = {"length_cm": self.length_cm}
@@ -117,19 +117,23 @@ def compare_catches(
     saturated += xlogy(pooled_n - pooled_test, 1.0 - pooled_test / np.where(pooled_n > 0, pooled_n, 1.0))
     deviance = 2.0 * (float(saturated.sum()) - float(likelihoods[best][0]))
     degrees = int((pooled_n > 0.0).sum()) - len(best)
-    limits = [np.full(lengths.size, np.nan)] * 4
+    nothing = np.full(lengths.size, np.nan)
+    lower, upper, lower_all, upper_all = nothing, nothing, nothing, nothing
     if n_bootstrap:
         rng, parts = np.random.default_rng(seed), []
         block = max(1, COUNTS_AT_ONCE // (8 * field.haul.size))
         for first in range(0, n_bootstrap, block):
             drawn = resample(field, min(block, n_bootstrap - first), rng)
             parts.append(_averaged(at_rows, offset, drawn[0] @ merge, drawn[1] @ merge, at_lengths)[0])
-        limits = _limits(shares[0], np.concatenate(parts))
+        lower, upper, lower_all, upper_all = _limits(shares[0], np.concatenate(parts))
     return CatchComparison(
-        field,
-        lengths,
-        shares[0],
-        *limits,
+        data=field,
+        length_cm=lengths,
+        share=shares[0],
+        lower_95=lower,
+        upper_95=upper,
+        lower_all_95=lower_all,
+        upper_all_95=upper_all,
         orders=best,
         weights={orders: float(weight[0]) for orders, weight in weights.items()},
         deviance=deviance,
@@ -139,20 +143,20 @@ def compare_catches(
     )
 
 
-def _limits(share: Array, replicates: Array) -> list[Array]:
+def _limits(share: Array, replicates: Array) -> tuple[Array, Array, Array, Array]:
     """Pointwise percentiles, and limits that hold 95 % of replicates (S, n) whole, symmetric on the logit scale."""
     lower, upper = np.percentile(replicates, [2.5, 97.5], axis=0)
     centre, scattered = logit(share), logit(replicates)
     error = scattered.std(axis=0)
     farthest = (np.abs(scattered - centre) / np.where(error > 0.0, error, 1.0)).max(axis=1)
     wide = np.percentile(farthest, 95.0) * error
-    return [lower, upper, np.minimum(expit(centre - wide), lower), np.maximum(expit(centre + wide), upper)]
+    return lower, upper, np.minimum(expit(centre - wide), lower), np.maximum(expit(centre + wide), upper)
 
 
 def _averaged(
     columns: Array, offset: Array, test: Array, other: Array, at: Array
 ) -> tuple[Array, dict[tuple[int, ...], Array], dict[tuple[int, ...], Array]]:
-    """Averaged shares (B, n) at columns `at` (n, q), and weights and log-likelihoods (B,) of each model by its powers."""
+    """Averaged shares (B, n) at columns `at` (n, q); weights and log-likelihoods (B,) of each model by its powers."""
     models = [
         orders for size in range(1, columns.shape[1] + 1) for orders in combinations(range(columns.shape[1]), size)
     ]

@@ -1,4 +1,4 @@
-"""All curves of a trial by AIC, and their average (Burnham and Anderson 2002, Model Selection, sections 2.9 and 4.3)."""
+"""All curves of a trial by AIC, and their average (Burnham and Anderson 2002, Model Selection, sections 2.9, 4.3)."""
 
 from __future__ import annotations
 

@@ -191,9 +191,9 @@ def dispersion_factor(squared_residuals: Array, n_parameters: int) -> float:
 
     With the classes of single hauls it is the replicate estimate of dispersion (REP) of Millar, Broadhurst and Macbeth
     (2004, Fish. Res. 67). Classes expected to hold 3 fish or fewer in either gear must be left out by the caller: their
-    residuals are far from chi-square and deflate (deviance) or scatter (Pearson) the estimate. On fewer than 5 degrees of
-    freedom there is no telling, and the factor is 1. Inflation is right for
-    variation between fish and hauls; a curve of the wrong shape also raises X^2, and the residuals tell which it is.
+    residuals are far from chi-square and deflate (deviance) or scatter (Pearson) the estimate. On fewer than 5 degrees
+    of freedom there is no telling, and the factor is 1. Inflation is right for variation between fish and hauls; a
+    curve of the wrong shape also raises X^2, and the residuals tell which it is.
     """
     degrees = squared_residuals.size - n_parameters
     if degrees < LEAST_DEGREES:

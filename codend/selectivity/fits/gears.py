@@ -112,8 +112,9 @@ def fit_gears(
         split: paired gear: "equal", "estimated", or the share of the fish that enter the test gear.
         group: column with the gear of each haul; L50, SR and an estimated split differ between gears.
         covariates: numeric columns, constant within a haul, on which L50 and ln SR depend linearly.
-        l50, sr, split_by: formulas of columns for L50, ln SR and logit split, such as "gear * catch_kg", instead of the
-            group and covariates.
+        l50: formula of columns for L50, such as "gear * catch_kg", instead of the group and covariates.
+        sr: the same for ln SR.
+        split_by: the same for the logit of the split.
         random: as in `fit_field_data`.
 
     Raises:

@@ -1,4 +1,4 @@
-"""The maximum of a marginal likelihood: a bounded quasi-Newton search, then Newton steps with the observed information."""
+"""The maximum of a marginal likelihood: a bounded quasi-Newton search, then Newton steps by observed information."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class MarginalOutcome(Enum):
 
     CONVERGED = "converged"
     NO_MAXIMUM = (
-        "the likelihood has no maximum at a curve within the lengths measured: the counts do not tell its parameters (L50, "
-        "SR, shape, an estimated split) apart; try a fixed split, a curve with fewer parameters, or fewer terms"
+        "the likelihood has no maximum at a curve within the lengths measured: the counts do not tell its parameters "
+        "(L50, SR, shape, an estimated split) apart; try a fixed split, a curve with fewer parameters, or fewer terms"
     )
     FLAT = Outcome.FLAT.value
 
@@ -83,7 +83,7 @@ def starting_point(model: MarginalModel, l50_cm: float, sr_cm: float, logit_spli
 
 
 def _maximum(model: MarginalModel, start: Array) -> MarginalMaximum:
-    from scipy.optimize import minimize
+    from scipy.optimize import Bounds, minimize
 
     scale, bounds = _scale(model), _bounds(model)
     modes = np.zeros((model.first_row.size, len(model.random)))
@@ -102,7 +102,7 @@ def _maximum(model: MarginalModel, start: Array) -> MarginalMaximum:
             begin,
             jac=True,
             method="SLSQP",
-            bounds=bounds / scale[:, None],
+            bounds=Bounds(*(bounds / scale[:, None]).T),
             options={"ftol": SEARCH_TOLERANCE, "maxiter": 150},
         )
         theta = result.x * scale

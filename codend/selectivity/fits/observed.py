@@ -41,7 +41,7 @@ def fish_of_gears(fit: OneStage) -> list[GearFish]:
         rows = np.flatnonzero((levels == level)[data.haul])
         length, at = np.unique(data.length_cm[rows], return_inverse=True)
         test, other, fish = (
-            np.bincount(at, weights=values[rows], minlength=length.size)
+            np.bincount(at, weights=values[rows], minlength=length.size).astype(float)
             for values in (
                 data.test_count * data.test_raising,
                 data.other_count * data.other_raising,

@@ -1,4 +1,4 @@
-"""One-stage fits: all hauls in one likelihood, with hauls that differ and L50, SR and split that depend on what is known.
+"""One-stage fits: all hauls in one likelihood, hauls that differ, and L50, SR and split that depend on what is known.
 
 The likelihood is that of `codend.selectivity.fits.marginal`: no haul is left out for having too few fish for a curve of
 its own, and the mean is that of the hauls' L50, which for hauls that differ is not the L50 of the pooled fish.
@@ -16,6 +16,7 @@ from scipy.special import expit, gammaln, logit, stdtrit
 
 from codend.selectivity.fits.families import FAMILIES
 from codend.selectivity.fits.fielddata import FieldData
+from codend.selectivity.fits.fit import LEAST_DEGREES, LEAST_EXPECTED
 from codend.selectivity.fits.marginal import (
     RANDOM_TERMS,
     MarginalModel,
@@ -159,7 +160,7 @@ class OneStage:
         """(n,) retention of a haul that deviates in nothing."""
         l50, sr, _ = self.curve_at(point, theta)
         shape = theta[self.model.slices["shape"]]
-        return self.model.family.retention(np.asarray(length_cm, dtype=float), np.float64(l50), np.float64(sr), shape)
+        return self.model.family.retention(np.asarray(length_cm, dtype=float), np.array(l50), np.array(sr), shape)
 
     def deviations(self) -> dict[str, Array]:
         """Predicted deviation (s,) of every unit: the mode, which is drawn towards 0 the less its fish say."""
@@ -201,7 +202,8 @@ def fit_one_stage(
         data: the counted fish.
         hauls: a row a haul with the columns that the predictors use.
         curve: name in `FAMILIES`.
-        l50, log_sr: predictors of L50 and ln SR.
+        l50: predictor of L50.
+        log_sr: of ln SR.
         split: of the logit of the split; None for a fixed split or a covered codend.
         fixed_split: its value where it is fixed.
         random: which of `RANDOM_TERMS` differ between units.
@@ -256,3 +258,18 @@ def conditional_residuals(fit: OneStage) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         found[fit.order] = (fit.model.test - n * share) / np.sqrt(n * share * (1.0 - share))
     return found
+
+
+def left_over_dispersion(fit: OneStage) -> tuple[float, int]:
+    """Pearson X^2 / d about each unit's own predicted curve and its degrees of freedom d; NaN where too few to tell.
+
+    Over classes expected to hold more than `LEAST_EXPECTED` fish in both gears; every random term takes a degree of
+    freedom for each unit but one.
+    """
+    model = fit.model
+    share, n = expected_share(model, fit.theta, fit.maximum.modes), model.test + model.other
+    filled = (n * share > LEAST_EXPECTED) & (n * (1.0 - share) > LEAST_EXPECTED)
+    degrees = int(filled.sum()) - model.n_parameters - len(model.random) * (len(fit.unit_names) - 1)
+    if degrees < LEAST_DEGREES:
+        return float("nan"), degrees
+    return float((conditional_residuals(fit)[fit.order][filled] ** 2).sum()) / degrees, degrees

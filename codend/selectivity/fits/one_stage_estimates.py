@@ -54,7 +54,7 @@ class Band:
 
 
 def estimates(fit: OneStage, level: str = "", at: Mapping[str, str | float] | None = None) -> Estimates:
-    """Parameters of one gear: the curve's, `split` (paired gear), `l50_cm, sr_cm`, and standard deviations between units.
+    """Parameters of one gear: the curve's, `split` (paired gear), `l50_cm, sr_cm`, standard deviations between units.
 
     Without a group and without `at` there follow for every covariate c of a formula the slopes of L50 and SR at the
     mean, `l50_cm:c, sr_cm:c`. NaN where the fit failed.
@@ -185,7 +185,7 @@ def simultaneous_factor(directions: Array) -> float:
     Args:
         directions: (n, k) derivatives of the curve times a root of the covariance.
 
-    Source: Hothorn, Bretz and Westfall (2008), Biom. J. 50: 346-363, with the normal quantile by simulation, fixed seed.
+    Source: Hothorn, Bretz and Westfall (2008), Biom. J. 50: 346-363; the quantile by simulation, fixed seed.
     """
     errors = np.sqrt((directions**2).sum(axis=1))
     good = errors > 1e-12 * errors.max(initial=0.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,12 +39,10 @@ def within_lengths(found: Estimates, length_cm: Array) -> tuple[Estimates, str]:
     if lowest <= found["l50_cm"] <= highest:
         return found, ""
     outside = np.array([name.partition(":")[0] in ("l50_cm", "sr_cm") for name in found.names])
-    empty = {
-        field: np.where(outside, np.nan, getattr(found, field))
-        for field in ("values", "standard_errors", "lower_95", "upper_95")
-    }
+    numbers = (found.values, found.standard_errors, found.lower_95, found.upper_95)
+    emptied = Estimates(found.names, *(np.where(outside, np.nan, column) for column in numbers))
     side = "below" if found["l50_cm"] < lowest else "above"
-    return replace(found, **empty), (
+    return emptied, (
         f"no L50: the fitted curve is at one half {side} the lengths of the fish, {lowest:g} to {highest:g} cm, where "
         "nothing was measured"
     )

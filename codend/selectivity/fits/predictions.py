@@ -1,4 +1,4 @@
-"""What a one-stage fit predicts, as tables: retention at given covariates, differences of gears, usability of a catch."""
+"""What a one-stage fit predicts, as tables: retention at given covariates, differences of gears, usability."""
 
 from __future__ import annotations
 
@@ -107,8 +107,8 @@ def retention_bands(fit: OneStage, at: Sequence[Values] = ({},)) -> dict[tuple[s
 def prediction_table(fit: OneStage, at: Sequence[Values] = ({},)) -> pd.DataFrame:
     """`predictions.csv`: retention of every gear at every setting, of a haul that deviates in nothing.
 
-    Columns: `gear, at, l50_cm, sr_cm, length_cm, retention, lower_95, upper_95, lower_all_95, upper_all_95`; `_all_` are
-    simultaneous over lengths.
+    Columns: `gear, at, l50_cm, sr_cm, length_cm, retention, lower_95, upper_95, lower_all_95, upper_all_95`; `_all_`
+    are simultaneous over lengths.
     """
     import pandas as pd
 
@@ -147,7 +147,7 @@ def delta_table(fit: OneStage) -> pd.DataFrame:
 
 
 def usability_table(fit: OneStage, reference_length_cm: float) -> pd.DataFrame:
-    """`usability.csv`: `gear, indicator, percent, lower_95, upper_95` for the fish that met the gears, all hauls together.
+    """`usability.csv`: `gear, indicator, percent, lower_95, upper_95` for the fish of all hauls together.
 
     Indicators as in `codend.selectivity.fits.compare_gears.Usability`.
     """

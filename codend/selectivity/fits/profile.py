@@ -1,4 +1,4 @@
-"""Profile-likelihood intervals of a one-stage fit, for where the likelihood is not the parabola that Wald's take it for.
+"""Profile-likelihood intervals of a one-stage fit, where the likelihood is not the parabola that Wald's take it for.
 
 The limits of a parameter are where twice the fall of the log-likelihood, all other parameters at their best, is the
 square of the interval's quantile (times the dispersion factor): Venzon and Moolgavkar (1988), Appl. Stat. 37: 87-94.

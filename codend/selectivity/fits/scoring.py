@@ -38,8 +38,8 @@ class Outcome(Enum):
         "retained and some are not, or a curve with more parameters than the data support"
     )
     FLAT = (
-        "the share of fish in the codend or test gear does not rise with length beyond chance (at the 5 % level): these "
-        "counts show no selection"
+        "the share of fish in the codend or test gear does not rise with length beyond chance (at the 5 % level): "
+        "these counts show no selection"
     )
     FALLING = "the fitted retention falls with length; check which column is the codend or test gear"
 
