@@ -103,14 +103,15 @@ def _print(report: "FitReport") -> None:
     if "fit" in report.tables:
         table = report.tables["fit"]
         shown = table[~table["group"].str.startswith("haul ")].drop(columns="curve")
+        fixed = (shown["parameter"] == "split") & shown["standard_error"].isna() & shown["estimate"].notna()
+        shown = shown.assign(parameter=shown["parameter"].mask(fixed, "split, fixed"))
         click.echo(text_table(HEADERS, shown.itertuples(index=False)))
     if "usability" in report.tables:
-        click.echo(
-            text_table(
-                ["gear", "indicator", "%", "lower 95 %", "upper 95 %"],
-                report.tables["usability"].itertuples(index=False),
-            )
-        )
+        table = report.tables["usability"]
+        headers = ["indicator", "%", "lower 95 %", "upper 95 %"]
+        if not table["gear"].any():
+            table = table.drop(columns="gear")
+        click.echo(text_table(["gear", *headers][-len(table.columns) :], table.itertuples(index=False)))
     if "curves" in report.tables:
         table = report.tables["curves"]
         columns = ["curve", "parameters", "aic", "weight", "l50_cm", "sr_cm"]
@@ -119,12 +120,14 @@ def _print(report: "FitReport") -> None:
             text_table(["curve", "parameters", "AIC", "weight", "L50 cm", "SR cm"], shown.itertuples(index=False))
         )
     for note in report.notes:
-        click.echo(note, err=True)
+        click.echo(note)
+    for warning in report.warnings:
+        click.echo(warning, err=True)
 
 
 def _trial_report(fitted: "FieldFit", at: Sequence[str], reference_length: float | None) -> "FitReport":
     from codend.report.fit_page import FitReport
-    from codend.report.fit_words import lead, trial_notes, trial_summary
+    from codend.report.fit_words import lead, trial_notes, trial_summary, trial_warnings
     from codend.selectivity.fits.analysis import diagnostics_table, fit_table
 
     tables = {"fit": fit_table(fitted), "diagnostics": diagnostics_table(fitted)}
@@ -136,6 +139,7 @@ def _trial_report(fitted: "FieldFit", at: Sequence[str], reference_length: float
         title=f"Selectivity of {Path(fitted.data.source).name}",
         summary=trial_summary(fitted),
         lead=[lead("", fitted.answers[0].estimates)],
+        warnings=trial_warnings(fitted),
         notes=trial_notes(fitted),
         tables=tables,
         fit=shown,
@@ -150,7 +154,7 @@ def _trial_report(fitted: "FieldFit", at: Sequence[str], reference_length: float
 
 def _gears_report(fitted: "GearFit", at: Sequence[str], reference_length: float | None) -> "FitReport":
     from codend.report.fit_page import FitReport
-    from codend.report.fit_words import gear_notes, gear_summary, lead
+    from codend.report.fit_words import gear_summary, gear_warnings, lead, scatter_text
     from codend.selectivity.fits.gears import coefficient_table, gear_table
     from codend.selectivity.fits.one_stage_estimates import covariates, estimates_within
     from codend.selectivity.fits.predictions import delta_table
@@ -165,7 +169,8 @@ def _gears_report(fitted: "GearFit", at: Sequence[str], reference_length: float 
         title=f"Selectivity of {Path(one.data.source).name}" + (f", by {one.group}" if one.group else ""),
         summary=gear_summary(fitted),
         lead=[lead(level, estimates_within(one, level)[0]) for level in one.levels],
-        notes=gear_notes(fitted),
+        warnings=gear_warnings(fitted),
+        notes=scatter_text(one) if one.converged else [],
         tables=tables,
         fit=one if one.converged else None,
         hauls=fitted.hauls,
@@ -186,6 +191,7 @@ def _compared(data: str, design: str, replicates: int, seed: int) -> "FitReport"
         title=f"Catch comparison of {Path(found.data.source).name}",
         summary=comparison_summary(found),
         lead=comparison_lead(found),
+        warnings=[],
         notes=comparison_notes(found),
         tables={"compare": found.table()},
         comparison=found,

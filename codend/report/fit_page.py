@@ -30,18 +30,18 @@ TABLES: Final = tuple(
     for name in ("fit", "diagnostics", "coefficients", "curves", "predictions", "delta", "usability", "compare")
 )
 PLOTS: Final = ("curve", "hauls", "residuals", "delta", "compare")
-FILES: Final = (*TABLES, "fit.html", *(f"plots/fit_{name}.png" for name in PLOTS))
+FILES: Final = (*TABLES, "fit.html", *(f"fit_{name}.png" for name in PLOTS))
 """Every file that `write_fit` may write or remove."""
 
 CAPTIONS: Final = {
     "curve": "Fitted retention with 95 % bands: the darker one holds at each length on its own, the paler one the "
-    "whole curve. Points are the fish of all hauls together, their area by the number counted. Grey: the curves "
-    "predicted for single hauls.",
+    "whole curve. Points are the fish of all hauls together, their area by the number counted.",
+    "grey": " Grey: the curves predicted for single hauls.",
     "paired": " Left: what is fitted, the share of the fish in the test gear, which tends to the split (dotted) for "
-    "fish that are all retained. Right: retention; points can lie above 1 by chance.",
+    "fish that are all retained. Right: retention; points lie above 1 by chance, and those above 1.3 are not drawn.",
     "hauls": "L50 and SR of single hauls. Open circles with bars: the haul's own fish alone, 95 %; diamonds: predicted "
     "in one stage, drawn towards the mean where a haul has few fish. Line and band: the mean with its 95 % interval.",
-    "residuals": "Pearson residuals of every length and haul about the haul's own predicted curve, area by fish; the "
+    "residuals": "Pearson residuals of every length and haul about the haul's predicted curve, area by fish; the "
     "line is their mean by length. A curve of the right shape leaves a line near 0; most points of well-filled classes "
     "lie within the dotted lines.",
     "delta": "Difference of the curves. Gears differ at lengths where the paler band, which holds the whole curve, "
@@ -59,7 +59,8 @@ class FitReport:
         title: of the page.
         summary: of the data and the model, in one or two sentences.
         lead: the answers, a line a gear.
-        notes: what a reader must know.
+        warnings: what failed or was left out.
+        notes: what else is said of the fits.
         tables: by file name without its ending, all that is to be written; `SHOWN` says which the page shows.
         fit: what is drawn; None where nothing was fitted.
         hauls: the hauls' own fits; empty where there are none.
@@ -71,6 +72,7 @@ class FitReport:
     title: str
     summary: str
     lead: Sequence[str]
+    warnings: Sequence[str]
     notes: Sequence[str]
     tables: Mapping[str, pd.DataFrame]
     fit: OneStage | None = None
@@ -96,9 +98,10 @@ SHOWN: Final = {
     "fit": ("Estimates", ""),
     "usability": (
         "Usability",
-        "Of the fish that met the gears, all hauls together, with the curve of each gear.",
+        "Of the fish of all hauls together, with the curve of the gear.",
     ),
     "coefficients": ("Coefficients of the formulas", ""),
+    "compare": ("Catch comparison by length", "Limits with `all` are of the whole curve."),
     "curves": (
         "Curves by AIC",
         "The least AIC is the best trade of fit and parameters; within 2 of it the data do not choose. The average is "
@@ -110,6 +113,15 @@ INDICATORS: Final = {
     "np_minus": "retained, of the fish below the reference length (np-)",
     "np_plus": "retained, of the fish at and above it (np+)",
     "discard_ratio": "below the reference length, of the fish retained",
+}
+PARAMETERS: Final = {
+    "l50_cm": "L50, cm",
+    "sr_cm": "SR, cm",
+    "l50_cm difference": "L50, cm",
+    "sr_cm difference": "SR, cm",
+    "between_sd_l50_cm": "L50 between hauls, standard deviation, cm",
+    "between_sd_log_sr": "ln SR between hauls, standard deviation",
+    "between_sd_logit_split": "logit of the split between hauls, standard deviation",
 }
 HEADS: Final = {
     "standard_error": "standard error",
@@ -131,7 +143,7 @@ HEADS: Final = {
 
 
 def write_fit(report: FitReport, folder: Path) -> list[Path]:
-    """Write the tables, `plots/fit_*.png` and `fit.html`; what an earlier call left of those is removed.
+    """Write the tables, `fit_*.png` and `fit.html`; what an earlier call left of those is removed.
 
     Raises:
         OSError: a file cannot be written.
@@ -142,15 +154,17 @@ def write_fit(report: FitReport, folder: Path) -> list[Path]:
     for name, table in report.tables.items():
         written.append(folder / f"{name}.csv")
         write_table(table, written[-1])
-    (folder / "plots").mkdir(exist_ok=True)
     figures = {}
     for name, draw in _drawings(report).items():
-        picture, path = png(draw()), folder / "plots" / f"fit_{name}.png"
+        picture, path = png(draw()), folder / f"fit_{name}.png"
         with whole_file(path) as temporary:
             temporary.write_bytes(picture)
         written.append(path)
-        paired = name == "curve" and report.fit is not None and report.fit.model.design == "paired"
-        figures[name] = PageFigure(picture, CAPTIONS[name] + CAPTIONS["paired"] * paired)
+        caption = CAPTIONS[name]
+        if name == "curve" and report.fit is not None:
+            caption += CAPTIONS["grey"] * bool(report.fit.model.random)
+            caption += CAPTIONS["paired"] * (report.fit.model.design == "paired")
+        figures[name] = PageFigure(picture, caption)
     written.append(folder / "fit.html")
     with whole_file(written[-1]) as temporary:
         temporary.write_text(fit_html(report, figures), encoding="utf-8")
@@ -178,6 +192,7 @@ def fit_html(report: FitReport, figures: Mapping[str, PageFigure]) -> str:
     sections = [Section("", figures=_some(figures, "compare", "curve")), _table(report, "fit")]
     sections += [
         Section("Differences of gears", figures=_some(figures, "delta")),
+        _table(report, "compare"),
         _table(report, "usability"),
         _table(report, "coefficients"),
         Section("Hauls", figures=_some(figures, "hauls")),
@@ -192,6 +207,7 @@ def fit_html(report: FitReport, figures: Mapping[str, PageFigure]) -> str:
         title=report.title,
         summary=f"{report.summary} Written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}.",
         lead=report.lead,
+        warnings=report.warnings,
         notes=report.notes,
         sections=[section for section in sections if section is not None and (section.figures or section.rows)],
         versions=made_with(),
@@ -209,10 +225,19 @@ def _table(report: FitReport, name: str) -> Section | None:
     table, (heading, text) = report.tables[name], SHOWN[name]
     if name == "fit":
         table = table[~table["group"].str.startswith("haul ")].drop(columns="curve")
+        shown = table["parameter"].map(lambda name: PARAMETERS.get(name, name))
+        answers_first = table["parameter"].isin(("a", "b")).to_numpy()
+        table = table.assign(
+            parameter=shown, order=answers_first, of=table["group"].ne(table["group"].shift()).cumsum()
+        )
+        table = table.sort_values(["of", "order"], kind="stable").drop(columns=["of", "order"])
         table = table.assign(group=table["group"].where(~table["group"].duplicated(), ""))
     if name == "diagnostics":
         table = table.drop(columns=["curve", "gradient_norm"])
+    if name == "curves" and not table["note"].any():
+        table = table.drop(columns="note")
     if name == "usability":
+        table = table.drop(columns=[] if table["gear"].any() else "gear")
         table = table.assign(indicator=table["indicator"].map(INDICATORS))
         text = f"Reference length {report.reference_length_cm:g} cm. {text}"
     words = tuple(table[column].dtype.kind not in "fiu" for column in table.columns)

@@ -73,29 +73,31 @@ def curve_plot(fit: OneStage) -> Figure:
 
 def residual_plot(fit: OneStage) -> Figure:
     """Pearson residuals about each haul's own predicted curve: by length, and by haul."""
-    figure = new_figure(WIDTH_IN, 3.6)
-    left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.3, 1.0))
+    figure, several = new_figure(WIDTH_IN, 3.6), len(fit.hauls) > 1
+    panels = figure.subplots(1, 1 + several, sharey=True, squeeze=False, width_ratios=(1.3, 1.0)[: 1 + several])[0]
+    left, by_haul = panels[0], panels[1:]
     residual, fish = conditional_residuals(fit), fit.data.test_count + fit.data.other_count
     good = np.isfinite(residual)
     levels = fit.hauls[fit.group].to_numpy() if fit.group else np.full(len(fit.hauls), "")
     for level, colour in zip(fit.levels, COLOURS * len(fit.levels), strict=False):
         rows = good & (levels == level)[fit.data.haul]
         area = _area(fish[rows], float(fish.max()))
-        for axes, x in ((left, fit.data.length_cm[rows]), (right, fit.data.haul[rows] + 1.0)):
+        for axes, x in zip(panels, (fit.data.length_cm[rows], fit.data.haul[rows] + 1.0), strict=False):
             axes.scatter(x, residual[rows], s=area, color=colour, alpha=0.35, linewidth=0.0, label=level)
     lengths = np.unique(fit.data.length_cm[good])
     weights = fish * good
     sums = [float((weights * np.nan_to_num(residual))[fit.data.length_cm == at].sum()) for at in lengths]
     totals = [float(weights[fit.data.length_cm == at].sum()) for at in lengths]
     left.plot(lengths, np.divide(sums, totals), color=INK, linewidth=1.4)
-    for axes, name in ((left, "fish length (cm)"), (right, "haul, in the order of the table")):
+    for axes, name in zip(panels, ("fish length (cm)", "haul, in the order of the table"), strict=False):
         dress(axes)
         axes.axhline(0.0, color=INK, linewidth=0.8)
         for limit in (-2.0, 2.0):
             axes.axhline(limit, color=INK, linewidth=0.6, linestyle=":")
         axes.set_xlabel(name)
     left.set_ylabel("Pearson residual")
-    right.xaxis.get_major_locator().set_params(integer=True)
+    for axes in by_haul:
+        axes.xaxis.get_major_locator().set_params(integer=True)
     if fit.group:
         left.legend(frameon=False, fontsize="small")
     return figure

@@ -84,31 +84,36 @@ def _first_model(fitted: FieldFit) -> str:
     return f"{fitted.pooled.model.curve.name} curve for all fish together"
 
 
-def trial_notes(fitted: FieldFit) -> list[str]:
-    """Failures, hauls left out, dispersion, and what each answer lacks."""
-    notes = []
+def trial_warnings(fitted: FieldFit) -> list[str]:
+    """Failures, hauls left out, and hauls without an L50 of their own."""
+    found = []
     for answer in fitted.answers:
         if answer.note:
             failed = "was not fitted" if np.isnan(answer.estimates.values).all() else "warning"
-            notes.append(f"{answer.group} {failed}: {answer.note}")
+            found.append(f"{answer.group} {failed}: {answer.note}")
     silent = [fit for fit in fitted.hauls if fit.note]
     if silent:
         names = ", ".join(fit.group.removeprefix("haul ") for fit in silent[:8]) + ", ..." * (len(silent) > 8)
-        notes.append(
+        found.append(
             f"{len(silent)} of {len(fitted.hauls)} hauls have no L50 of their own ({names}); diagnostics.csv says why. "
             "In one stage they count all the same."
         )
-    pooled = fitted.pooled
+    return found
+
+
+def trial_notes(fitted: FieldFit) -> list[str]:
+    """Dispersion, and scatter left over."""
+    notes, pooled, kind = [], fitted.pooled, fitted.overdispersion.capitalize()
     if pooled.converged:
         if fitted.overdispersion == "none":
-            notes.append("pooled: no dispersion factor, as asked for")
+            notes.append("Pooled fit: no dispersion factor, as asked for.")
         elif pooled.dispersion > 1.0:
             notes.append(
-                f"pooled: dispersion {pooled.dispersion:.3g} ({fitted.overdispersion}) multiplies its variances; "
-                "--overdispersion none turns that off"
+                f"Pooled fit: its variances are multiplied by a dispersion factor of {pooled.dispersion:.3g} ({kind}); "
+                "--overdispersion none turns that off."
             )
         else:
-            notes.append(f"pooled: no lack of fit by {fitted.overdispersion}, dispersion 1")
+            notes.append(f"Pooled fit: no lack of fit by {kind}, dispersion factor 1.")
     if fitted.one_stage is not None and fitted.one_stage.converged:
         notes += scatter_text(fitted.one_stage)
     return notes
@@ -127,17 +132,15 @@ def gear_summary(fitted: GearFit) -> str:
     return f"{text[0].upper()}{text[1:]}. {model_text(fitted.one)[0].upper()}{model_text(fitted.one)[1:]}.{test}"
 
 
-def gear_notes(fitted: GearFit) -> list[str]:
-    """Failures, and scatter."""
-    if not fitted.converged:
-        return [f"not fitted: {note}" for note in fitted.notes]
-    return [*fitted.notes, *scatter_text(fitted.one)]
+def gear_warnings(fitted: GearFit) -> list[str]:
+    """Failures."""
+    return list(fitted.notes) if fitted.converged else [f"not fitted: {note}" for note in fitted.notes]
 
 
 def comparison_summary(found: CatchComparison) -> str:
     """Data and models."""
     text = data_text(found.data)
-    model = " + ".join(f"x^{order}" if order else "1" for order in found.orders)
+    model = " + ".join({0: "1", 1: "x"}.get(order, f"x^{order}") for order in found.orders)
     return (
         f"{text[0].upper()}{text[1:]}. Polynomials up to the fourth order averaged by AIC, the best {model}; bands of "
         f"{found.n_replicates} double-bootstrap replicates."
@@ -147,14 +150,14 @@ def comparison_summary(found: CatchComparison) -> str:
 def comparison_lead(found: CatchComparison) -> list[str]:
     """Where the gears differ."""
     if not found.n_replicates:
-        return ["no bands, and so no telling where the gears differ"]
+        return ["No bands, and so no telling where the gears differ"]
     less, more = found.upper_all_95 < 0.5, found.lower_all_95 > 0.5
     lines = [
-        f"the test gear catches {word} than the control at {_lengths(found.length_cm, at)}"
+        f"The test gear catches {word} than the control at {_lengths(found.length_cm, at)}"
         for word, at in (("less", less), ("more", more))
         if at.any()
     ]
-    return lines or ["no length at which the gears' catches differ beyond chance, all lengths taken together"]
+    return lines or ["No length at which the gears' catches differ beyond chance, all lengths taken together"]
 
 
 def comparison_notes(found: CatchComparison) -> list[str]:

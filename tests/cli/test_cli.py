@@ -404,7 +404,7 @@ def test_fit_finds_millars_haddock_and_writes_both_tables(tmp_path):
     assert result.exit_code == 0
     assert result.stderr == ""
     table = pd.read_csv(tmp_path / "out" / "fit.csv").set_index("parameter")
-    assert list(table.columns) == ["group", "curve", "estimate", "standard_error", "lower_95", "upper_95"]
+    assert list(table.columns) == ["group", "curve", "estimate", "standard_error", "lower_95", "upper_95", "interval"]
     assert table.loc["a", "estimate"] == pytest.approx(-36.3144, abs=1e-4)
     assert table.loc["b", "estimate"] == pytest.approx(1.2340, abs=1e-4)
     assert pd.read_csv(tmp_path / "out" / "diagnostics.csv")["converged"].all()
@@ -424,16 +424,16 @@ def covered_hauls(path: Path, l50s: list[float]) -> Path:
     return path
 
 
-def test_fit_of_several_hauls_shows_their_mean_first_then_bootstrap_then_pooled(tmp_path):
+def test_fit_of_several_hauls_shows_one_stage_first_then_two_then_bootstrap_then_pooled(tmp_path):
     data = covered_hauls(tmp_path / "data.csv", [28.0, 29.0, 30.0, 31.0, 32.0])
     words = ["--design", "covered", "--curve", "probit", "--bootstrap", "20", "--seed", "1"]
     result = codend_cli("fit", data, *words, "--out", tmp_path)
     assert result.exit_code == 0
     shown = [line.split()[0] for line in result.stdout.splitlines() if " l50_cm " in line]
-    assert shown == ["between-hauls", "bootstrap", "pooled"]
+    assert shown == ["one-stage", "between-hauls", "bootstrap", "pooled"]
     table = pd.read_csv(tmp_path / "fit.csv")
     assert set(table["curve"]) == {"probit"}
-    assert set(table["group"]) == {"between-hauls", "bootstrap", "pooled", *(f"haul {n}" for n in range(1, 6))}
+    assert set(table["group"]) == {"one-stage", "between-hauls", "bootstrap", "pooled", *(f"haul {n}" for n in range(1, 6))}
 
 
 @pytest.mark.parametrize(("split", "named"), [("equal", "split, fixed"), ("estimated", "split")])
@@ -469,7 +469,7 @@ def test_a_fit_that_finds_no_maximum_gives_status_3_and_says_why(tmp_path):
         (["--design", "coverd"], "options: design"),
         (["--design", "covered"], f"{HADDOCK}: codend"),
         (["--design", "paired", "--curve", "spline"], "options: curve"),
-        (["--design", "paired", "--split", "0.4"], "options: split"),
+        (["--design", "paired", "--split", "1.4"], "options: split"),
         (["--design", "paired", "--covariate", "depth_m"], f"{HADDOCK}: depth_m"),
         (["--design", "paired", "--bootstrap", "-1"], "options: n_bootstrap"),
     ],

@@ -194,8 +194,8 @@ def fit_table(fit: FieldFit) -> pd.DataFrame:
     """`fit.csv`: `group, curve, parameter, estimate, standard_error, lower_95, upper_95, interval`.
 
     Groups are those of `FieldFit.answers`, the answer for the gear first: "one-stage" (all hauls in one likelihood, in
-    which they differ), "between-hauls" (mean of the hauls' own curves), "bootstrap" (the pooled curve, with
-    double-bootstrap errors and intervals), "pooled" (all hauls one curve), then "haul NAME" each. Parameters are named in
+    which they differ), "between-hauls" (mean of the hauls' own curves), "bootstrap" (the pooled curve, with errors and
+    intervals of the double bootstrap), "pooled" (all hauls one curve), then "haul NAME" each. Parameters are named in
     `codend.selectivity.fits.parameters.parameter_names`, besides in one stage the standard deviations between hauls,
     `between_sd_l50_cm, between_sd_log_sr, between_sd_logit_split`. `interval` is its kind: "student t", "wald",
     "profile" or "percentile". What could not be estimated is NaN, and so are the error and interval of a split that is

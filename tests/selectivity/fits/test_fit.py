@@ -1,6 +1,5 @@
 """Maximum-likelihood fits against published answers, an independent program, and invariants of the likelihood."""
 
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -258,9 +257,9 @@ def test_probit_is_phi_of_the_linear_predictor_at_the_fit() -> None:
 
 def test_fit_table_has_the_promised_columns_groups_and_parameters() -> None:
     table = fit_table(fit_field_data(covered_trial(n_hauls=4), "covered", n_bootstrap=50))
-    columns = ["group", "curve", "parameter", "estimate", "standard_error", "lower_95", "upper_95"]
+    columns = ["group", "curve", "parameter", "estimate", "standard_error", "lower_95", "upper_95", "interval"]
     assert list(table.columns) == columns
-    groups = ["pooled", "bootstrap", "between-hauls", "haul 0", "haul 1", "haul 2", "haul 3"]
+    groups = ["one-stage", "between-hauls", "bootstrap", "pooled", "haul 0", "haul 1", "haul 2", "haul 3"]
     assert list(table["group"].unique()) == groups
     assert list(table["parameter"][:4]) == ["a", "b", "l50_cm", "sr_cm"]
     assert ((table["lower_95"] < table["estimate"]) & (table["estimate"] < table["upper_95"])).all()
