@@ -123,6 +123,7 @@ PARAMETERS: Final = {
     "between_sd_log_sr": "ln SR between hauls, standard deviation",
     "between_sd_logit_split": "logit of the split between hauls, standard deviation",
 }
+OF: Final = {"l50_cm": "L50, cm", "log_sr": "ln SR", "logit_split": "logit of the split"}
 HEADS: Final = {
     "standard_error": "standard error",
     "lower_95": "lower 95 %",
@@ -240,6 +241,9 @@ def _table(report: FitReport, name: str) -> Section | None:
         table = table.drop(columns=[] if table["gear"].any() else "gear")
         table = table.assign(indicator=table["indicator"].map(INDICATORS))
         text = f"Reference length {report.reference_length_cm:g} cm. {text}"
+    if name == "coefficients":
+        p_value = table["p_value"].map(lambda p: "< 0.0001" if p < 1e-4 else number_text(p, 2))
+        table = table.assign(of=table["of"].map(OF), p_value=p_value)
     words = tuple(table[column].dtype.kind not in "fiu" for column in table.columns)
     rows = tuple(tuple(map(_cell, row)) for row in table.itertuples(index=False))
     heads = tuple(HEADS.get(column, column.replace("_", " ")) for column in table.columns)

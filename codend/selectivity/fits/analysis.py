@@ -12,9 +12,9 @@ import numpy as np
 from codend.errors import OPTIONS, InputError
 from codend.selectivity.fits.between_hauls import BetweenHauls, fit_between_hauls
 from codend.selectivity.fits.bootstrap import Bootstrap, double_bootstrap
-from codend.selectivity.fits.choices import RandomTerms, allowed_choice, random_terms, split_choice
+from codend.selectivity.fits.choices import RandomTerms, allowed_choice, random_terms, split_choice, units_of
 from codend.selectivity.fits.curves import CURVES
-from codend.selectivity.fits.fielddata import FieldData, read_field_data
+from codend.selectivity.fits.fielddata import DESIGNS, FieldData, read_field_data
 from codend.selectivity.fits.fit import OVERDISPERSION, Fit, fit_hauls, fit_pooled
 from codend.selectivity.fits.haul_table import AS_IT_STANDS, HaulReading
 from codend.selectivity.fits.model import selection_model
@@ -108,13 +108,14 @@ def fit_field_data(
     Raises:
         InputError: bad data (see `read_field_data`) or a choice that does not exist.
     """
-    field_data = data if isinstance(data, FieldData) else read_field_data(data, design, covariates)
+    allowed_choice("design", design, tuple(DESIGNS))
     allowed_choice("curve", curve, tuple(CURVES))
     allowed_choice("overdispersion", overdispersion, OVERDISPERSION)
     estimated, fixed = split_choice(split, design)
     if n_bootstrap < 0:
         raise InputError(OPTIONS, "n_bootstrap", n_bootstrap, "0 or more")
     terms = random_terms(random, estimated)
+    field_data = data if isinstance(data, FieldData) else read_field_data(data, design, covariates, terms.columns)
 
     model = selection_model(field_data, curve, estimated, fixed)
     pooled = fit_pooled(field_data, model, overdispersion)
@@ -155,8 +156,9 @@ def fit_trial(data: FieldData, curve: str, estimate_split: bool, fixed_split: fl
     formula = " + ".join(f"`{name}`" for name in data.covariate_names) or "1"
     l50, sr = (predictor(name, formula, hauls, data.source) for name in ("l50", "sr"))
     split = predictor("split", "1", hauls, data.source) if estimate_split else None
-    units = hauls[terms.unit].astype(str).to_list() if terms.terms and terms.unit != "haul" else None
-    return fit_one_stage(data, hauls, curve, l50, sr, split, fixed_split=fixed_split, random=terms.terms, units=units)
+    return fit_one_stage(
+        data, hauls, curve, l50, sr, split, fixed_split=fixed_split, random=terms.terms, units=units_of(hauls, terms)
+    )
 
 
 def _answers(

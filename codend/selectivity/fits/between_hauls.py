@@ -87,7 +87,8 @@ def fit_between_hauls(data: FieldData, model: SelectionModel, hauls: Sequence[Fi
             theta, covariance, between = found
             quantile = float(stdtrit(degrees, 0.975))
             if excluded:
-                message += f"; left out for want of a fit of their own: {', '.join(excluded)}"
+                count = f"{len(excluded)} of {len(hauls)} hauls"
+                message += f"; {count} left out for want of a fit of their own: {', '.join(excluded)}"
 
     mean_of_hauls = np.concatenate([theta[[0, n_by_haul]], theta[2 * n_by_haul :]])
     jacobian = public_parameters(single, mean_of_hauls)[1]

@@ -5,9 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from codend.errors import OPTIONS, InputError
 from codend.selectivity.fits.marginal import RANDOM_TERMS
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 RANDOM_ALLOWED = "haul, none or a column, and after a colon what differs: l50, sr, split (of an estimated split)"
 
@@ -23,6 +27,11 @@ class RandomTerms:
 
     unit: str
     terms: tuple[str, ...]
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The column of the table that names the units, besides `haul`."""
+        return (self.unit,) if self.terms and self.unit != "haul" else ()
 
 
 def allowed_choice(key: str, value: str, allowed: Sequence[str]) -> None:
@@ -70,3 +79,8 @@ def random_terms(random: str, split_estimated: bool) -> RandomTerms:
     if unit == "none" and colon:
         raise InputError(OPTIONS, "random", random, RANDOM_ALLOWED)
     return RandomTerms(unit, () if unit == "none" else tuple(term for term in RANDOM_TERMS if term in terms))
+
+
+def units_of(hauls: pd.DataFrame, terms: RandomTerms) -> list[str] | None:
+    """The unit of each haul, a row of `hauls`; None where each haul is its own or none differ."""
+    return list(hauls[terms.unit].astype(str)) if terms.columns else None

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc, ndtr
 
 from codend.errors import OPTIONS, InputError
-from codend.selectivity.fits.choices import RandomTerms, allowed_choice, random_terms, split_choice
+from codend.selectivity.fits.choices import RandomTerms, allowed_choice, random_terms, split_choice, units_of
 from codend.selectivity.fits.curves import CURVES
 from codend.selectivity.fits.families import FAMILIES
-from codend.selectivity.fits.fielddata import FieldData, read_field_data
+from codend.selectivity.fits.fielddata import DESIGNS, FieldData, read_field_data
 from codend.selectivity.fits.fit import Fit, fit_hauls, fit_pooled
 from codend.selectivity.fits.marginal_maximum import MarginalOutcome
 from codend.selectivity.fits.model import selection_model, without_covariates
@@ -121,17 +121,18 @@ def fit_gears(
         InputError: bad data, a formula that cannot be read, a choice that does not exist.
     """
     allowed_choice("curve", curve, tuple(FAMILIES))
+    allowed_choice("design", design, tuple(DESIGNS))
     factors = (group,) if group else ()
-    field = data if isinstance(data, FieldData) else read_field_data(data, design, covariates, factors)
     estimated, fixed = split_choice(split, design)
+    terms = random_terms(random, estimated)
+    named = (*factors, *terms.columns)
+    field = data if isinstance(data, FieldData) else read_field_data(data, design, covariates, named)
     if split_by and not estimated:
         raise InputError(OPTIONS, "split_by", split_by, "a formula together with the split estimated")
-    hauls, terms = field.haul_columns(), random_terms(random, estimated)
+    hauls = field.haul_columns()
     if group and hauls[group].nunique() < 2:
         raise InputError(field.source, group, hauls[group].iloc[0], "at least two gears", "is the only one")
-    if terms.terms and terms.unit not in hauls.columns:
-        found = ", ".join(map(str, hauls.columns))
-        raise InputError(OPTIONS, "random", random, f"a column that is constant within hauls ({found})")
+    units = units_of(hauls, terms)
 
     def fit(names: Sequence[str]) -> OneStage:
         both = " + ".join(f"`{name}`" for name in names) or "1"
@@ -145,7 +146,7 @@ def fit_gears(
             predictor("split_by", split_by or of_split, hauls, field.source) if estimated else None,
             fixed_split=fixed,
             random=terms.terms if len(hauls) >= LEAST_HAULS else (),
-            units=_units(hauls, terms),
+            units=units,
             group=group,
         )
 
@@ -215,10 +216,6 @@ def coefficient_table(one: OneStage) -> pd.DataFrame:
                 {"of": of, "term": term, "estimate": estimate, "standard_error": error, "z": z, "p_value": p_value}
             )
     return pd.DataFrame(rows)
-
-
-def _units(hauls: pd.DataFrame, terms: RandomTerms) -> list[str] | None:
-    return hauls[terms.unit].astype(str).to_list() if terms.terms and terms.unit != "haul" else None
 
 
 def _notes(one: OneStage, terms: RandomTerms) -> tuple[str, ...]:
