@@ -16,8 +16,11 @@ def test_the_plan_in_the_readme_loads(tmp_path):
 
 def test_the_python_in_the_readme_runs(monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
-    exec(re.search(r"```python\n(.*?)```", README, re.S).group(1), {})
+    study, fits = re.findall(r"```python\n(.*?)```", README, re.S)
+    exec(study, {})
     assert "drag_n" in capsys.readouterr().out
+    exec(fits, {})
+    assert capsys.readouterr().out.startswith("one-stage 20.5")
 
 
 def test_ci_does_what_the_readme_says():

@@ -12,13 +12,20 @@ import numpy as np
 from codend.errors import OPTIONS, InputError
 from codend.selectivity.fits.between_hauls import BetweenHauls, fit_between_hauls
 from codend.selectivity.fits.bootstrap import Bootstrap, double_bootstrap
-from codend.selectivity.fits.choices import RandomTerms, allowed_choice, random_terms, split_choice, units_of
+from codend.selectivity.fits.choices import (
+    LEAST_UNITS,
+    RandomTerms,
+    allowed_choice,
+    random_terms,
+    split_choice,
+    units_of,
+)
 from codend.selectivity.fits.curves import CURVES
 from codend.selectivity.fits.fielddata import DESIGNS, FieldData, read_field_data
 from codend.selectivity.fits.fit import OVERDISPERSION, Fit, fit_hauls, fit_pooled
 from codend.selectivity.fits.haul_table import AS_IT_STANDS, HaulReading
 from codend.selectivity.fits.model import selection_model
-from codend.selectivity.fits.one_stage import LEAST_HAULS, OneStage, fit_one_stage
+from codend.selectivity.fits.one_stage import OneStage, fit_one_stage
 from codend.selectivity.fits.one_stage_estimates import estimates_within
 from codend.selectivity.fits.parameters import Estimates, within_lengths
 from codend.selectivity.fits.predictors import predictor
@@ -124,7 +131,7 @@ def fit_field_data(
     between = fit_between_hauls(field_data, model, hauls) if several else None
     bootstrap = double_bootstrap(field_data, pooled, n_bootstrap, seed) if n_bootstrap and pooled.converged else None
     one_stage = None
-    if terms.terms and len(field_data.haul_names) >= LEAST_HAULS and pooled.outcome is not Outcome.FLAT:
+    if terms.terms and len(field_data.haul_names) >= LEAST_UNITS and pooled.outcome is not Outcome.FLAT:
         one_stage = fit_trial(field_data, curve, estimated, fixed, terms)
     alike = _pooled_in_one_stage(field_data, pooled)
     return FieldFit(

@@ -13,6 +13,8 @@ from codend.selectivity.fits.marginal import RANDOM_TERMS
 if TYPE_CHECKING:
     import pandas as pd
 
+LEAST_UNITS = 3
+"""Below which hauls, or larger units, are not taken as a sample of them."""
 RANDOM_ALLOWED = "haul, none or a column, and after a colon what differs: l50, sr, split (of an estimated split)"
 
 
@@ -82,5 +84,15 @@ def random_terms(random: str, split_estimated: bool) -> RandomTerms:
 
 
 def units_of(hauls: pd.DataFrame, terms: RandomTerms) -> list[str] | None:
-    """The unit of each haul, a row of `hauls`; None where each haul is its own or none differ."""
-    return list(hauls[terms.unit].astype(str)) if terms.columns else None
+    """The unit of each haul, a row of `hauls`; None where each haul is its own or none differ.
+
+    Raises:
+        InputError: too few units to tell how they differ.
+    """
+    if not terms.columns:
+        return None
+    units = list(hauls[terms.unit].astype(str))
+    if len(set(units)) < LEAST_UNITS:
+        allowed = f"a column with {LEAST_UNITS} or more units, or --group for gears"
+        raise InputError(OPTIONS, "random", terms.unit, allowed, f"has {len(set(units))}")
+    return units

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
@@ -25,6 +26,7 @@ from codend.selectivity.fits.curves import CURVES, Curve
 
 Array = NDArray[np.float64]
 QUARTILES: Final = (0.25, 0.5, 0.75)
+QUANTILE_STEPS, QUANTILE_TOLERANCE = 200, 1e-13
 
 
 class LogParts(NamedTuple):
@@ -99,19 +101,26 @@ def _dual_parts(eta: Array, shape: Array) -> LogParts:
 
 
 def _dual_quartiles(shape: Array) -> tuple[Array, Array]:
-    from scipy.optimize import brentq
+    return _dual_quartiles_of(tuple(map(float, shape)))
 
+
+@lru_cache(maxsize=256)  # asked for at the same shape for every step towards the modes of hauls
+def _dual_quartiles_of(numbers: tuple[float, ...]) -> tuple[Array, Array]:
+    shape, p = np.array(numbers), np.array(QUARTILES)
     d, w = np.exp(shape[1:])
-    values = []
-    for p in QUARTILES:
-        ends = sorted((logit(p), d + w * logit(p)))
-
-        def excess(eta: float, p: float = p) -> float:
-            return float(np.exp(_dual_parts(np.array([eta]), shape).retained[0]) - p)
-
-        values.append(float(brentq(excess, ends[0] - 1e-9, ends[1] + 1e-9, xtol=1e-13)))
-    parts = _dual_parts(np.array(values), shape)
-    return np.array(values), -(parts.retained_shape / parts.retained_eta).T
+    ends = np.stack([logit(p), d + w * logit(p)])  # the quantiles of the two processes, between which F's lies
+    lower, upper = ends.min(axis=0), ends.max(axis=0)
+    eta = 0.5 * (lower + upper)
+    for _ in range(QUANTILE_STEPS):
+        parts = _dual_parts(eta, shape)
+        excess = parts.retained - np.log(p)
+        lower, upper = np.where(excess < 0.0, eta, lower), np.where(excess > 0.0, eta, upper)
+        step = eta - excess / parts.retained_eta
+        new = np.where((step > lower) & (step < upper), step, 0.5 * (lower + upper))
+        if np.abs(new - eta).max() < QUANTILE_TOLERANCE:
+            break
+        eta = new
+    return eta, -(parts.retained_shape / parts.retained_eta).T
 
 
 DUAL: Final = Family(

@@ -19,14 +19,21 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc, ndtr
 
 from codend.errors import OPTIONS, InputError
-from codend.selectivity.fits.choices import RandomTerms, allowed_choice, random_terms, split_choice, units_of
+from codend.selectivity.fits.choices import (
+    LEAST_UNITS,
+    RandomTerms,
+    allowed_choice,
+    random_terms,
+    split_choice,
+    units_of,
+)
 from codend.selectivity.fits.curves import CURVES
 from codend.selectivity.fits.families import FAMILIES
 from codend.selectivity.fits.fielddata import DESIGNS, FieldData, read_field_data
 from codend.selectivity.fits.fit import Fit, fit_hauls, fit_pooled
 from codend.selectivity.fits.marginal_maximum import MarginalOutcome
 from codend.selectivity.fits.model import selection_model, without_covariates
-from codend.selectivity.fits.one_stage import LEAST_HAULS, OneStage, fit_one_stage
+from codend.selectivity.fits.one_stage import OneStage, fit_one_stage
 from codend.selectivity.fits.one_stage_estimates import delta_estimates, estimates_within
 from codend.selectivity.fits.parameters import Estimates
 from codend.selectivity.fits.predictors import predictor
@@ -145,7 +152,7 @@ def fit_gears(
             predictor("sr", sr or both, hauls, field.source),
             predictor("split_by", split_by or of_split, hauls, field.source) if estimated else None,
             fixed_split=fixed,
-            random=terms.terms if len(hauls) >= LEAST_HAULS else (),
+            random=terms.terms if len(hauls) >= LEAST_UNITS else (),
             units=units,
             group=group,
         )
@@ -224,5 +231,5 @@ def _notes(one: OneStage, terms: RandomTerms) -> tuple[str, ...]:
         said = estimates_within(one, level)[1] if one.converged else ""
         notes += [f"{level}: {said}" if level else said] * bool(said)
     if terms.terms and not one.model.random:
-        notes.append(f"fewer than {LEAST_HAULS} hauls: they are taken not to differ but by chance")
+        notes.append(f"fewer than {LEAST_UNITS} hauls: they are taken not to differ but by chance")
     return tuple(notes)

@@ -18,6 +18,7 @@ DISTANCE_TOLERANCE: Final = 1e-4  # of a maximum, in standard errors
 NEWTON_STEPS: Final = 12
 SD_DIFFERENCE: Final = 0.1  # of a standard deviation, in its standard errors
 DIFFERENCE: Final = 1e-5  # of the gradient, in units of `_scale`
+MOST_ERROR: Final = 3.0  # of L50 in reaches of the lengths and of ln SR: a plateau without an end is flat to rounding
 LEAST_CURVATURE: Final = 1e-7  # of the information, its diagonal scaled to 1
 STARTS_OF_SD: Final = {"l50": 0.4, "sr": 0.2, "split": 0.3}  # in units of SR for L50, as they are for the others
 RETRIES: Final = (1.0, 0.3, 2.5)  # times the start of the standard deviations, until a maximum is found
@@ -107,7 +108,11 @@ def _maximum(model: MarginalModel, start: Array) -> MarginalMaximum:
         )
         theta = result.x * scale
         theta, covariance, distance, nodes, modes = _polished(model, theta, modes, scale)
-        inside = bool(((theta > bounds[:, 0]) & (theta < bounds[:, 1]))[: model.slices["sd"].start].all())
+        errors = np.sqrt(np.diagonal(covariance))[[model.slices["l50"].start, model.slices["sr"].start]]
+        determined = bool((errors < MOST_ERROR * np.array([np.ptp(model.length_cm), 1.0])).all())
+        inside = determined and bool(
+            ((theta > bounds[:, 0]) & (theta < bounds[:, 1]))[: model.slices["sd"].start].all()
+        )
         value = log_likelihood(model, theta, nodes)[0]
     if not (inside and distance < DISTANCE_TOLERANCE and np.isfinite(value)):
         k = theta.size

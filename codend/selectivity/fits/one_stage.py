@@ -37,8 +37,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-LEAST_HAULS: Final = 3
-"""Below which hauls are not taken as a sample of hauls."""
 NORMAL: Final = 1.959963984540054  # 97.5 % quantile of the normal distribution
 SD_NAMES: Final = {"l50": "between_sd_l50_cm", "sr": "between_sd_log_sr", "split": "between_sd_logit_split"}
 
