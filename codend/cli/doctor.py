@@ -27,6 +27,7 @@ REQUIRED = (
     "click",
     "rich",
     "jinja2",
+    "filelock",
     "formulaic",
 )
 FOR_TESTS = (

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from codend.cli.common import NOT_CONVERGED, check_writable, out_option, written_into
+from codend.cli.common import NOT_CONVERGED, check_writable, haul_options, out_option, written_into
 from codend.cli.console import text_table
 from codend.errors import OPTIONS, InputError
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from codend.report.fit_page import FitReport
     from codend.selectivity.fits.analysis import FieldFit
     from codend.selectivity.fits.gears import GearFit
+    from codend.selectivity.fits.haul_table import HaulReading
 
 HEADERS = ["group", "parameter", "estimate", "standard error", "lower 95 %", "upper 95 %", "interval"]
 
@@ -48,6 +49,7 @@ HEADERS = ["group", "parameter", "estimate", "standard error", "lower 95 %", "up
 )
 @click.option("--bootstrap", "replicates", type=int, help="Double bootstrap; left out: none, with --compare 1000.")
 @click.option("--seed", default=0, show_default=True, help="Of the bootstrap.")
+@haul_options
 @out_option
 def fit(
     data: str,
@@ -75,7 +77,10 @@ def fit(
         raise InputError(OPTIONS, "--reference-length", reference_length, "a length above 0")
     formulas = {name: choices.pop(name) for name in ("group", "l50", "sr", "split_by")}
     if compare:
-        report, good = _compared(data, design, 1000 if replicates is None else replicates, seed), True
+        report, good = (
+            _compared(data, design, 1000 if replicates is None else replicates, seed, choices["reading"]),
+            True,
+        )
     elif any(formulas.values()) or curve == "dual":
         from codend.selectivity.fits.gears import fit_gears
 
@@ -89,7 +94,7 @@ def fit(
 
         fitted = fit_field_data(data, design, curve, n_bootstrap=replicates or 0, seed=seed, **choices)
         report, good = _trial_report(fitted, at, reference_length), fitted.converged
-    with written_into(folder):
+    with written_into(folder, FILES):
         written = write_fit(report, folder)
     _print(report)
     click.echo(f"{len(written)} files written into {folder}; fit.html is the page")
@@ -140,7 +145,7 @@ def _trial_report(fitted: "FieldFit", at: Sequence[str], reference_length: float
         summary=trial_summary(fitted),
         lead=[lead("", fitted.answers[0].estimates)],
         warnings=trial_warnings(fitted),
-        notes=trial_notes(fitted),
+        notes=[*fitted.data.notes, *trial_notes(fitted)],
         tables=tables,
         fit=shown,
         hauls=fitted.hauls,
@@ -170,7 +175,7 @@ def _gears_report(fitted: "GearFit", at: Sequence[str], reference_length: float 
         summary=gear_summary(fitted),
         lead=[lead(level, estimates_within(one, level)[0]) for level in one.levels],
         warnings=gear_warnings(fitted),
-        notes=scatter_text(one) if one.converged else [],
+        notes=[*one.data.notes, *(scatter_text(one) if one.converged else [])],
         tables=tables,
         fit=one if one.converged else None,
         hauls=fitted.hauls,
@@ -179,20 +184,20 @@ def _gears_report(fitted: "GearFit", at: Sequence[str], reference_length: float 
     )
 
 
-def _compared(data: str, design: str, replicates: int, seed: int) -> "FitReport":
+def _compared(data: str, design: str, replicates: int, seed: int, reading: "HaulReading") -> "FitReport":
     from codend.report.fit_page import FitReport
     from codend.report.fit_words import comparison_lead, comparison_notes, comparison_summary
     from codend.selectivity.fits.catch_comparison import compare_catches
 
     if design != "paired":
         raise InputError(OPTIONS, "--design", design, "paired, with --compare")
-    found = compare_catches(data, replicates, seed)
+    found = compare_catches(data, replicates, seed, reading)
     return FitReport(
         title=f"Catch comparison of {Path(found.data.source).name}",
         summary=comparison_summary(found),
         lead=comparison_lead(found),
         warnings=[],
-        notes=comparison_notes(found),
+        notes=[*found.data.notes, *comparison_notes(found)],
         tables={"compare": found.table()},
         comparison=found,
     )

@@ -30,6 +30,7 @@ from codend.cli.console import shown_progress, text_table
 from codend.cli.fit import fit
 from codend.cli.force import force
 from codend.cli.selectivity import selectivity, species
+from codend.cli.streams import Terminated, end_on_signals, give_up_output, say, take_any_text
 from codend.cli.sweep import sweep
 from codend.errors import OPTIONS, InputError
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from codend.cli.common import NOT_CONVERGED, check_writable, written_into
+from codend.cli.common import NOT_CONVERGED, check_writable, haul_options, written_into
 from codend.cli.console import shown_progress, text_table
 from codend.errors import OPTIONS, InputError
 

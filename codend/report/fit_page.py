@@ -31,7 +31,7 @@ TABLES: Final = tuple(
 )
 PLOTS: Final = ("curve", "hauls", "residuals", "delta", "compare")
 FILES: Final = (*TABLES, "fit.html", *(f"fit_{name}.png" for name in PLOTS))
-"""Every file that `write_fit` may write or remove."""
+"""Every file that `write_fit` may write."""
 
 CAPTIONS: Final = {
     "curve": "Fitted retention with 95 % bands: the darker one holds at each length on its own, the paler one the "
@@ -144,13 +144,11 @@ HEADS: Final = {
 
 
 def write_fit(report: FitReport, folder: Path) -> list[Path]:
-    """Write the tables, `fit_*.png` and `fit.html`; what an earlier call left of those is removed.
+    """Write the tables, `fit_*.png` and `fit.html`.
 
     Raises:
         OSError: a file cannot be written.
     """
-    for name in FILES:
-        (folder / name).unlink(missing_ok=True)
     written = []
     for name, table in report.tables.items():
         written.append(folder / f"{name}.csv")

@@ -122,7 +122,9 @@ def fit_field_data(
     if n_bootstrap < 0:
         raise InputError(OPTIONS, "n_bootstrap", n_bootstrap, "0 or more")
     terms = random_terms(random, estimated)
-    field_data = data if isinstance(data, FieldData) else read_field_data(data, design, covariates, terms.columns)
+    field_data = data
+    if not isinstance(field_data, FieldData):
+        field_data = read_field_data(field_data, design, covariates, reading, factors=terms.columns)
 
     model = selection_model(field_data, curve, estimated, fixed)
     pooled = fit_pooled(field_data, model, overdispersion)

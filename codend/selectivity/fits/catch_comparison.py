@@ -24,6 +24,7 @@ from scipy.special import chdtrc, expit, log_expit, logit, xlogy
 from codend.errors import OPTIONS, InputError
 from codend.selectivity.fits.bootstrap import COUNTS_AT_ONCE, resample
 from codend.selectivity.fits.fielddata import FieldData, read_field_data
+from codend.selectivity.fits.haul_table import AS_IT_STANDS, HaulReading
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -81,7 +82,10 @@ class CatchComparison:
 
 
 def compare_catches(
-    data: str | Path | pd.DataFrame | FieldData, n_bootstrap: int = 1000, seed: int = 0
+    data: str | Path | pd.DataFrame | FieldData,
+    n_bootstrap: int = 1000,
+    seed: int = 0,
+    reading: HaulReading = AS_IT_STANDS,
 ) -> CatchComparison:
     """Catch comparison of a paired trial, `test` against `control`, over the lengths at which fish were counted.
 
@@ -89,11 +93,12 @@ def compare_catches(
         data: CSV file or DataFrame as described in `read_field_data`, or what that read.
         n_bootstrap: replicates; 0 for no bands.
         seed: of the bootstrap.
+        reading: as in `fit_field_data`.
 
     Raises:
         InputError: bad data, or fish of fewer than three lengths, or in one gear only.
     """
-    field = data if isinstance(data, FieldData) else read_field_data(data, "paired")
+    field = data if isinstance(data, FieldData) else read_field_data(data, "paired", reading=reading)
     if n_bootstrap < 0:
         raise InputError(OPTIONS, "n_bootstrap", n_bootstrap, "0 or more")
     test, other = field.test_count, field.other_count

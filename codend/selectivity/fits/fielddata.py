@@ -59,7 +59,8 @@ class FieldData:
         other_raising: (R,) raising factor >= 1 of the cover or control gear.
         covariate_names: the C haul covariates.
         covariates: (H, C) their values.
-        columns: of the table, those that are constant within hauls and factors, (H,) each, for formulas.
+        notes: in words, what was done to the table and what of it was not used.
+        columns: (H,) each, of the columns of the table that are constant within hauls, for formulas.
     """
 
     source: str
@@ -73,6 +74,7 @@ class FieldData:
     other_raising: Array
     covariate_names: tuple[str, ...]
     covariates: Array
+    notes: tuple[str, ...] = ()
     columns: Mapping[str, Array | NDArray[np.object_]] = field(default_factory=dict)
 
     def haul_columns(self) -> pd.DataFrame:
@@ -88,7 +90,13 @@ class FieldData:
 
 
 def read_field_data(
-    data: str | Path | pd.DataFrame, design: str, covariates: Sequence[str] = (), factors: Sequence[str] = ()
+    data: str | Path | pd.DataFrame,
+    design: str,
+    covariates: Sequence[str] = (),
+    reading: HaulReading = AS_IT_STANDS,
+    *,
+    factors: Sequence[str] = (),
+    in_formulas: Sequence[str] = (),
 ) -> FieldData:
     """Read and check a table of counted fish.
 
@@ -98,7 +106,9 @@ def read_field_data(
             optional `test_raising, control_raising` ("paired"); `length_mm` will do for `length_cm`.
         design: "covered" or "paired".
         covariates: names of numeric columns, constant within a haul, that L50 and SR may depend on.
-        factors: names of columns, constant within a haul, whose values are names even where they look like numbers.
+        reading: what the user says of the form of the table, its lengths and the rows that are wanted.
+        factors: columns, constant within a haul, whose values are names even where they look like numbers.
+        in_formulas: columns that formulas use, and which so may tell gears apart.
 
     Raises:
         InputError: a missing or empty table or column, a value that is not a number, not in range, or not whole,
@@ -112,7 +122,7 @@ def read_field_data(
         raise InputError(OPTIONS, "design", design, " or ".join(DESIGNS))
     test, other = DESIGNS[design]
     raisings = f"{test}_raising", f"{other}_raising"
-    used = ("haul", "length_cm", "length_mm", test, other, *raisings, *covariates)
+    used = ("haul", "length_cm", "length_mm", test, other, *raisings, *covariates, *factors, *in_formulas)
     table = read_haul_table(data, reading, used)
     source, frame = table.source, table.frame
     if frame.empty:
@@ -162,13 +172,14 @@ def read_field_data(
         test_raising=test_raising,
         other_raising=other_raising,
         covariate_names=tuple(covariates),
-        covariates=np.stack(per_haul, axis=-1) if per_haul else np.empty((len(names), 0)),
-        columns=haul_columns(table, haul, factors),
+        covariates=of_hauls,
+        columns=_haul_columns(table, haul, factors),
+        notes=(*([f"{source} has {table.form}"] if table.form else []), *notes, *unused(table, used)),
     )
 
 
-def haul_columns(
-    table: InputTable, haul: NDArray[np.int64], factors: Sequence[str] = ()
+def _haul_columns(
+    table: InputTable, haul: NDArray[np.int64], factors: Sequence[str]
 ) -> dict[str, Array | NDArray[np.object_]]:
     """(H,) values of the columns of a table of R rows that are constant within hauls, but for `haul` itself.
 
@@ -185,14 +196,24 @@ def haul_columns(
         same = (cells.iloc[first[haul]].to_numpy() == cells.to_numpy()) & cells.notna().to_numpy()
         if column in factors:
             table.check(str(column), same, "one value that never changes within its haul")
-        if same.all():
-            numbers = pd.to_numeric(cells.iloc[first], errors="coerce").to_numpy(dtype=float)
-            is_number = bool(np.isfinite(numbers).all()) and column not in factors
-            kept[str(column)] = numbers if is_number else cells.iloc[first].astype(str).to_numpy(dtype=object)
+        if not same.all():
+            continue
+        texts = cells.iloc[first].astype(str).to_numpy(dtype=object)
+        if column in factors or not np.isfinite(pd.to_numeric(_pointed(table, column), errors="coerce")).all():
+            kept[str(column)] = texts
+        else:
+            kept[str(column)] = pd.to_numeric(_pointed(table, column)).to_numpy(dtype=float)[first]
     return kept
 
 
-def catch_volumes_m3(data: str | Path | pd.DataFrame, field: FieldData, density_kg_m3: float) -> Array | None:
+def _pointed(table: InputTable, column: str) -> pd.Series:
+    """The cells of a column with points in their numbers; as they stand where it is no column of text."""
+    return table.with_points(column) if table.frame[column].dtype.kind not in "biuf" else table.frame[column]
+
+
+def catch_volumes_m3(
+    data: str | Path | pd.DataFrame, field: FieldData, density_kg_m3: float, reading: HaulReading = AS_IT_STANDS
+) -> Array | None:
     """(H,) final catch of every haul, from the column `catch_volume_m3` or else `catch_kg`; None where there is none.
 
     Args:

@@ -31,12 +31,13 @@ from codend.selectivity.fits.curves import CURVES
 from codend.selectivity.fits.families import FAMILIES
 from codend.selectivity.fits.fielddata import DESIGNS, FieldData, read_field_data
 from codend.selectivity.fits.fit import Fit, fit_hauls, fit_pooled
+from codend.selectivity.fits.haul_table import AS_IT_STANDS, HaulReading
 from codend.selectivity.fits.marginal_maximum import MarginalOutcome
 from codend.selectivity.fits.model import selection_model, without_covariates
 from codend.selectivity.fits.one_stage import OneStage, fit_one_stage
 from codend.selectivity.fits.one_stage_estimates import delta_estimates, estimates_within
 from codend.selectivity.fits.parameters import Estimates
-from codend.selectivity.fits.predictors import predictor
+from codend.selectivity.fits.predictors import columns_of, predictor
 from codend.selectivity.fits.scoring import Outcome
 
 if TYPE_CHECKING:
@@ -109,6 +110,7 @@ def fit_gears(
     sr: str = "",
     split_by: str = "",
     random: str = "haul",
+    reading: HaulReading = AS_IT_STANDS,
 ) -> GearFit:
     """Fit gears, factors and covariates in one likelihood.
 
@@ -123,6 +125,7 @@ def fit_gears(
         sr: the same for ln SR.
         split_by: the same for the logit of the split.
         random: as in `fit_field_data`.
+        reading: likewise.
 
     Raises:
         InputError: bad data, a formula that cannot be read, a choice that does not exist.
@@ -133,7 +136,10 @@ def fit_gears(
     estimated, fixed = split_choice(split, design)
     terms = random_terms(random, estimated)
     named = (*factors, *terms.columns)
-    field = data if isinstance(data, FieldData) else read_field_data(data, design, covariates, named)
+    in_formulas = [name for formula in (l50, sr, split_by) for name in columns_of(formula) if name not in named]
+    field = data
+    if not isinstance(field, FieldData):
+        field = read_field_data(field, design, covariates, reading, factors=named, in_formulas=in_formulas)
     if split_by and not estimated:
         raise InputError(OPTIONS, "split_by", split_by, "a formula together with the split estimated")
     hauls = field.haul_columns()

@@ -85,6 +85,17 @@ def predictor(name: str, formula: str, hauls: pd.DataFrame, source: str) -> Pred
     return Predictor(formula, tuple(map(str, matrix.columns)), values @ to_basis, to_basis, matrix.model_spec)
 
 
+def columns_of(formula: str) -> list[str]:
+    """Names that a formula uses; none of one that cannot be read, which `predictor` refuses."""
+    from formulaic import Formula
+    from formulaic.errors import FormulaicError
+
+    try:
+        return sorted(map(str, Formula(formula or "1").required_variables))
+    except (FormulaicError, ValueError, SyntaxError):
+        return []
+
+
 def averaged(one: Predictor, hauls: pd.DataFrame, values: Mapping[str, str | float]) -> Array:
     """(q,) mean of the columns over all hauls, with some of the haul's values set: x' of a prediction."""
     return np.asarray(one.at(hauls.assign(**values)).mean(axis=0))

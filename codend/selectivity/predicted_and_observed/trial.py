@@ -8,6 +8,7 @@ from pathlib import Path
 from codend.errors import OPTIONS, InputError
 from codend.selectivity.escape.predict import Prediction, predict_haul
 from codend.selectivity.fits.analysis import fit_field_data
+from codend.selectivity.fits.choices import allowed_choice
 from codend.selectivity.fits.fielddata import catch_volumes_m3, is_simulated
 from codend.selectivity.fits.haul_table import AS_IT_STANDS, HaulReading
 from codend.selectivity.predicted_and_observed.calibrate import calibrate, calibrated_names
@@ -35,6 +36,7 @@ def read_trial(
     Raises:
         InputError: bad data, or a choice that does not exist.
     """
+    allowed_choice("split", split, ("equal", "estimated"))
     fit = fit_field_data(path, design, curve, split, reading=reading)
     volume_m3 = catch_volumes_m3(path, fit.data, catch_density_kg_m3, reading)
     return FieldTrial(fit, is_simulated(path, reading), volume_m3)
