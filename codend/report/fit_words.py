@@ -86,18 +86,20 @@ def _first_model(fitted: FieldFit) -> str:
 
 def trial_warnings(fitted: FieldFit) -> list[str]:
     """Failures, hauls left out, and hauls without an L50 of their own."""
+    silent = [fit for fit in fitted.hauls if fit.note]
+    if not fitted.pooled.converged and fitted.one_stage is None:
+        nor = f" (nor were {len(silent)} of {len(fitted.hauls)} hauls)" if silent else ""
+        return [f"pooled was not fitted: {fitted.pooled.note}{nor}"]
     found = []
     for answer in fitted.answers:
         if answer.note:
             failed = "was not fitted" if np.isnan(answer.estimates.values).all() else "warning"
             found.append(f"{answer.group} {failed}: {answer.note}")
-    silent = [fit for fit in fitted.hauls if fit.note]
     if silent:
         names = ", ".join(fit.group.removeprefix("haul ") for fit in silent[:8]) + ", ..." * (len(silent) > 8)
-        found.append(
-            f"{len(silent)} of {len(fitted.hauls)} hauls have no L50 of their own ({names}); diagnostics.csv says why. "
-            "In one stage they count all the same."
-        )
+        kept = " In one stage they count all the same." if fitted.one_stage is not None else ""
+        share = f"{len(silent)} of {len(fitted.hauls)}"
+        found.append(f"{share} hauls have no L50 of their own ({names}); diagnostics.csv says why.{kept}")
     return found
 
 

@@ -17,6 +17,13 @@ def trial(tmp_path):
 
 
 @pytest.fixture
+def gears(tmp_path):
+    path = tmp_path / "gears.csv"
+    haul_table(8, fish=150.0, seed=1, gears=True).to_csv(path, index=False)
+    return path
+
+
+@pytest.fixture
 def pairs(tmp_path):
     path = tmp_path / "pairs.csv"
     haul_table(8, "paired", fish=150.0, seed=1).to_csv(path, index=False)
@@ -44,9 +51,9 @@ def test_a_trial_gives_a_page_with_its_answer_and_picture_first(trial, tmp_path)
     assert "<script" not in page
 
 
-def test_gears_are_set_beside_each_other(trial, tmp_path):
+def test_gears_are_set_beside_each_other(gears, tmp_path):
     words = ("--group", "gear", "--covariate", "catch_kg", "--at", "catch_kg=300", "--at", "catch_kg=900")
-    result = codend_cli("fit", trial, "--design", "covered", *words, "--out", tmp_path / "out")
+    result = codend_cli("fit", gears, "--design", "covered", *words, "--out", tmp_path / "out")
     assert result.exit_code == 0
     assert [line.partition(":")[0] for line in result.stdout.splitlines()[:2]] == ["A", "B"]
     table = pd.read_csv(tmp_path / "out" / "fit.csv")
@@ -105,11 +112,11 @@ def test_hauls_left_out_are_a_warning_with_their_number(trial, tmp_path):
     assert "1 of 8 hauls have no L50 of their own (H2)" in result.stderr
 
 
-def test_names_from_a_table_are_escaped_on_the_page(trial, tmp_path):
-    table = pd.read_csv(trial)
+def test_names_from_a_table_are_escaped_on_the_page(gears, tmp_path):
+    table = pd.read_csv(gears)
     table["gear"] = table["gear"].map({"A": "<b>100</b>", "B": "120 & more"})
-    table.to_csv(trial, index=False)
-    codend_cli("fit", trial, "--design", "covered", "--group", "gear", "--out", tmp_path / "out")
+    table.to_csv(gears, index=False)
+    codend_cli("fit", gears, "--design", "covered", "--group", "gear", "--out", tmp_path / "out")
     page = (tmp_path / "out" / "fit.html").read_text(encoding="utf-8")
     assert "<b>100" not in page
     assert "&lt;b&gt;100" in page
@@ -127,16 +134,22 @@ def test_flat_data_end_with_status_3_and_no_number(tmp_path):
     assert pd.read_csv(tmp_path / "out" / "fit.csv").query("group == 'pooled'")["estimate"].isna().all()
 
 
+def test_gears_that_nobody_tells_apart_are_refused_with_what_would(gears, tmp_path):
+    result = codend_cli("fit", gears, "--design", "covered", "--out", tmp_path / "out")
+    assert_refused(result, "gear has 2 values", "--group gear for a curve each")
+    result = codend_cli("fit", gears, "--design", "covered", "--random", "gear", "--out", tmp_path / "out")
+    assert_refused(result, "random", "3 or more units")
+
+
 @pytest.mark.parametrize(
     ("words", "named"),
     [
         (["--group", "vessel"], "vessel"),
-        (["--group", "gear", "--bootstrap", "10"], "--bootstrap"),
-        (["--l50", "gear +"], "l50"),
+        (["--l50", "catch_kg", "--bootstrap", "10"], "--bootstrap"),
+        (["--l50", "catch_kg +"], "l50"),
         (["--at", "catch_kg=3"], "--at"),
         (["--reference-length", "-3"], "--reference-length"),
         (["--random", "haul:l95"], "random"),
-        (["--random", "gear"], "random"),
         (["--overdispersion", "some"], "overdispersion"),
     ],
 )

@@ -30,7 +30,7 @@ from codend.selectivity.fits.one_stage_estimates import estimates_within
 from codend.selectivity.fits.parameters import Estimates, within_lengths
 from codend.selectivity.fits.predictors import predictor
 from codend.selectivity.fits.profile import with_profile_limits
-from codend.selectivity.fits.scoring import Outcome
+from codend.selectivity.fits.scoring import NO_SELECTION
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -133,7 +133,7 @@ def fit_field_data(
     between = fit_between_hauls(field_data, model, hauls) if several else None
     bootstrap = double_bootstrap(field_data, pooled, n_bootstrap, seed) if n_bootstrap and pooled.converged else None
     one_stage = None
-    if terms.terms and len(field_data.haul_names) >= LEAST_UNITS and pooled.outcome is not Outcome.FLAT:
+    if terms.terms and len(field_data.haul_names) >= LEAST_UNITS and pooled.outcome not in NO_SELECTION:
         one_stage = fit_trial(field_data, curve, estimated, fixed, terms)
     alike = _pooled_in_one_stage(field_data, pooled)
     return FieldFit(

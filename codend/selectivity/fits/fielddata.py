@@ -128,7 +128,7 @@ def read_field_data(
     if frame.empty:
         raise InputError(source, "", None, "a header and at least one row", "the table has no rows")
     length = "length_mm" if "length_mm" in frame.columns and "length_cm" not in frame.columns else "length_cm"
-    table.require(("haul", length, test, other, *covariates))
+    table.require(("haul", length, test, other, *covariates, *factors))
     for column in ("haul", length):
         check_no_total(table, column)
     table.check("haul", frame["haul"].notna().to_numpy(), "a name or number in every row")
@@ -184,13 +184,12 @@ def _haul_columns(
     """(H,) values of the columns of a table of R rows that are constant within hauls, but for `haul` itself.
 
     Raises:
-        InputError: a factor is not there, or changes within a haul.
+        InputError: a factor changes within a haul.
     """
     import pandas as pd
 
     first = np.unique(haul, return_index=True)[1]
     kept: dict[str, Array | NDArray[np.object_]] = {}
-    table.require(factors)
     for column in table.frame.columns.difference(["haul"], sort=False):
         cells = table.frame[column]
         same = (cells.iloc[first[haul]].to_numpy() == cells.to_numpy()) & cells.notna().to_numpy()

@@ -32,13 +32,13 @@ from codend.selectivity.fits.families import FAMILIES
 from codend.selectivity.fits.fielddata import DESIGNS, FieldData, read_field_data
 from codend.selectivity.fits.fit import Fit, fit_hauls, fit_pooled
 from codend.selectivity.fits.haul_table import AS_IT_STANDS, HaulReading
-from codend.selectivity.fits.marginal_maximum import MarginalOutcome
+from codend.selectivity.fits.marginal_maximum import refused
 from codend.selectivity.fits.model import selection_model, without_covariates
 from codend.selectivity.fits.one_stage import OneStage, fit_one_stage
 from codend.selectivity.fits.one_stage_estimates import delta_estimates, estimates_within
 from codend.selectivity.fits.parameters import Estimates
 from codend.selectivity.fits.predictors import columns_of, predictor
-from codend.selectivity.fits.scoring import Outcome
+from codend.selectivity.fits.scoring import NO_SELECTION
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -136,7 +136,8 @@ def fit_gears(
     estimated, fixed = split_choice(split, design)
     terms = random_terms(random, estimated)
     named = (*factors, *terms.columns)
-    in_formulas = [name for formula in (l50, sr, split_by) for name in columns_of(formula) if name not in named]
+    formulas = {"l50": l50, "sr": sr, "split_by": split_by}.items()
+    in_formulas = [column for name, formula in formulas for column in columns_of(name, formula) if column not in named]
     field = data
     if not isinstance(field, FieldData):
         field = read_field_data(field, design, covariates, reading, factors=named, in_formulas=in_formulas)
@@ -166,13 +167,13 @@ def fit_gears(
     one = fit([*factors, *covariates])
     alike = replace(fit(covariates), group="") if group and not (l50 or sr or split_by) else None
     pooled = fit_pooled(field, without_covariates(selection_model(field, "logit", estimated, fixed)))
-    if pooled.outcome is Outcome.FLAT:
-        nothing = one.maximum._replace(
-            theta=one.maximum.theta * np.nan, covariance=one.maximum.covariance * np.nan, outcome=MarginalOutcome.FLAT
-        )
-        one = replace(one, maximum=nothing)
+    if pooled.outcome in NO_SELECTION:
+        one = replace(one, maximum=refused(one.maximum))
+        notes = [pooled.outcome.value]
+    else:
+        notes = _notes(one, terms)
     alone = fit_hauls(field, selection_model(field, curve, estimated, fixed)) if curve in CURVES else ()
-    return GearFit(one, alike, alone, _notes(one, terms))
+    return GearFit(one, alike, alone, tuple(notes))
 
 
 def gear_table(fit: GearFit) -> pd.DataFrame:
@@ -231,11 +232,11 @@ def coefficient_table(one: OneStage) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _notes(one: OneStage, terms: RandomTerms) -> tuple[str, ...]:
+def _notes(one: OneStage, terms: RandomTerms) -> list[str]:
     notes = [] if one.converged else [one.maximum.outcome.value]
     for level in one.levels:
         said = estimates_within(one, level)[1] if one.converged else ""
         notes += [f"{level}: {said}" if level else said] * bool(said)
     if terms.terms and not one.model.random:
         notes.append(f"fewer than {LEAST_UNITS} hauls: they are taken not to differ but by chance")
-    return tuple(notes)
+    return notes

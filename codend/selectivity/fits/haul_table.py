@@ -145,7 +145,7 @@ def check_one_kind(table: InputTable, used: Sequence[str], covariates: Array, ha
             continue
         first = table.frame[column].dropna().iloc[0]
         allowed = f"one gear and species at a time: --only {column}={first}"
-        allowed += f", or --covariate {column}" if measured else ""
+        allowed += f", or --covariate {column}" if measured else f", or --group {column} for a curve each"
         raise InputError(table.where, column, None, allowed, f"has {len(kinds)} values ({_listed(kinds)})")
 
 

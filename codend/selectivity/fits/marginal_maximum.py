@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.selectivity.fits.marginal import MarginalModel, Nodes, log_likelihood, place_nodes
-from codend.selectivity.fits.scoring import Outcome
 
 Array = NDArray[np.float64]
 
@@ -33,7 +32,7 @@ class MarginalOutcome(Enum):
         "the likelihood has no maximum at a curve within the lengths measured: the counts do not tell its parameters "
         "(L50, SR, shape, an estimated split) apart; try a fixed split, a curve with fewer parameters, or fewer terms"
     )
-    FLAT = Outcome.FLAT.value
+    NO_SELECTION = "the fish of all hauls together tell of no selection"
 
 
 class MarginalMaximum(NamedTuple):
@@ -72,6 +71,12 @@ def maximise_marginal(model: MarginalModel, start: Array, *, again: bool = True)
             if found[-1].outcome is MarginalOutcome.CONVERGED:
                 break
     return max(found, key=lambda one: -np.inf if np.isnan(one.log_likelihood) else one.log_likelihood)
+
+
+def refused(found: MarginalMaximum) -> MarginalMaximum:
+    """The maximum without its numbers, where the fish of all hauls together tell of no selection."""
+    nothing = {name: getattr(found, name) * np.nan for name in ("theta", "covariance", "covariance_by_sd", "modes")}
+    return found._replace(**nothing, log_likelihood=np.nan, outcome=MarginalOutcome.NO_SELECTION)
 
 
 def starting_point(model: MarginalModel, l50_cm: float, sr_cm: float, logit_split: float) -> Array:

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 NORMAL: Final = 1.959963984540054  # 97.5 % quantile of the normal distribution
+LARGEST_DEGREES: Final = 1e6
+"""Of freedom, where a standard deviation is 0 and its error plays no part."""
 SD_NAMES: Final = {"l50": "between_sd_l50_cm", "sr": "between_sd_log_sr", "split": "between_sd_logit_split"}
 
 
@@ -111,8 +113,7 @@ class OneStage:
         """(m,) Student's t of 95 % intervals of functions with derivatives (m, k) by theta.
 
         Satterthwaite's degrees of freedom, 2 V^2 / var V for the variance V of a function, var V from the errors of the
-        standard deviations between units; no fewer than `degrees`, and no more than twice that, for normal intervals
-        are too short where few units and few fish are all there is (`validation.field_fit_study`).
+        standard deviations between units; no fewer than `degrees`.
         """
         if np.isinf(self.degrees):
             return np.full(len(slopes), NORMAL)
@@ -122,7 +123,7 @@ class OneStage:
         of_variance = np.einsum("ms,st,mt->m", by_sd, found.covariance[sd, sd], by_sd)
         with np.errstate(divide="ignore", invalid="ignore"):
             degrees = np.nan_to_num(2.0 * variance**2 / of_variance, nan=np.inf)
-        return np.asarray(stdtrit(np.clip(degrees, self.degrees, 2.0 * self.degrees), 0.975))
+        return np.asarray(stdtrit(np.clip(degrees, self.degrees, LARGEST_DEGREES), 0.975))
 
     @property
     def aic(self) -> float:

@@ -68,8 +68,7 @@ def predictor(name: str, formula: str, hauls: pd.DataFrame, source: str) -> Pred
     try:
         matrix = model_matrix(formula, hauls, na_action="raise", context=None)
     except (FormulaicError, ValueError, TypeError, NameError, SyntaxError, AttributeError) as error:
-        reason = str(error).split("\n")[0][:120]
-        raise InputError(OPTIONS, name, formula, allowed, f"cannot be read: {reason}") from None
+        raise _unreadable(name, formula, allowed, error) from None
     if hasattr(matrix, "lhs") or "Intercept" not in matrix.columns:
         raise InputError(OPTIONS, name, formula, f"{allowed}, with an intercept and without a left side")
     values = np.asarray(matrix, dtype=float)
@@ -85,15 +84,24 @@ def predictor(name: str, formula: str, hauls: pd.DataFrame, source: str) -> Pred
     return Predictor(formula, tuple(map(str, matrix.columns)), values @ to_basis, to_basis, matrix.model_spec)
 
 
-def columns_of(formula: str) -> list[str]:
-    """Names that a formula uses; none of one that cannot be read, which `predictor` refuses."""
+def columns_of(name: str, formula: str) -> list[str]:
+    """Names that a formula uses; none of an empty one.
+
+    Raises:
+        InputError: it cannot be read.
+    """
     from formulaic import Formula
     from formulaic.errors import FormulaicError
 
     try:
         return sorted(map(str, Formula(formula or "1").required_variables))
-    except (FormulaicError, ValueError, SyntaxError):
-        return []
+    except (FormulaicError, ValueError, SyntaxError) as error:
+        raise _unreadable(name, formula, "a formula of columns, such as gear + catch_kg", error) from None
+
+
+def _unreadable(name: str, formula: str, allowed: str, error: Exception) -> InputError:
+    reason = str(error).split("\n", maxsplit=1)[0][:120].rstrip(".")
+    return InputError(OPTIONS, name, formula, allowed, f"cannot be read: {reason}")
 
 
 def averaged(one: Predictor, hauls: pd.DataFrame, values: Mapping[str, str | float]) -> Array:

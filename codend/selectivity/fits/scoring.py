@@ -44,6 +44,10 @@ class Outcome(Enum):
     FALLING = "the fitted retention falls with length; check which column is the codend or test gear"
 
 
+NO_SELECTION: Final = (Outcome.FLAT, Outcome.FALLING, Outcome.NO_INFORMATION)
+"""Ends of a pooled fit after which no other is tried: the fish of all hauls together tell of no selection."""
+
+
 class Maximum(NamedTuple):
     """Fits of B data sets.
 

@@ -31,6 +31,7 @@ def two_gears(n_hauls: int = 16, design: str = "covered", **more: float) -> pd.D
             + 0.004 * (hauls["catch_kg"] - 500.0)
             + 0.7 * rng.normal(size=len(hauls))
         ),
+        gears=True,
         **more,
     )
 
@@ -63,7 +64,9 @@ def test_truth_is_found_with_gears_and_a_covariate() -> None:
 
 
 def test_gears_that_are_alike_are_not_told_apart() -> None:
-    p_values = [fit_gears(haul_table(12, fish=200.0, seed=s), "covered", group="gear").p_value for s in range(20)]
+    p_values = [
+        fit_gears(haul_table(12, fish=200.0, seed=s, gears=True), "covered", group="gear").p_value for s in range(20)
+    ]
     assert np.mean(np.array(p_values) < 0.05) < 0.25
 
 
@@ -97,12 +100,12 @@ def test_interactions_give_each_gear_its_slope() -> None:
         ({"sr": "gear +"}, "sr"),
         ({"l50": "0 + gear"}, "with an intercept"),
         ({"l50": "gear + C(gear)"}, "have rank 2"),
-        ({"l50": "codend"}, "l50"),
+        ({"l50": "gear + codend"}, "l50"),
         ({"group": "vessel"}, "vessel"),
-        ({"group": "codend"}, "codend"),
-        ({"split_by": "gear"}, "split_by"),
+        ({"group": "codend", "l50": "gear"}, "codend"),
+        ({"l50": "gear", "split_by": "gear"}, "split_by"),
         ({"curve": "spline"}, "curve"),
-        ({"random": "vessel"}, "vessel"),
+        ({"l50": "gear", "random": "vessel"}, "vessel"),
     ],
 )
 def test_formulas_and_groups_that_cannot_be_are_refused(choice: dict, named: str) -> None:

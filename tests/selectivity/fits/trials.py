@@ -24,8 +24,12 @@ def haul_table(
     split: float = 0.5,
     fish: float = 300.0,
     seed: int = 0,
+    gears: bool = False,
 ) -> pd.DataFrame:
-    """Hauls of two gears, A and B in turn, with a catch: L50 by a function of the hauls' columns."""
+    """Hauls of two gears, A and B in turn, with a catch: L50 by a function of the hauls' columns.
+
+    Which gear a haul had is in the table only with `gears`.
+    """
     rng = np.random.default_rng(seed)
     hauls = pd.DataFrame(
         {"haul": [f"H{h + 1}" for h in range(n_hauls)], "gear": ["A", "B"] * (n_hauls // 2) + ["A"] * (n_hauls % 2)}
@@ -37,4 +41,5 @@ def haul_table(
         trial = SimulatedTrial("logit", parameters_of("logit", centre, sr_cm), design, LENGTH_CM, met, split=split)
         counts = dict(zip(DESIGNS[design], (count[0] for count in trial.counts(1, rng)), strict=True))
         frames.append(pd.DataFrame({**haul.to_dict(), "length_cm": LENGTH_CM, **counts}))
-    return pd.concat(frames, ignore_index=True)
+    table = pd.concat(frames, ignore_index=True)
+    return table if gears else table.drop(columns="gear")
