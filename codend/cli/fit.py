@@ -144,7 +144,7 @@ def _trial_report(fitted: "FieldFit", at: Sequence[str], reference_length: float
         title=f"Selectivity of {Path(fitted.data.source).name}",
         summary=trial_summary(fitted),
         lead=[lead("", fitted.answers[0].estimates)],
-        warnings=trial_warnings(fitted),
+        warnings=[*trial_warnings(fitted), *_far_behind(tables, fitted.pooled.model.curve.name)],
         notes=[*fitted.data.notes, *trial_notes(fitted)],
         tables=tables,
         fit=shown,
@@ -174,7 +174,7 @@ def _gears_report(fitted: "GearFit", at: Sequence[str], reference_length: float 
         title=f"Selectivity of {Path(one.data.source).name}" + (f", by {one.group}" if one.group else ""),
         summary=gear_summary(fitted),
         lead=[lead(level, estimates_within(one, level)[0]) for level in one.levels],
-        warnings=gear_warnings(fitted),
+        warnings=[*gear_warnings(fitted), *_far_behind(tables, one.model.family.name)],
         notes=[*one.data.notes, *(scatter_text(one) if one.converged else [])],
         tables=tables,
         fit=one if one.converged else None,
@@ -215,6 +215,12 @@ def _predicted(fit: Any, at: Sequence[str], reference_length: float | None) -> "
     if reference_length is not None:
         tables["usability"] = usability_table(fit, reference_length)
     return tables
+
+
+def _far_behind(tables: "dict[str, pd.DataFrame]", curve: str) -> list[str]:
+    from codend.report.fit_words import curve_warnings
+
+    return curve_warnings(tables["curves"], curve) if "curves" in tables else []
 
 
 def _varies(values: Any) -> bool:

@@ -14,6 +14,7 @@ import numpy as np
 from codend.io.files import whole_file, write_table
 from codend.report.fit_plots import comparison_plot, curve_plot, delta_plot, haul_plot, residual_plot
 from codend.report.html import PageFigure, made_with, page_style
+from codend.report.own_look import own_look
 from codend.report.style import number_text, png
 from codend.selectivity.fits.catch_comparison import CatchComparison
 from codend.selectivity.fits.fit import Fit
@@ -155,7 +156,9 @@ def write_fit(report: FitReport, folder: Path) -> list[Path]:
         write_table(table, written[-1])
     figures = {}
     for name, draw in _drawings(report).items():
-        picture, path = png(draw()), folder / f"fit_{name}.png"
+        with own_look():
+            picture = png(draw())
+        path = folder / f"fit_{name}.png"
         with whole_file(path) as temporary:
             temporary.write_bytes(picture)
         written.append(path)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -11,9 +11,14 @@ from codend.selectivity.fits.one_stage import OneStage, left_over_dispersion
 from codend.selectivity.fits.parameters import Estimates
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from codend.selectivity.fits.analysis import FieldFit
     from codend.selectivity.fits.catch_comparison import CatchComparison
     from codend.selectivity.fits.gears import GearFit
+
+FAR_BEHIND: Final = 10.0
+"""Above the least AIC, beyond which a curve has essentially no support (Burnham and Anderson 2002, section 2.6)."""
 
 
 def lead(level: str, found: Estimates) -> str:
@@ -119,6 +124,20 @@ def trial_notes(fitted: FieldFit) -> list[str]:
     if fitted.one_stage is not None and fitted.one_stage.converged:
         notes += scatter_text(fitted.one_stage)
     return notes
+
+
+def curve_warnings(curves: pd.DataFrame, curve: str) -> list[str]:
+    """A word where another curve fits far better than the one that was asked for; `curves` as `curves.csv` has them."""
+    behind = float(curves.loc[curves["curve"] == curve, "delta_aic"].iloc[0])
+    best = str(curves["curve"].iloc[0])
+    if not behind > FAR_BEHIND:
+        return []
+    l50, sr = (float(curves[name].iloc[0]) for name in ("l50_cm", "sr_cm"))
+    numbers = f"L50 {l50:.2f} cm, SR {sr:.2f} cm" if np.isfinite(l50) else "no L50 within the lengths"
+    return [
+        f"the {curve} curve has hardly any support beside the {best} curve, whose AIC is {behind:.0f} lower "
+        f"({numbers}): look at the residuals, and consider --curve {best}"
+    ]
 
 
 def gear_summary(fitted: GearFit) -> str:

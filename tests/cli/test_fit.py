@@ -5,6 +5,7 @@ import re
 import pandas as pd
 import pytest
 
+from tests import ROOT
 from tests.cli.test_cli import HADDOCK, assert_refused, codend_cli
 from tests.selectivity.fits.trials import haul_table
 
@@ -120,6 +121,13 @@ def test_names_from_a_table_are_escaped_on_the_page(gears, tmp_path):
     page = (tmp_path / "out" / "fit.html").read_text(encoding="utf-8")
     assert "<b>100" not in page
     assert "&lt;b&gt;100" in page
+
+
+def test_a_curve_that_others_leave_far_behind_is_named(tmp_path):
+    data = ROOT / "validation" / "tables" / "simulated_covered_hauls.csv"
+    result = codend_cli("fit", data, "--design", "covered", "--out", tmp_path / "out")
+    assert "the logit curve has hardly any support beside the " in result.stderr
+    assert "consider --curve" in (tmp_path / "out" / "fit.html").read_text(encoding="utf-8")
 
 
 def test_flat_data_end_with_status_3_and_no_number(tmp_path):
