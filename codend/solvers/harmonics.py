@@ -5,8 +5,8 @@ a change exp(i k theta) sees K_k (``mechanics.harmonics``), and the eigenvalues 
 those of the whole net's tangent. Those of n - k are conjugate to those of k. A change grows where an eigenvalue has a
 negative real part; where the Hermitian part of K_k is positive definite, none has.
 
-A node on the axis, as the codline is, belongs to all sectors. Seen from sector s a move w of it is R^-s w, R the turn by
-one sector. With R (0, 1, i) = exp(-2 pi i / n) (0, 1, i) its moves along the axis vary as k = 0, and those across as
+A node on the axis, as the codline is, belongs to all sectors. Seen from sector s a move w of it is R^-s w, R the turn
+by one sector. With R (0, 1, i) = exp(-2 pi i / n) (0, 1, i) its moves along the axis vary as k = 0, and those across as
 k = 1 and n - 1. Where the moves of sectors are normalised, u_s = v exp(2 pi i k s / n) / sqrt(n), its column and row
 weigh sqrt(n) times what one sector has of them. It is held across the flow in a sector, but by nothing in the net.
 
@@ -16,16 +16,20 @@ Every tangent is shifted by ``newton.NEUTRAL``: what moves for nothing, as slack
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.mechanics import newton_step as kernels
 from codend.mechanics.bars import bar_lengths
 from codend.mechanics.harmonics import negative_pivots_side_by_side
 from codend.mechanics.newton_state import measure
 from codend.mechanics.problem import Problem
-from codend.net.net import Floats, Ints
-from codend.solvers.harmonic_matrices import Complex, Matrix, Ring
+from codend.net.net import Floats
+from codend.solvers.harmonic_tangent import Complex, HarmonicTangent
 from codend.solvers.newton import DIRECT, NEUTRAL
 from codend.solvers.outcome import Solution
+from codend.solvers.ring import Ring
+
+Numbers = NDArray[np.integer]
 
 CLOSE = 1.5
 """Factor within which the lowest eigenvalue of a Hermitian part is bounded."""
@@ -45,8 +49,8 @@ class Growth:
     eigenvalues: Complex
     """Those of K_k with negative real parts, N/m, the most negative first."""
     shape: Complex
-    """How the first of them moves the nodes of a sector, (n, 3), its largest component 1: those of the s-th sector on by
-    the real part of shape exp(2 pi i k s / n), each in its own axes."""
+    """How the first of them moves the nodes of a sector, (n, 3), its largest component 1: those of the s-th sector on
+    by the real part of shape exp(2 pi i k s / n), each in its own axes."""
 
 
 @dataclass(frozen=True)
@@ -76,17 +80,24 @@ def harmonics_of(problem: Problem, solution: Solution, ring: Ring) -> Harmonics:
     left half-plane are found.
     """
     _linearise(problem, solution, ring)
+    scale = float(solution.bar_tension.mean()) / float(problem.structure.length.mean())
+    return growing_harmonics(ring, scale)
+
+
+def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
+    """What grows by the tangent that was gathered last; ``scale`` is a stiffness, N/m, of the net's order of size."""
     asked = np.arange(ring.order // 2 + 1)
-    negative = _negative_pivots(ring, asked, np.zeros(len(asked)))
+    if not np.isfinite(ring.step.blocks).all():
+        return Harmonics(ring.order, (), tuple(asked.tolist()))
+    negative = negative_pivots(ring, asked, np.zeros(len(asked)))
     with_front = negative.copy()
     if ring.fronted:
-        with_front[0] = ring.matrix(0).negative_eigenvalues(int(negative[0]))
+        with_front[0] = ring.tangent(0).negative_eigenvalues(int(negative[0]))
     doubtful = asked[with_front > 0]
-    scale = float(solution.bar_tension.mean()) / float(problem.structure.length.mean())
     growing, undecided = [], []
     for k, lowest in zip(doubtful.tolist(), _lower_bounds(ring, doubtful, scale), strict=True):
-        matrix = ring.matrix(k)
-        found = _lowest_eigenvalues(matrix, lowest, int(negative[k]), int(with_front[k]))
+        tangent = ring.tangent(k)
+        found = _lowest_eigenvalues(tangent, lowest, int(negative[k]), int(with_front[k]))
         if found is None:
             undecided.append(k)
             continue
@@ -110,8 +121,8 @@ def _linearise(problem: Problem, solution: Solution, ring: Ring) -> None:
     ring.gather(sides == 2)
 
 
-def _negative_pivots(ring: Ring, harmonics: Ints, shift: Floats) -> Ints:
-    """Negative eigenvalues of the Hermitian parts of harmonics, each shifted by its own, N/m; the front stands still."""
+def negative_pivots(ring: Ring, harmonics: Numbers, shift: Floats) -> Numbers:
+    """Negative eigenvalues of the Hermitian parts of harmonics, each shifted by its own; the front stands still."""
     negative = np.empty(len(harmonics), dtype=np.int64)
     for start in range(0, len(harmonics), MOST_SIDE_BY_SIDE):
         part = slice(start, start + MOST_SIDE_BY_SIDE)
@@ -120,7 +131,7 @@ def _negative_pivots(ring: Ring, harmonics: Ints, shift: Floats) -> Ints:
     return negative
 
 
-def _lower_bounds(ring: Ring, harmonics: Ints, scale: float) -> Floats:
+def _lower_bounds(ring: Ring, harmonics: Numbers, scale: float) -> Floats:
     """Bounds on the lowest eigenvalues of the Hermitian parts of harmonics, N/m; the front stands still.
 
     They are of ``CLOSE`` times their size at most, or of 1e-2 ``scale``.
@@ -128,42 +139,42 @@ def _lower_bounds(ring: Ring, harmonics: Ints, scale: float) -> Floats:
     bound = np.full(len(harmonics), 1e-2 * scale)
     left = np.arange(len(harmonics))
     while len(left):
-        left = left[_negative_pivots(ring, harmonics[left], bound[left]) > 0]
+        left = left[negative_pivots(ring, harmonics[left], bound[left]) > 0]
         bound[left] *= CLOSE
     return -bound
 
 
 def _lowest_eigenvalues(
-    matrix: Matrix, lowest: float, negative: int, expected: int
+    tangent: HarmonicTangent, lowest: float, negative: int, expected: int
 ) -> tuple[Complex, Complex] | None:
     """All eigenvalues of a harmonic with negative real parts, and others; with their vectors. None if they hide.
 
     Args:
-        matrix: the harmonic's.
+        tangent: the harmonic's.
         lowest: a bound on the eigenvalues of its Hermitian part, the front left out, N/m.
         negative: how many of these are negative.
-        expected: how many are with the front: nearly always as many as eigenvalues of the matrix itself.
+        expected: how many are with the front: nearly always as many as eigenvalues of the tangent itself.
     """
     from scipy.sparse.linalg import ArpackError
 
-    if len(matrix) <= DENSE:
-        return np.linalg.eig(matrix.dense())
-    below, aside = matrix.bounds(lowest)
+    if tangent.size <= DENSE:
+        return np.linalg.eig(tangent.dense())
+    below, aside = tangent.bounds(lowest)
     try:
-        found = matrix.nearest(below, expected)
+        found = tangent.nearest(below, expected)
         if found[0].real.max() < 0.0:
             basis = np.linalg.qr(found[1])[0]
-            if matrix.negative_eigenvalues(negative, basis) == 0:
+            if tangent.negative_eigenvalues(negative, basis) == 0:
                 return found
         # else those in the disc that covers what of x^H K x, |x| = 1, lies in the left half-plane, and with it all
         # eigenvalues there: right of the bound below, and within the one aside
         centre, radius = 0.5 * below, np.hypot(0.5 * below, aside)
         wanted = expected + 2
-        while wanted < len(matrix) // 4:
-            found = matrix.nearest(centre, wanted)
+        while wanted < tangent.size // 4:
+            found = tangent.nearest(centre, wanted)
             if np.abs(found[0] - centre).max() > radius:
                 return found
             wanted *= 2
     except ArpackError:
         pass
-    return np.linalg.eig(matrix.dense()) if len(matrix) <= DENSE_AT_LAST else None
+    return np.linalg.eig(tangent.dense()) if tangent.size <= DENSE_AT_LAST else None
