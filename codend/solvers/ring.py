@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.mechanics.arrays import Structure
 from codend.mechanics.harmonics import hermitian_parts
 from codend.mechanics.newton_state import empty_state
 from codend.mechanics.newton_step import empty_step
+from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import Pattern, pattern_of
 from codend.net.net import Floats, Ints
 from codend.solvers.harmonic_tangent import Complex, HarmonicTangent
@@ -33,10 +33,10 @@ class Ring:
     the nodes on it have in a harmonic.
     """
 
-    def __init__(self, structure: Structure) -> None:
+    def __init__(self, structure: Structure, bands: int) -> None:
         self.order = int(structure.order)
         self.pattern = pattern_of(structure, by_image=True)
-        self.state, self.step = empty_state(structure), empty_step(structure, self.pattern)
+        self.state, self.step = empty_state(structure, bands), empty_step(structure, self.pattern)
         self._gathered: Floats | None = None
         self.fronted = False
         """Whether the catch's front follows the net."""

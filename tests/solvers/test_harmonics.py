@@ -9,10 +9,11 @@ from catch_models.pressure import uniform_law
 from codend.bag.loads import problem_of
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.solve import all_round_start
+from codend.mechanics import bending
+from codend.mechanics.bars import add_bar_tangent
+from codend.mechanics.loads import add_tangent
 from codend.mechanics.problem import Problem
-from codend.mechanics.tangent import Pattern, add_bar_tangent, pattern_of
-from codend.mechanics.tangent_bending import add_bending_tangent
-from codend.mechanics.tangent_loads import add_drag_tangent, add_pressure_tangent
+from codend.mechanics.tangent import Pattern, pattern_of
 from codend.plan.plan import Plan, plan_from_dict
 from codend.solvers import newton
 from codend.solvers.harmonics import Harmonics, growing_harmonics, harmonics_of, negative_pivots
@@ -27,7 +28,8 @@ STIFF = {"axial_stiffness_n": 2000.0, "bending_stiffness_n_m2": 2e-3, "knot_mm":
 
 def solved(plan: Plan) -> tuple[Problem, Solution]:
     """Equilibrium of the narrowest sector."""
-    scene = equilibrium.scene_of(plan, 1, 1)
+    finely = plan.model_copy(update={"model": plan.model.model_copy(update={"tolerance": 1e-9})})
+    scene = equilibrium.scene_of(finely, 1, 1)
     problem, solution = equilibrium.solve(scene, plan.cases()[0], (), None)
     assert solution.report.outcome.converged
     return problem, solution
@@ -37,9 +39,10 @@ def asked(plan: Plan, abreast: int = 1) -> Harmonics:
     """The harmonics of that equilibrium, of so many such sectors as one."""
     problem, solution = solved(plan)
     if abreast > 1:
-        solution = all_round_start(problem.net, solution.positions, solution.bar_tension, abreast)
-        problem = problem_of(equilibrium.scene_of(plan, 1, abreast).net, plan, plan.cases()[0])
-    harmonics = harmonics_of(problem, solution, Ring(problem.structure))
+        narrow = equilibrium.scene_of(plan, 1, 1).bag
+        solution = all_round_start(narrow, solution.positions, solution.bar_tension, abreast)
+        problem = problem_of(equilibrium.scene_of(plan, 1, abreast).bag, plan, plan.cases()[0])
+    harmonics = harmonics_of(problem, solution, Ring(problem.structure, problem.bands))
     assert harmonics.undecided == ()
     return harmonics
 
@@ -53,10 +56,12 @@ def directions_of_whole_net(plan: Plan) -> int:
 
     Taut inextensible bars keep their force densities and hold their lengths: the tangent counts on the moves that do.
     """
-    sector, solution = solved(plan)
-    net = equilibrium.scene_of(plan, 1, None).net
-    start = all_round_start(sector.net, solution.positions, solution.bar_tension, sector.net.order)
-    problem = problem_of(net, plan, plan.cases()[0])
+    _, solution = solved(plan)
+    bag = equilibrium.scene_of(plan, 1, None).bag
+    net = bag.net
+    narrow = equilibrium.scene_of(plan, 1, 1).bag
+    start = all_round_start(narrow, solution.positions, solution.bar_tension, narrow.net.order)
+    problem = problem_of(bag, plan, plan.cases()[0])
     flexibility = np.where(net.bar_flexibility > 0.0, net.bar_flexibility, 1.0)
     own_length = complex_loads.norm(complex_loads.vectors(net, start.positions))
     held = start.bar_tension / own_length
@@ -188,7 +193,6 @@ def ring_of_beam(pressure: float, order: int = 48) -> Ring:
         facets=facets.astype(np.int32),
         facet_image=images.astype(np.int32),
         facet_weight=np.full(4, 0.5),
-        facet_band=np.zeros(4, dtype=np.int32),
         corners=np.array([[0, 0, 0], [1, 1, 1]], dtype=np.int32),
         corner_image=np.array([[0, -1, 1], [0, -1, 1]], dtype=np.int32),
         # k / 4 (psi - psi0)^2 / 2 is EI / side times the same, EI half the beam's
@@ -197,18 +201,21 @@ def ring_of_beam(pressure: float, order: int = 48) -> Ring:
         free=np.array([[0.0, 1.0, 1.0], [0.0, 1.0, 1.0]]),
         order=float(order),
     )
-    ring = Ring(structure)
+    ring = Ring(structure, 1)
     position = np.array([[0.0, 1.0, 0.0], [1.0, 1.0, 0.0]])
     tension = 0.5 * pressure * side * np.cos(0.5 * turn) / (2.0 * np.sin(0.5 * turn))
     law = uniform_law(1.0)
-    loading = spare.loading._replace(
-        stagnation_pressure=pressure, angles=law.angles_rad, coefficients=np.ascontiguousarray(law.coefficients)
+    catch = spare.loading.catch._replace(
+        facet_band=np.zeros(4, dtype=np.int32),
+        stagnation_pressure=pressure,
+        angles=law.angles_rad,
+        coefficients=np.ascontiguousarray(law.coefficients),
     )
     blocks = ring.step.blocks
     blocks[:] = 0.0
     add_bar_tangent(position, structure, ring.pattern, np.full(2, tension / side), np.full(2, 1e6 / side**3), blocks)
-    add_bending_tangent(position, structure, ring.pattern, blocks)
-    add_pressure_tangent(position, structure, loading, ring.pattern, np.ones(1), blocks)
+    bending.add_tangent(position, structure, ring.pattern, blocks)
+    pressure.add_tangent(position, structure, catch, ring.pattern, np.ones(1), blocks)
     # the hoops move alike, and what moves for nothing, as the whole ring does, is to be stable
     alike = ring.pattern.image == 0
     unlike = np.where(ring.pattern.row == ring.pattern.column, 1.0, -1.0)
@@ -220,7 +227,7 @@ def ring_of_beam(pressure: float, order: int = 48) -> Ring:
 
 def spare_problem() -> Problem:
     plan = make_plan(8, 5, filled=2.0)
-    return problem_of(equilibrium.scene_of(plan, 1, 1).net, plan, plan.cases()[0])
+    return problem_of(equilibrium.scene_of(plan, 1, 1).bag, plan, plan.cases()[0])
 
 
 def test_a_ring_under_suction_buckles_into_an_oval_at_the_pressure_of_theory():
@@ -241,22 +248,23 @@ def disturbed_rings(draw):
     if mesh != "square":
         netting["bending_stiffness_n_m2"] = draw(st.sampled_from([0.0, 1e-3]))
     plan = make_plan(draw(st.integers(2, 4)) * 3, draw(st.integers(4, 6)), mesh=mesh, filled=2.5, netting=netting)
-    net = equilibrium.scene_of(plan, 1, draw(st.sampled_from([1, 3]))).net
-    problem = problem_of(net, plan, plan.cases()[0])
+    bag = equilibrium.scene_of(plan, 1, draw(st.sampled_from([1, 3]))).bag
+    net, problem = bag.net, problem_of(bag, plan, plan.cases()[0])
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     position = net.positions + rng.normal(0.0, 0.004, net.positions.shape) * ~net.fixed
     pulls = rng.uniform(0.0, 10.0, len(net.bars)), rng.uniform(0.0, 1e4, len(net.bars))
-    share = rng.uniform(0.0, 1.0, net.bands)
+    share = rng.uniform(0.0, 1.0, bag.bands)
 
     def ring(loaded: bool) -> Ring:
-        ring = Ring(problem.structure)
+        ring = Ring(problem.structure, problem.bands)
         arguments = (position, problem.structure, ring.pattern)
         ring.step.blocks[:] = 0.0
         add_bar_tangent(*arguments, *pulls, ring.step.blocks)
-        add_bending_tangent(*arguments, ring.step.blocks)
-        if loaded:
-            add_drag_tangent(position, problem.structure, problem.loading, ring.pattern, share, ring.step.blocks)
-            add_pressure_tangent(position, problem.structure, problem.loading, ring.pattern, share, ring.step.blocks)
+        if not loaded:
+            bending.add_tangent(*arguments, ring.step.blocks)
+        else:
+            structure, loading = problem.structure, problem.loading
+            add_tangent(position, structure, loading, ring.pattern, share, ring.step.blocks)
         ring.gather(False)
         return ring
 
@@ -294,16 +302,15 @@ def test_harmonic_0_is_the_tangent_of_newtons_method(mesh, sectors):
     """But for the codline, which in the whole net is one node where each sector has its own."""
     plan = make_plan(12, 6, 0.4, 2.5, mesh=mesh, netting=KNOTTED)
     scene = equilibrium.scene_of(plan, 1, sectors)
-    problem = problem_of(scene.net, plan, plan.cases()[0])
+    problem = problem_of(scene.bag, plan, plan.cases()[0])
     position, structure = problem.net.positions, problem.structure
-    ring, share = Ring(structure), np.full(problem.net.bands, 0.4)
+    ring, share = Ring(structure), np.full(problem.bands, 0.4)
 
     def added_up(pattern: Pattern) -> np.ndarray:
         blocks = np.zeros((len(pattern.row), 3, 3))
         ones = np.ones(len(problem.net.bars))
         add_bar_tangent(position, structure, pattern, ones, 1e3 * ones, blocks)
-        add_drag_tangent(position, structure, problem.loading, pattern, share, blocks)
-        add_pressure_tangent(position, structure, problem.loading, pattern, share, blocks)
+        add_tangent(position, structure, problem.loading, pattern, share, blocks)
         return blocks
 
     pattern, size = pattern_of(structure), 3 * len(position)
