@@ -9,7 +9,7 @@ from catch_models.pressure import uniform_law
 from codend.bag.loads import problem_of
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.solve import all_round_start
-from codend.mechanics import bending
+from codend.mechanics import bending, pressure
 from codend.mechanics.bars import add_bar_tangent
 from codend.mechanics.loads import add_tangent
 from codend.mechanics.problem import Problem
@@ -174,7 +174,7 @@ def test_limp_diamond_netting_is_stable_at_any_catch(filled):
     assert growing(make_plan(25, 20, 0.35, filled, netting={"knot_mm": 5.0})) == []
 
 
-def ring_of_beam(pressure: float, order: int = 48) -> Ring:
+def ring_of_beam(inside_pa: float, order: int = 48) -> Ring:
     """Tangent of a ring of radius 1 m, width 1 m and EI 1 N m2, under pressure from inside: two hoops and a skin.
 
     Each hoop is a polygon of one node a sector that is at rest as it stands, stiff in length, held along the axis and
@@ -203,11 +203,11 @@ def ring_of_beam(pressure: float, order: int = 48) -> Ring:
     )
     ring = Ring(structure, 1)
     position = np.array([[0.0, 1.0, 0.0], [1.0, 1.0, 0.0]])
-    tension = 0.5 * pressure * side * np.cos(0.5 * turn) / (2.0 * np.sin(0.5 * turn))
+    tension = 0.5 * inside_pa * side * np.cos(0.5 * turn) / (2.0 * np.sin(0.5 * turn))
     law = uniform_law(1.0)
     catch = spare.loading.catch._replace(
         facet_band=np.zeros(4, dtype=np.int32),
-        stagnation_pressure=pressure,
+        stagnation_pressure=inside_pa,
         angles=law.angles_rad,
         coefficients=np.ascontiguousarray(law.coefficients),
     )
@@ -304,7 +304,7 @@ def test_harmonic_0_is_the_tangent_of_newtons_method(mesh, sectors):
     scene = equilibrium.scene_of(plan, 1, sectors)
     problem = problem_of(scene.bag, plan, plan.cases()[0])
     position, structure = problem.net.positions, problem.structure
-    ring, share = Ring(structure), np.full(problem.bands, 0.4)
+    ring, share = Ring(structure, problem.bands), np.full(problem.bands, 0.4)
 
     def added_up(pattern: Pattern) -> np.ndarray:
         blocks = np.zeros((len(pattern.row), 3, 3))
