@@ -10,9 +10,12 @@ so they are factorised side by side. Of H_k, S and C row i holds column i - d of
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.compiled import njit
 from codend.net.net import Floats, Ints
+
+Complex = NDArray[np.complex128]
 
 
 @njit(cache=True, error_model="numpy")
@@ -102,3 +105,76 @@ def negative_pivots_side_by_side(
                 for lane in range(lanes):
                     real[lane] -= x[lane] * u[lane] + y[lane] * v[lane]
                     imaginary[lane] -= y[lane] * u[lane] - x[lane] * v[lane]
+
+
+@njit(cache=True, error_model="numpy")
+def factorise_complex_band(band: Complex) -> None:
+    """Factorise a band in place as L U without pivoting: entry (i, j) in ``band[i, half + j - i]``."""
+    size, width = band.shape
+    half = width // 2
+    for k in range(size):
+        inverse = 1.0 / band[k, half]
+        for below in range(1, min(half, size - 1 - k) + 1):
+            row, start = band[k + below], half - below
+            factor = row[start] * inverse
+            row[start] = factor
+            if factor != 0.0:
+                for i in range(1, min(half, size - 1 - k) + 1):
+                    row[start + i] -= factor * band[k, half + i]
+
+
+@njit(cache=True, error_model="numpy")
+def solve_complex_band(band: Complex, x: Complex) -> None:
+    """Solve in place with the factors of ``factorise_complex_band``, (unknowns,)."""
+    size, width = band.shape
+    half = width // 2
+    for i in range(size):
+        for j in range(max(0, i - half), i):
+            x[i] -= band[i, half + j - i] * x[j]
+    for i in range(size - 1, -1, -1):
+        for j in range(i + 1, min(size, i + half + 1)):
+            x[i] -= band[i, half + j - i] * x[j]
+        x[i] /= band[i, half]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
+def arnoldi(
+    band: Complex, by_load: Complex, gradient: Complex, first: int, last: int, basis: Complex, projection: Complex
+) -> None:
+    """Carry Arnoldi's method for the inverse of a tangent on from step ``first`` to ``last``.
+
+    Library routines would share such short vectors out among threads, which takes far longer than the work.
+
+    Args:
+        band: factors of the band.
+        by_load: what the front's product adds to a solution y is ``by_load`` times the sum of ``gradient`` y.
+        gradient: see there.
+        first: steps that were made.
+        last: steps to have made.
+        basis: its rows are orthonormal, ``first`` + 1 of them are there, (steps + 1, unknowns).
+        projection: column m holds the parts of the inverse of row m along the rows, (steps + 1, steps).
+    """
+    size = basis.shape[1]
+    for m in range(first, last):
+        new = basis[m + 1]
+        new[:] = basis[m]
+        solve_complex_band(band, new)
+        along = 0.0j
+        for i in range(size):
+            along += gradient[i] * new[i]
+        for i in range(size):
+            new[i] += along * by_load[i]
+        for _ in range(2):  # once more against round-off
+            for row in range(m + 1):
+                old, part = basis[row], 0.0j
+                for i in range(size):
+                    part += old[i].conjugate() * new[i]
+                projection[row, m] += part
+                for i in range(size):
+                    new[i] -= part * old[i]
+        squares = 0.0
+        for i in range(size):
+            squares += new[i].real ** 2 + new[i].imag ** 2
+        projection[m + 1, m] = np.sqrt(squares)
+        for i in range(size):
+            new[i] /= np.sqrt(squares)

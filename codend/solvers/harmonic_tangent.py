@@ -1,16 +1,15 @@
 """The tangent that one harmonic of a sector's net sees: a band, less a product where the front follows the net."""
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
+from codend.mechanics.harmonics import Complex, arnoldi, factorise_complex_band, solve_complex_band
 from codend.net.net import Floats
 
-Complex = NDArray[np.complex128]
-
 NEAREST = 1e-8
-"""Relative error of an eigenvalue's distance from where it is sought."""
+"""Relative residual of an eigenvalue of the inverse."""
+FIRST_STEPS, MORE_STEPS, MOST_STEPS = 26, 13, 150
+"""Of Arnoldi's method, before it is first looked what it found, until it is looked again, and in all."""
 
 
 class HarmonicTangent:
@@ -53,43 +52,46 @@ class HarmonicTangent:
             adjoint[2 * self.half - row, inside.start + below : inside.stop + below] = values[inside]
         return adjoint
 
-    def solver(self, centre: float) -> Callable[[Complex], Complex]:
-        """Solves with K less ``centre`` on its diagonal, for right sides (unknowns,) or (unknowns, k)."""
-        from scipy.linalg.lapack import zgbtrf, zgbtrs
+    def _factors(self, centre: float) -> Complex:
+        """Factors of B less ``centre`` on its diagonal, row by row."""
+        rows = np.zeros((self.size, len(self.band)), dtype=complex)
+        for row in range(len(self.band)):
+            below = row - self.half
+            inside = slice(max(-below, 0), self.size - max(below, 0))
+            rows[inside.start + below : inside.stop + below, len(self.band) - 1 - row] = self.band[row, inside]
+        rows[:, self.half] -= centre
+        factorise_complex_band(rows)
+        return rows
 
-        room = np.zeros((3 * self.half + 1, self.size), dtype=complex)
-        room[self.half :] = self.band
-        room[2 * self.half] -= centre
-        factors, pivots, _ = zgbtrf(room, self.half, self.half)
+    def nearest(self, centre: float, wanted: int) -> tuple[Complex, Complex] | None:
+        """The eigenvalues nearest to a real number and their vectors, by Arnoldi's method on the inverse; None if late.
 
-        def solved(right: Complex) -> Complex:
-            return zgbtrs(factors, self.half, self.half, right, pivots)[0]
-
-        if self.front is None:
-            return solved
-        load, gradient = self.front
-        by_load = solved(load.astype(complex))
-        determinant = 1.0 - gradient @ by_load
-
-        def solved_with_front(right: Complex) -> Complex:
-            without = solved(right)
-            return without + np.multiply.outer(by_load, gradient @ without / determinant)
-
-        return solved_with_front
-
-    def nearest(self, centre: float, wanted: int) -> tuple[Complex, Complex]:
-        """The eigenvalues nearest to a real number and their vectors, by Arnoldi's method on the inverse.
-
-        Raises:
-            scipy.sparse.linalg.ArpackError: they were not found.
+        The residual of an eigenvalue of the projection is the last entry of its vector times the next row's length.
         """
-        from scipy.sparse.linalg import LinearOperator, eigs
-
-        square = (self.size, self.size)
-        inverse = LinearOperator(square, matvec=self.solver(centre), dtype=complex)
-        start = np.random.default_rng(0).standard_normal(self.size).astype(complex)
-        room = max(12, 2 * wanted + 2)
-        return eigs(inverse, wanted, sigma=centre, OPinv=inverse, v0=start, tol=NEAREST, ncv=room)
+        band, most = self._factors(centre), min(MOST_STEPS, self.size - 1)
+        by_load, gradient = np.zeros((2, self.size), dtype=complex)
+        if self.front is not None:
+            by_load[:], gradient[:] = self.front
+            solve_complex_band(band, by_load)
+            by_load /= 1.0 - np.sum(gradient * by_load)
+        basis = np.zeros((most + 1, self.size), dtype=complex)
+        projection = np.zeros((most + 1, most), dtype=complex)
+        start = np.random.default_rng(0).standard_normal(self.size)
+        basis[0] = start / np.sqrt(np.sum(start**2))
+        steps = 0
+        while steps < most:
+            last = min(steps + MORE_STEPS if steps else max(FIRST_STEPS, 3 * wanted), most)
+            arnoldi(band, by_load, gradient, steps, last, basis, projection)
+            steps = last
+            if not np.isfinite(projection[:, :steps]).all():
+                return None
+            inverse, parts = np.linalg.eig(projection[:steps, :steps])
+            chosen = np.argsort(-np.abs(inverse))[:wanted]
+            residual = np.abs(projection[steps, steps - 1] * parts[-1, chosen])
+            if np.all(residual <= NEAREST * np.abs(inverse[chosen])):
+                found = np.asarray(centre + 1.0 / inverse[chosen], dtype=np.complex128)
+                return found, np.einsum("mi,mk->ik", basis[:steps], parts[:, chosen])
+        return None
 
     def negative_eigenvalues(self, negative: int, basis: Complex | None = None) -> int:
         """Number of negative eigenvalues of the Hermitian part of K J, J = I - 2 Y Y^H with an orthonormal basis Y.
@@ -115,7 +117,10 @@ class HarmonicTangent:
         sides = np.concatenate([side for _, *both in pairs for side in both], axis=1).astype(complex)
         inverse = block_diag(*(size * np.kron([[0, 1], [1, 0]], np.eye(first.shape[1])) for size, first, _ in pairs))
         hermitian = HarmonicTangent(0.5 * (self.band + self._adjoint()))
-        schur = inverse - sides.conj().T @ hermitian.solver(0.0)(sides)
+        factors, solved = hermitian._factors(0.0), np.ascontiguousarray(sides.T)
+        for side in solved:
+            solve_complex_band(factors, side)
+        schur = inverse - np.einsum("ij,ki->jk", sides.conj(), solved)
         below_0 = np.count_nonzero(np.linalg.eigvalsh(0.5 * (schur + schur.conj().T)) < 0.0)
         return negative + int(below_0) - len(inverse) // 2
 

@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 
 from codend.mechanics import newton_step as kernels
 from codend.mechanics.bars import bar_lengths
-from codend.mechanics.harmonics import negative_pivots_side_by_side
+from codend.mechanics.harmonics import Complex, negative_pivots_side_by_side
 from codend.mechanics.newton_state import measure
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
-from codend.solvers.harmonic_tangent import Complex, HarmonicTangent
+from codend.solvers.harmonic_tangent import HarmonicTangent
 from codend.solvers.newton import DIRECT, NEUTRAL
 from codend.solvers.outcome import Solution
 from codend.solvers.ring import Ring
@@ -155,26 +155,21 @@ def _lowest_eigenvalues(
         negative: how many of these are negative.
         expected: how many are with the front: nearly always as many as eigenvalues of the tangent itself.
     """
-    from scipy.sparse.linalg import ArpackError
-
     if tangent.size <= DENSE:
         return np.linalg.eig(tangent.dense())
     below, aside = tangent.bounds(lowest)
-    try:
-        found = tangent.nearest(below, expected)
-        if found[0].real.max() < 0.0:
-            basis = np.linalg.qr(found[1])[0]
-            if tangent.negative_eigenvalues(negative, basis) == 0:
-                return found
-        # else those in the disc that covers what of x^H K x, |x| = 1, lies in the left half-plane, and with it all
-        # eigenvalues there: right of the bound below, and within the one aside
-        centre, radius = 0.5 * below, np.hypot(0.5 * below, aside)
-        wanted = expected + 2
-        while wanted < tangent.size // 4:
-            found = tangent.nearest(centre, wanted)
-            if np.abs(found[0] - centre).max() > radius:
-                return found
-            wanted *= 2
-    except ArpackError:
-        pass
+    found = tangent.nearest(below, expected)
+    if found is not None and found[0].real.max() < 0.0:
+        basis = np.linalg.qr(found[1])[0]
+        if tangent.negative_eigenvalues(negative, basis) == 0:
+            return found
+    # else those in the disc that covers what of x^H K x, |x| = 1, lies in the left half-plane, and with it all
+    # eigenvalues there: right of the bound below, and within the one aside
+    centre, radius = 0.5 * below, np.hypot(0.5 * below, aside)
+    wanted = expected + 2
+    while found is not None and wanted < tangent.size // 4:
+        found = tangent.nearest(centre, wanted)
+        if found is not None and np.abs(found[0] - centre).max() > radius:
+            return found
+        wanted *= 2
     return np.linalg.eig(tangent.dense()) if tangent.size <= DENSE_AT_LAST else None

@@ -5,13 +5,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.mechanics.harmonics import hermitian_parts
+from codend.mechanics.harmonics import Complex, hermitian_parts
 from codend.mechanics.newton_state import empty_state
 from codend.mechanics.newton_step import empty_step
 from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import Pattern, pattern_of
 from codend.net.net import Floats, Ints
-from codend.solvers.harmonic_tangent import Complex, HarmonicTangent
+from codend.solvers.harmonic_tangent import HarmonicTangent
 from codend.solvers.linear_systems import narrow_numbering
 
 Places = NDArray[np.int64]
@@ -136,7 +136,8 @@ class Ring:
         band = np.zeros((2 * half + 1, self.size + count), dtype=complex)
         reach = len(self.even) - 1
         turns = np.exp(2j * np.pi * harmonic / self.order * np.arange(-reach, reach + 1))
-        band[:, : self.size] = np.tensordot(turns, self._bands, axes=1)
+        for turn, part in zip(turns, self._bands, strict=True):
+            band[:, : self.size] += turn * part
         if count:
             row, column, value = self._values_at_axis(harmonic)
             np.add.at(band, (half + row - column, column), value)
