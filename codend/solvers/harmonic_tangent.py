@@ -1,7 +1,6 @@
 """The tangent that one harmonic of a sector's net sees: a band, less a product where the front follows the net."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from codend.mechanics.harmonics import Complex, arnoldi, factorise_complex_band, solve_complex_band
 from codend.net.net import Floats
@@ -94,44 +93,30 @@ class HarmonicTangent:
         return None
 
     def negative_eigenvalues(self, negative: int, basis: Complex | None = None) -> int:
-        """Number of negative eigenvalues of the Hermitian part of K J, J = I - 2 Y Y^H with an orthonormal basis Y.
+        """Number of negative eigenvalues of the Hermitian part of K, on moves at right angles to a basis if any.
 
-        With a basis of the moves that grow there are none, and that proves them to be all: K and J then have equally
-        many eigenvalues with negative real parts (Ostrowski and Schneider 1962, J. Math. Anal. Appl. 4, 72-84). Without
-        a basis J is I.
+        Of a basis of eigenvectors that tells of all other eigenvalues of K: they are those of K on what is left, and
+        where its Hermitian part is positive definite there none has a negative real part.
 
-        The part is H - U D U^H, H that of B and U = (Y, K Y, u, v). Its inertia and that of D^-1 add up to those of H
-        and of D^-1 - U^H H^-1 U (Haynsworth 1968, Linear Algebra Appl. 1, 73-81).
+        With H the Hermitian part of B, U = (Y, u, v) of the orthonormal basis Y and the front, and C zero but for 2
+        between u and v, (H, U; U^H, C) has as many negative eigenvalues as are sought, and one more a column of Y and
+        for the front. They are those of H and of C - U^H H^-1 U (Haynsworth 1968, Linear Algebra Appl. 1, 73-81).
 
         Args:
             negative: negative eigenvalues of H.
             basis: Y, (unknowns, moves).
         """
-        from scipy.linalg import block_diag
-
-        pairs: list[tuple[float, NDArray, NDArray]] = []
-        if basis is not None:
-            pairs.append((1.0, basis, self @ basis))
+        sides = [] if basis is None else [*basis.T]
+        held = len(sides)
         if self.front is not None:
-            pairs.append((2.0, self.front[0][:, None], self.front[1][:, None]))
-        sides = np.concatenate([side for _, *both in pairs for side in both], axis=1).astype(complex)
-        inverse = block_diag(*(size * np.kron([[0, 1], [1, 0]], np.eye(first.shape[1])) for size, first, _ in pairs))
-        hermitian = HarmonicTangent(0.5 * (self.band + self._adjoint()))
-        factors, solved = hermitian._factors(0.0), np.ascontiguousarray(sides.T)
+            sides += self.front
+        corner = np.zeros((len(sides), len(sides)))
+        if self.front is not None:
+            corner[-1, -2] = corner[-2, -1] = 2.0
+        whole = np.array(sides, dtype=complex)
+        factors, solved = HarmonicTangent(0.5 * (self.band + self._adjoint()))._factors(0.0), whole.copy()
         for side in solved:
             solve_complex_band(factors, side)
-        schur = inverse - np.einsum("ij,ki->jk", sides.conj(), solved)
+        schur = corner - np.einsum("ji,ki->jk", whole.conj(), solved)
         below_0 = np.count_nonzero(np.linalg.eigvalsh(0.5 * (schur + schur.conj().T)) < 0.0)
-        return negative + int(below_0) - len(inverse) // 2
-
-    def bounds(self, lowest: float) -> tuple[float, float]:
-        """Bounds on the Hermitian part from below and on the size of the skew one, N/m; ``lowest`` is one on that of B.
-
-        No row of absolute values adds up to less than the largest eigenvalue.
-        """
-        aside = float(0.5 * np.abs(self.band - self._adjoint()).sum(axis=0).max())
-        if self.front is None:
-            return lowest, aside
-        u, v = self.front
-        size = float(np.linalg.norm(u) * np.linalg.norm(v))
-        return lowest - 0.5 * (size + float(u @ v)), aside + 0.5 * size
+        return negative + int(below_0) - held - (0 if self.front is None else 1)

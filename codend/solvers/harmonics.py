@@ -149,27 +149,21 @@ def _lowest_eigenvalues(
 ) -> tuple[Complex, Complex] | None:
     """All eigenvalues of a harmonic with negative real parts, and others; with their vectors. None if they hide.
 
+    Those nearest to a lower bound are found, more and more until on what they leave the Hermitian part is positive
+    definite: that proves the rest to be stable.
+
     Args:
         tangent: the harmonic's.
         lowest: a bound on the eigenvalues of its Hermitian part, the front left out, N/m.
         negative: how many of these are negative.
-        expected: how many are with the front: nearly always as many as eigenvalues of the tangent itself.
+        expected: how many are with the front: nearly always as many as eigenvalues are needed.
     """
-    if tangent.size <= DENSE:
-        return np.linalg.eig(tangent.dense())
-    below, aside = tangent.bounds(lowest)
-    found = tangent.nearest(below, expected)
-    if found is not None and found[0].real.max() < 0.0:
-        basis = np.linalg.qr(found[1])[0]
-        if tangent.negative_eigenvalues(negative, basis) == 0:
+    wanted = expected
+    while tangent.size > DENSE and wanted < tangent.size // 4:
+        found = tangent.nearest(lowest, wanted)
+        if found is None:
+            break
+        if tangent.negative_eigenvalues(negative, np.linalg.qr(found[1])[0]) == 0:
             return found
-    # else those in the disc that covers what of x^H K x, |x| = 1, lies in the left half-plane, and with it all
-    # eigenvalues there: right of the bound below, and within the one aside
-    centre, radius = 0.5 * below, np.hypot(0.5 * below, aside)
-    wanted = expected + 2
-    while found is not None and wanted < tangent.size // 4:
-        found = tangent.nearest(centre, wanted)
-        if found is not None and np.abs(found[0] - centre).max() > radius:
-            return found
-        wanted *= 2
+        wanted = 2 * wanted + 2
     return np.linalg.eig(tangent.dense()) if tangent.size <= DENSE_AT_LAST else None
