@@ -36,11 +36,11 @@ def stability_of(scene: Scene, problem: Problem, solution: Solution) -> Stabilit
 
 
 def ranges_text(numbers: tuple[int, ...]) -> str:
-    """Rising whole numbers in short: ``2, 9-12``."""
+    """Rising whole numbers in short: ``2, 9 to 12``, which no spreadsheet takes for a date."""
     parts: list[list[int]] = []
     for number in numbers:
         if parts and number == parts[-1][-1] + 1:
             parts[-1].append(number)
         else:
             parts.append([number])
-    return ", ".join(f"{part[0]}-{part[-1]}" if len(part) > 1 else f"{part[0]}" for part in parts)
+    return ", ".join(f"{part[0]} to {part[-1]}" if len(part) > 1 else f"{part[0]}" for part in parts)

@@ -50,8 +50,8 @@ def _result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, obje
         "residual": result.report.residual,
         "converged": result.converged,
         "solve_ms": result.report.solve_ms,
-        "stable": None if result.stability is None else result.stability.stable,
-        "growing_harmonics": None if result.stability is None else ranges_text(result.stability.growing),
+        "stable": "unknown" if result.stability is None else result.stability.stable,
+        "growing_harmonics": (result.stability and ranges_text(result.stability.growing)) or float("nan"),
         "sector_order": result.net.order,
         "sector_meshes": max(section.meshes_round for section in plan.netting) // result.net.order,
     }
