@@ -58,9 +58,7 @@ def _check_length(plan: Plan, index: int, knots: Knots, row: int, across_m: floa
         raise InputError(file=plan.source, key=f"strap.{index}.length_m", value=strap.length_m, allowed=allowed)
 
 
-def _with_strap(
-    bag: Bag, strap: Strap, knots: Knots, row: int, across_m: float, drag: tuple[int, float, float]
-) -> Bag:
+def _with_strap(bag: Bag, strap: Strap, knots: Knots, row: int, across_m: float, drag: tuple[int, float, float]) -> Bag:
     lattice, g = knots.lattice, knots.lattice.globalisation
     rows, count = lattice.rings(np.array([row]))
     first = knots.ring(RIGHT, rows, count, lattice.knots[rows])

@@ -24,6 +24,7 @@ from codend.solvers.linear_systems import BandedSystem
 from codend.solvers.newton import DIRECT, NewtonSettings
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 from codend.solvers.rigid_bars import RigidBarsSettings
+from codend.solvers.ring import Ring
 
 BRIEF = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=10)
 """Newton's method from a start for no longer than a good one needs."""
@@ -57,6 +58,11 @@ class Scene:
     def prepared(self) -> newton.Prepared:
         """The unknowns numbered, and room for Newton's method to work in; made when first asked for."""
         return newton.prepare(structure_of(self.bag.net), self.bag.bands)
+
+    @cached_property
+    def ring(self) -> Ring:
+        """The net as a sector of a ring, and room to ask its harmonics; made when first asked for."""
+        return Ring(structure_of(self.bag.net), self.bag.bands)
 
 
 def scene_of(plan: Plan, globalisation: int, sectors: int | None) -> Scene:

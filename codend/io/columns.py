@@ -28,7 +28,10 @@ RESULT_COLUMNS = [
     "max_radius_error_m",
     "opening_ahead_error_deg",
     "drag_change_with_suction",
-    "negative_pivots",
+    "stable",
+    "growing_harmonics",
+    "sector_order",
+    "sector_meshes",
     "folded_share",
     "turn_deg",
 ]

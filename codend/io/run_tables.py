@@ -19,9 +19,11 @@ MOST_MB: Final = 2000
 WORDS: Final[dict[str, dict[str, object]]] = {
     "converged": {"True": True, "False": False, "TRUE": True, "FALSE": False},
     "fidelity": {name: name for name in ("meridian", "sector", "globalised", "full")},
+    "stable": {name: name for name in ("yes", "no", "unknown")},
 }
 """Columns of words, and what the words stand for, as spreadsheets may have spelled them."""
-NUMBERS: Final = {*RESULT_COLUMNS, *STRAP_COLUMNS, *PROFILE_COLUMNS, *MESH_COLUMNS} - {*WORDS, "method", SECTION}
+TEXTS: Final = {"method", "growing_harmonics", SECTION}
+NUMBERS: Final = {*RESULT_COLUMNS, *STRAP_COLUMNS, *PROFILE_COLUMNS, *MESH_COLUMNS} - {*WORDS, *TEXTS}
 """Columns of numbers; what users have added may be any text."""
 
 

@@ -29,9 +29,7 @@ def row_positions(position: Floats, catch: Catch, row_x: Floats) -> None:
 
 
 @njit(cache=True)
-def band_geometry(
-    position: Floats, structure: Structure, catch: Catch, band_area: Floats, band_moment: Floats
-) -> None:
+def band_geometry(position: Floats, structure: Structure, catch: Catch, band_area: Floats, band_moment: Floats) -> None:
     """Write area projected on the axis (m2) and its integral of x (m3) for every band, all round."""
     band_area[:] = 0.0
     band_moment[:] = 0.0
@@ -145,9 +143,7 @@ def share_gradient(
 
 
 @njit(cache=True, error_model="numpy")
-def load_by_share(
-    position: Floats, structure: Structure, water: Water, catch: Catch, band: int, load: Floats
-) -> None:
+def load_by_share(position: Floats, structure: Structure, water: Water, catch: Catch, band: int, load: Floats) -> None:
     """Write the derivative of the nodal loads with respect to the share of a band, N, (n, 3)."""
     load[:] = 0.0
     # the pressure is linear in the share and the drag in 1 - share, both band by band

@@ -8,6 +8,7 @@ the node shows at the image as R dx, so a block enters as R_i^T H R_j.
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.compiled import njit
 from codend.mechanics.structure import Structure
@@ -18,7 +19,7 @@ class Pattern(NamedTuple):
     """Which blocks there are and which of them every bar and facet adds to; the same for all states of a net."""
 
     row: Ints
-    """Node whose force a block differentiates, (blocks,), rising; within it ``column`` rises."""
+    """Node whose force a block differentiates, (blocks,), rising; within it ``image`` rises, and then ``column``."""
     column: Ints
     """Node whose position it is differentiated by, (blocks,)."""
     bar_slot: Ints
@@ -29,31 +30,45 @@ class Pattern(NamedTuple):
     """Blocks of the three nodes of a corner that resists opening, (c, 3, 3)."""
     diagonal: Ints
     """Blocks of the nodes with themselves, (n,)."""
+    image: Ints
+    """Sectors by which the column's node is turned against the row's, 0 where those blocks are added up, (blocks,)."""
 
 
-def pattern_of(structure: Structure) -> Pattern:
-    """Blocks of a net's tangent."""
+def pattern_of(structure: Structure, by_image: bool = False) -> Pattern:
+    """Blocks of a net's tangent: those of all images of a node added up, or kept apart ``by_image``.
+
+    Added up they are the tangent for moves that are the same in all sectors, each in its own axes.
+    """
     nodes = len(structure.free)
-    first, second = structure.first.astype(np.int64), structure.second.astype(np.int64)
-    facets = structure.facets.astype(np.int64)
-    bar_pairs = np.stack(
-        [first * nodes + first, first * nodes + second, second * nodes + first, second * nodes + second]
+    reach = len(structure.rotations) - 1 if by_image else 0
+
+    def paired(node: Ints, image: Ints) -> NDArray[np.int64]:
+        """Keys of all pairs of the nodes (p, k) that a load joins, (p, k, k)."""
+        node, turn = node.astype(np.int64), image.astype(np.int64) if by_image else np.zeros_like(image, np.int64)
+        place = (turn[:, None, :] - turn[:, :, None] + reach) * nodes + node[:, None, :]
+        return node[:, :, None] * (nodes * (2 * reach + 1)) + place
+
+    bars = np.stack([structure.first, structure.second], axis=1)
+    bar_images = np.stack([np.zeros_like(structure.image), structure.image], axis=1)
+    own = np.arange(nodes, dtype=np.int32)[:, None]
+    parts = (
+        paired(bars, bar_images),
+        paired(structure.facets, structure.facet_image),
+        paired(structure.corners, structure.corner_image),
+        paired(own, np.zeros_like(own)),
     )
-    facet_pairs = facets[:, :, None] * nodes + facets[:, None, :]
-    corners = structure.corners.astype(np.int64)
-    corner_pairs = corners[:, :, None] * nodes + corners[:, None, :]
-    own = np.arange(nodes) * (nodes + 1)
-    pairs = [bar_pairs.T.ravel(), facet_pairs.ravel(), corner_pairs.ravel(), own]
+    pairs = [part.ravel() for part in parts]
     keys, place = np.unique(np.concatenate(pairs), return_inverse=True)
     place = place.astype(np.int32)
     bars_end, facets_end, corners_end = np.cumsum([part.size for part in pairs[:3]])
     return Pattern(
-        row=(keys // nodes).astype(np.int32),
+        row=(keys // (nodes * (2 * reach + 1))).astype(np.int32),
         column=(keys % nodes).astype(np.int32),
         bar_slot=np.ascontiguousarray(place[:bars_end].reshape(-1, 4)),
         facet_slot=np.ascontiguousarray(place[bars_end:facets_end].reshape(-1, 3, 3)),
         corner_slot=np.ascontiguousarray(place[facets_end:corners_end].reshape(-1, 3, 3)),
         diagonal=np.ascontiguousarray(place[corners_end:]),
+        image=(keys // nodes % (2 * reach + 1) - reach).astype(np.int32),
     )
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from codend.bag.measures import ROWS_AHEAD, WANTED_OPENING_DEG
+from codend.equilibrium.stability import ranges_text
 from codend.report.style import column_text
 from codend.studies.case_result import CaseResult
 from codend.studies.study import Study
@@ -117,9 +118,10 @@ def solving_table(study: Study) -> PageTable:
     remark = (
         "Residual: largest force out of balance on a free node, over the resultant of the loads. Pull at the entry: "
         "the axial reaction, which must equal the drag. Length error: largest departure of a bar from the law of its "
-        "twine, over its length. Stable: yes where no pivot of the tangent is negative at the equilibrium, not sure "
-        "where it is singular; that of a sector tells of moves that are the same all round. In folds: netting on the "
-        "catch that faces inward, where the pressure is right in sum over the layers of a fold only."
+        "twine, over its length. Stable: of a sector yes where no change grows, however often it varies round the "
+        "net, and in brackets how often those do that grow; of a full net yes where no pivot of the tangent is "
+        "negative. In folds: netting on the catch that faces inward, where the pressure is right in sum over the "
+        "layers of a fold only."
     )
     return PageTable(heads, _rows(study, cells), (remark,))
 
@@ -133,9 +135,11 @@ def _rows(study: Study, columns: list[list[str]]) -> tuple[PageRow, ...]:
 
 
 def _stable(result: CaseResult) -> str:
-    if result.negative_pivots is None:
+    if result.stability is None:
         return ""
-    return "no" if result.unstable else "yes" if result.negative_pivots == 0 else "not sure"
+    growing = ranges_text(result.stability.growing)
+    said = "not sure" if result.stability.stable == "unknown" else result.stability.stable
+    return f"{said} ({growing})" if growing else said
 
 
 def _case_text(result: CaseResult) -> str:

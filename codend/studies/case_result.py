@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from codend.bag.bag import Bag, real_tensions
 from codend.bag.measures import Measures, Meshes, Rows
 from codend.equilibrium.accuracy import Errors
+from codend.equilibrium.stability import Stability
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Net
 from codend.plan.plan import Case
@@ -22,8 +23,8 @@ class CaseResult:
     measures: Measures
     errors: Errors
     """How far the measures may be off."""
-    negative_pivots: int | None
-    """Of the tangent at the equilibrium, 0 where it is stable; None where there is no such tangent."""
+    stability: Stability | None
+    """Whether the net stays as it is; None where the case was not solved."""
     rows: Rows | None
     """None where the case was not solved."""
     meshes: Meshes | None
@@ -55,5 +56,5 @@ class CaseResult:
 
     @property
     def unstable(self) -> bool:
-        """Whether the pivots say that the net, though in balance, would not stay as it is."""
-        return (self.negative_pivots or 0) > 0
+        """Whether the net, though in balance, would not stay as it is."""
+        return self.stability is not None and self.stability.stable == "no"

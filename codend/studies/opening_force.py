@@ -204,9 +204,7 @@ def _pulled(plan: Plan, sectors: int, row: int, start: Solution, pull: Pull, pro
         hooked = _with_hooks(bag, right, left, abeam, HOOK * side, goal)
         problem = problem_of(hooked, plan, pull.case)
         prepared = newton.prepare(problem.structure, problem.bands) if prepared is None else prepared
-        trial = interior_point.solve(
-            problem, plan.model.tolerance, solution, progress=progress, prepared=prepared
-        )
+        trial = interior_point.solve(problem, plan.model.tolerance, solution, progress=progress, prepared=prepared)
         attempts.append(f"pulled by {2e3 * goal:.4g} mm: {'; '.join(trial.report.attempts)}")
         if not trial.report.outcome.converged:
             goal = 0.5 * (goal + pulled_by[-1][0])

@@ -15,9 +15,9 @@ from codend.equilibrium import accuracy, fidelity
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.accuracy import Errors
 from codend.equilibrium.fidelity import Choice
+from codend.equilibrium.stability import Stability, stability_of
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
-from codend.solvers import newton
 from codend.solvers.outcome import Solution, SolverReport
 from codend.studies.case_result import CaseResult
 
@@ -108,9 +108,9 @@ def solve(
         result = _measured(scene.bag, case, problem, solution)
         if result.converged:
             known.append((case, solution))
-            pivots = newton.negative_pivots(problem, solution, scene.prepared)
+            stability = stability_of(scene, problem, solution)
             errors = accuracy.estimate(scene, case, problem, solution, result.measures, choice.unseen_weight_n)
-            result = replace(result, errors=errors, negative_pivots=pivots)
+            result = replace(result, errors=errors, stability=stability)
         results[case.number] = result
         if keep is not None:
             keep(result)
@@ -171,6 +171,7 @@ def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) 
         )
         _, of_bars = equilibrium.solve(sector, case, [(case, solution)], None)
         errors = accuracy.estimate(sector, case, problem, of_bars, own, choice.unseen_weight_n)
-        yield replace(result, measures=own, errors=errors)
+        # a membrane, which has no tangent
+        yield replace(result, measures=own, errors=errors, stability=Stability("unknown"))
     if progress is not None:
         progress(len(cases), len(cases), "done")

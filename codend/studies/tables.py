@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from codend.equilibrium.stability import ranges_text
 from codend.io.columns import (
     MESH_COLUMNS,
     OPENING_FORCE_COLUMNS,
@@ -49,7 +50,10 @@ def _result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, obje
         "residual": result.report.residual,
         "converged": result.converged,
         "solve_ms": result.report.solve_ms,
-        "negative_pivots": float("nan") if result.negative_pivots is None else result.negative_pivots,
+        "stable": "unknown" if result.stability is None else result.stability.stable,
+        "growing_harmonics": (result.stability and ranges_text(result.stability.growing)) or float("nan"),
+        "sector_order": result.net.order,
+        "sector_meshes": max(section.meshes_round for section in plan.netting) // result.net.order,
     }
 
 

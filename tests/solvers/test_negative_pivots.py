@@ -8,6 +8,7 @@ from click.testing import CliRunner
 
 from codend.cli.main import main
 from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.stability import Stability
 from codend.report.html import cautions, notes
 from codend.report.page_tables import solving_table
 from codend.solvers import newton
@@ -32,7 +33,7 @@ def test_a_bag_that_turns_for_nothing_behind_a_closed_neck_is_not_called_unstabl
             plan = make_plan(meshes_round, 250, entry, 4.0, model={"fidelity": "sector"})
             (result,) = solve(plan).cases
             assert result.converged
-            assert result.negative_pivots == 0, (meshes_round, entry)
+            assert result.stability.stable == "yes", (meshes_round, entry)
 
 
 @pytest.mark.parametrize(("entry", "filled"), [(0.4, 5.0), (0.7, 1.2), (0.4, 1.2)])
@@ -55,13 +56,19 @@ def test_a_run_says_on_its_page_and_in_the_end_which_net_in_balance_is_not_stabl
     assert said in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
 
 
-def test_only_a_negative_pivot_makes_a_net_unstable():
+def test_only_what_grows_makes_a_net_unstable():
     study = solve(make_plan(24, 20, filled=[4.0, 6.0, 8.0]))
     assert cautions(study) == []
-    known = zip(study.cases, (-1, 0, 2), strict=True)
-    study = replace(study, cases=tuple(replace(case, negative_pivots=pivots) for case, pivots in known))
+    answers = Stability("unknown"), Stability("yes"), Stability("no", (2, 9, 10, 11))
+    known = zip(study.cases, answers, strict=True)
+    study = replace(study, cases=tuple(replace(case, stability=answer) for case, answer in known))
     (said,) = cautions(study)
     assert said in notes(study)
     assert "1 case of 3 (3)" in said
+    assert "2, 9 to 11 times round" in said
+    assert study.table["stable"].tolist() == ["unknown", "yes", "no"]
+    assert study.table["growing_harmonics"].fillna("").tolist() == ["", "", "2, 9 to 11"]
+    assert set(study.table["sector_order"]) == {24}
+    assert set(study.table["sector_meshes"]) == {1}
     stable = [head.name for head in solving_table(study).heads].index("Stable")
-    assert [row.cells[stable] for row in solving_table(study).rows] == ["not sure", "yes", "no"]
+    assert [row.cells[stable] for row in solving_table(study).rows] == ["not sure", "yes", "no (2, 9 to 11)"]

@@ -1,0 +1,180 @@
+"""Changes of a net that vary round the ring of its sectors, harmonic by harmonic: kernels.
+
+Let B_m be the derivative of minus the forces on a sector by the moves of the m-th sector on, each in its own axes. A
+change exp(i k theta) from sector to sector sees K_k = sum over m of B_m exp(i m phi), phi = 2 pi k / n, n the order. Of
+its Hermitian part all harmonics share the real coefficients:
+
+    H_k = C_0 + sum over m > 0 of (C_m cos m phi + i S_m sin m phi)
+
+so they are factorised side by side. Of H_k, S and C row i holds column i - d of the lower triangle in place d.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codend.compiled import njit
+from codend.net.net import Floats, Ints
+
+Complex = NDArray[np.complex128]
+
+
+@njit(cache=True, error_model="numpy")
+def hermitian_parts(blocks: Floats, place: Ints, weight: Floats, even: Floats, odd: Floats) -> None:
+    """Gather the blocks by image into C and S.
+
+    Args:
+        blocks: (b, 3, 3).
+        place: where an entry goes in C and in S, -1 for coordinates that are held, (9 b,).
+        weight: how it counts in either, (9 b, 2).
+        even: C is written, (reach + 1, unknowns, width).
+        odd: S is written, likewise.
+    """
+    even[:] = 0.0
+    odd[:] = 0.0
+    entries, evens, odds = blocks.reshape(-1), even.reshape(-1), odd.reshape(-1)
+    for entry in range(len(place)):
+        where = place[entry]
+        if where >= 0:
+            evens[where] += weight[entry, 0] * entries[entry]
+            odds[where] += weight[entry, 1] * entries[entry]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "arcp"})
+def negative_pivots_side_by_side(
+    even: Floats, odd: Floats, depth: Ints, turn: Floats, shift: Floats, tail: Floats, negative: Ints
+) -> None:
+    """Count the negative pivots of the Hermitian parts of some harmonics, factorised as L D L^H without pivoting.
+
+    They are as many as negative eigenvalues. A pivot that is 0, or no number, counts as negative.
+
+    Args:
+        even: C, (reach + 1, unknowns, width).
+        odd: S, likewise.
+        depth: how many columns before its diagonal a row starts, that of the rows of ``tail`` included, (rows,).
+        turn: cosine and sine of m phi, (2, reach + 1, harmonics).
+        shift: added to the diagonal, (harmonics,).
+        tail: real and imaginary part of further rows, which each harmonic has of its own, (..., width, 2, harmonics).
+        negative: the counts are written, (harmonics,).
+    """
+    turns, unknowns, width = even.shape
+    rows, lanes = len(depth), len(shift)
+    # rows j to j + width - 1, real and imaginary parts, each at its number modulo width
+    window = np.empty((width, width, 2, lanes))
+    scaled = np.empty((width, 2, lanes))
+    negative[:] = 0
+    ready = 0
+    for j in range(rows):
+        while ready < min(j + width, rows):
+            row = window[ready % width]
+            for d in range(depth[ready] + 1):
+                real, imaginary = row[d, 0], row[d, 1]
+                if ready >= unknowns:
+                    real[:] = tail[ready - unknowns, d, 0]
+                    imaginary[:] = tail[ready - unknowns, d, 1]
+                    continue
+                real[:] = even[0, ready, d]
+                imaginary[:] = 0.0
+                for m in range(1, turns):
+                    c, s = even[m, ready, d], odd[m, ready, d]
+                    if c != 0.0 or s != 0.0:
+                        for lane in range(lanes):
+                            real[lane] += c * turn[0, m, lane]
+                            imaginary[lane] += s * turn[1, m, lane]
+            real = row[0, 0]
+            for lane in range(lanes):
+                real[lane] += shift[lane]
+            ready += 1
+        pivot = window[j % width, 0, 0]
+        for lane in range(lanes):
+            negative[lane] += 0 if pivot[lane] > 0.0 else 1
+            pivot[lane] = 1.0 / pivot[lane]
+        for d in range(1, min(width, rows - j)):
+            if depth[j + d] < d:
+                continue
+            row = window[(j + d) % width]
+            x, y, by_pivot = row[d, 0], row[d, 1], scaled[d]
+            for lane in range(lanes):
+                by_pivot[0, lane] = x[lane] * pivot[lane]
+                by_pivot[1, lane] = y[lane] * pivot[lane]
+            # row j + d less its entry in column j times, over the pivot and conjugate, those of rows j + 1 to j + d
+            for e in range(1, d + 1):
+                if depth[j + e] < e:
+                    continue
+                u, v = scaled[e, 0], scaled[e, 1]
+                real, imaginary = row[d - e, 0], row[d - e, 1]
+                for lane in range(lanes):
+                    real[lane] -= x[lane] * u[lane] + y[lane] * v[lane]
+                    imaginary[lane] -= y[lane] * u[lane] - x[lane] * v[lane]
+
+
+@njit(cache=True, error_model="numpy")
+def factorise_complex_band(band: Complex) -> None:
+    """Factorise a band in place as L U without pivoting: entry (i, j) in ``band[i, half + j - i]``."""
+    size, width = band.shape
+    half = width // 2
+    for k in range(size):
+        inverse = 1.0 / band[k, half]
+        for below in range(1, min(half, size - 1 - k) + 1):
+            row, start = band[k + below], half - below
+            factor = row[start] * inverse
+            row[start] = factor
+            if factor != 0.0:
+                for i in range(1, min(half, size - 1 - k) + 1):
+                    row[start + i] -= factor * band[k, half + i]
+
+
+@njit(cache=True, error_model="numpy")
+def solve_complex_band(band: Complex, x: Complex) -> None:
+    """Solve in place with the factors of ``factorise_complex_band``, (unknowns,)."""
+    size, width = band.shape
+    half = width // 2
+    for i in range(size):
+        for j in range(max(0, i - half), i):
+            x[i] -= band[i, half + j - i] * x[j]
+    for i in range(size - 1, -1, -1):
+        for j in range(i + 1, min(size, i + half + 1)):
+            x[i] -= band[i, half + j - i] * x[j]
+        x[i] /= band[i, half]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
+def arnoldi(
+    band: Complex, by_load: Complex, gradient: Complex, first: int, last: int, basis: Complex, projection: Complex
+) -> None:
+    """Carry Arnoldi's method for the inverse of a tangent on from step ``first`` to ``last``.
+
+    Library routines would share such short vectors out among threads, which takes far longer than the work.
+
+    Args:
+        band: factors of the band.
+        by_load: what the front's product adds to a solution y is ``by_load`` times the sum of ``gradient`` y.
+        gradient: see there.
+        first: steps that were made.
+        last: steps to have made.
+        basis: its rows are orthonormal, ``first`` + 1 of them are there, (steps + 1, unknowns).
+        projection: column m holds the parts of the inverse of row m along the rows, (steps + 1, steps).
+    """
+    size = basis.shape[1]
+    for m in range(first, last):
+        new = basis[m + 1]
+        new[:] = basis[m]
+        solve_complex_band(band, new)
+        along = 0.0j
+        for i in range(size):
+            along += gradient[i] * new[i]
+        for i in range(size):
+            new[i] += along * by_load[i]
+        for _ in range(2):  # once more against round-off
+            for row in range(m + 1):
+                old, part = basis[row], 0.0j
+                for i in range(size):
+                    part += old[i].conjugate() * new[i]
+                projection[row, m] += part
+                for i in range(size):
+                    new[i] -= part * old[i]
+        squares = 0.0
+        for i in range(size):
+            squares += new[i].real ** 2 + new[i].imag ** 2
+        projection[m + 1, m] = np.sqrt(squares)
+        for i in range(size):
+            new[i] /= np.sqrt(squares)

@@ -1,0 +1,122 @@
+"""The tangent that one harmonic of a sector's net sees: a band, less a product where the front follows the net."""
+
+import numpy as np
+
+from codend.mechanics.harmonics import Complex, arnoldi, factorise_complex_band, solve_complex_band
+from codend.net.net import Floats
+
+NEAREST = 1e-8
+"""Relative residual of an eigenvalue of the inverse."""
+FIRST_STEPS, MORE_STEPS, MOST_STEPS = 26, 13, 150
+"""Of Arnoldi's method, before it is first looked what it found, until it is looked again, and in all."""
+
+
+class HarmonicTangent:
+    """The tangent K of one harmonic: a band B, less u v^T where the catch's front follows the net."""
+
+    def __init__(self, band: Complex, front: tuple[Floats, Floats] | None = None) -> None:
+        self.band = band
+        """Entry (i, j) in ``band[half + i - j, j]``, (2 half + 1, unknowns)."""
+        self.front = front
+        """u and v, (unknowns,)."""
+
+    @property
+    def size(self) -> int:
+        """Unknowns."""
+        return self.band.shape[1]
+
+    @property
+    def half(self) -> int:
+        """Half-bandwidth."""
+        return len(self.band) // 2
+
+    def dense(self) -> Complex:
+        """All entries, (unknowns, unknowns)."""
+        return self @ np.eye(self.size, dtype=complex)
+
+    def __matmul__(self, vectors: Complex) -> Complex:
+        """Products with vectors, (unknowns, k)."""
+        from scipy.sparse import dia_array
+
+        below = np.arange(len(self.band)) - self.half
+        product: Complex = np.asarray(dia_array((self.band, -below), shape=(self.size, self.size)) @ vectors)
+        return product if self.front is None else product - np.outer(self.front[0], self.front[1] @ vectors)
+
+    def _adjoint(self) -> Complex:
+        """The band of B^H."""
+        adjoint = np.zeros_like(self.band)
+        for row in range(len(self.band)):
+            below, values = row - self.half, self.band[row].conj()
+            inside = slice(max(-below, 0), self.size - max(below, 0))
+            adjoint[2 * self.half - row, inside.start + below : inside.stop + below] = values[inside]
+        return adjoint
+
+    def _factors(self, centre: float) -> Complex:
+        """Factors of B less ``centre`` on its diagonal, row by row."""
+        rows = np.zeros((self.size, len(self.band)), dtype=complex)
+        for row in range(len(self.band)):
+            below = row - self.half
+            inside = slice(max(-below, 0), self.size - max(below, 0))
+            rows[inside.start + below : inside.stop + below, len(self.band) - 1 - row] = self.band[row, inside]
+        rows[:, self.half] -= centre
+        factorise_complex_band(rows)
+        return rows
+
+    def nearest(self, centre: float, wanted: int) -> tuple[Complex, Complex] | None:
+        """The eigenvalues nearest to a real number and their vectors, by Arnoldi's method on the inverse; None if late.
+
+        The residual of an eigenvalue of the projection is the last entry of its vector times the next row's length.
+        """
+        band, most = self._factors(centre), min(MOST_STEPS, self.size - 1)
+        by_load, gradient = np.zeros((2, self.size), dtype=complex)
+        if self.front is not None:
+            by_load[:], gradient[:] = self.front
+            solve_complex_band(band, by_load)
+            by_load /= 1.0 - np.sum(gradient * by_load)
+        basis = np.zeros((most + 1, self.size), dtype=complex)
+        projection = np.zeros((most + 1, most), dtype=complex)
+        start = np.random.default_rng(0).standard_normal(self.size)
+        basis[0] = start / np.sqrt(np.sum(start**2))
+        steps = 0
+        while steps < most:
+            last = min(steps + MORE_STEPS if steps else max(FIRST_STEPS, 3 * wanted), most)
+            arnoldi(band, by_load, gradient, steps, last, basis, projection)
+            steps = last
+            if not np.isfinite(projection[:, :steps]).all():
+                return None
+            inverse, parts = np.linalg.eig(projection[:steps, :steps])
+            chosen = np.argsort(-np.abs(inverse))[:wanted]
+            residual = np.abs(projection[steps, steps - 1] * parts[-1, chosen])
+            if np.all(residual <= NEAREST * np.abs(inverse[chosen])):
+                found = np.asarray(centre + 1.0 / inverse[chosen], dtype=np.complex128)
+                return found, np.einsum("mi,mk->ik", basis[:steps], parts[:, chosen])
+        return None
+
+    def negative_eigenvalues(self, negative: int, basis: Complex | None = None) -> int:
+        """Number of negative eigenvalues of the Hermitian part of K, on moves at right angles to a basis if any.
+
+        Of a basis of eigenvectors that tells of all other eigenvalues of K: they are those of K on what is left, and
+        where its Hermitian part is positive definite there none has a negative real part.
+
+        With H the Hermitian part of B, U = (Y, u, v) of the orthonormal basis Y and the front, and C zero but for 2
+        between u and v, (H, U; U^H, C) has as many negative eigenvalues as are sought, and one more a column of Y and
+        for the front. They are those of H and of C - U^H H^-1 U (Haynsworth 1968, Linear Algebra Appl. 1, 73-81).
+
+        Args:
+            negative: negative eigenvalues of H.
+            basis: Y, (unknowns, moves).
+        """
+        sides = [] if basis is None else [*basis.T]
+        held = len(sides)
+        if self.front is not None:
+            sides += self.front
+        corner = np.zeros((len(sides), len(sides)))
+        if self.front is not None:
+            corner[-1, -2] = corner[-2, -1] = 2.0
+        whole = np.array(sides, dtype=complex)
+        factors, solved = HarmonicTangent(0.5 * (self.band + self._adjoint()))._factors(0.0), whole.copy()
+        for side in solved:
+            solve_complex_band(factors, side)
+        schur = corner - np.einsum("ji,ki->jk", whole.conj(), solved)
+        below_0 = np.count_nonzero(np.linalg.eigvalsh(0.5 * (schur + schur.conj().T)) < 0.0)
+        return negative + int(below_0) - held - (0 if self.front is None else 1)

@@ -1,0 +1,169 @@
+"""Whether an equilibrium of a sector is stable against changes that vary from sector to sector.
+
+The tangent of the whole net is block-circulant once the forces and moves of every sector are written in its own axes:
+a change exp(i k theta) sees K_k (``mechanics.harmonics``), and the eigenvalues of K_k, k = 0 .. n - 1, are together
+those of the whole net's tangent. Those of n - k are conjugate to those of k. A change grows where an eigenvalue has a
+negative real part; where the Hermitian part of K_k is positive definite, none has.
+
+A node on the axis, as the codline is, belongs to all sectors. Seen from sector s a move w of it is R^-s w, R the turn
+by one sector. With R (0, 1, i) = exp(-2 pi i / n) (0, 1, i) its moves along the axis vary as k = 0, and those across as
+k = 1 and n - 1. Where the moves of sectors are normalised, u_s = v exp(2 pi i k s / n) / sqrt(n), its column and row
+weigh sqrt(n) times what one sector has of them. It is held across the flow in a sector, but by nothing in the net.
+
+Every tangent is shifted by ``newton.NEUTRAL``: what moves for nothing, as slack twine does, does not count as growing.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codend.mechanics import newton_step as kernels
+from codend.mechanics.bars import bar_lengths
+from codend.mechanics.harmonics import Complex, negative_pivots_side_by_side
+from codend.mechanics.newton_state import measure
+from codend.mechanics.problem import Problem
+from codend.net.net import Floats
+from codend.solvers.harmonic_tangent import HarmonicTangent
+from codend.solvers.newton import DIRECT, NEUTRAL
+from codend.solvers.outcome import Solution
+from codend.solvers.ring import Ring
+
+Numbers = NDArray[np.integer]
+
+CLOSE = 1.5
+"""Factor within which the lowest eigenvalue of a Hermitian part is bounded."""
+MOST_SIDE_BY_SIDE = 96
+"""Harmonics factorised at a time: as many as fit into the nearest cache."""
+DENSE = 40
+"""Unknowns up to which all eigenvalues of a harmonic are found at once."""
+DENSE_AT_LAST = 1500
+"""Unknowns up to which they are where the lowest were not found otherwise."""
+
+
+@dataclass(frozen=True)
+class Growth:
+    """Changes of one harmonic that grow."""
+
+    harmonic: int
+    eigenvalues: Complex
+    """Those of K_k with negative real parts, N/m, the most negative first."""
+    shape: Complex
+    """How the first of them moves the nodes of a sector, (n, 3), its largest component 1: those of the s-th sector on
+    by the real part of shape exp(2 pi i k s / n), each in its own axes."""
+
+
+@dataclass(frozen=True)
+class Harmonics:
+    """What grows of an equilibrium of a sector."""
+
+    order: int
+    growing: tuple[Growth, ...]
+    undecided: tuple[int, ...]
+    """Harmonics whose eigenvalues were not found."""
+
+    @property
+    def strongest(self) -> Growth | None:
+        """The harmonic that grows most."""
+        return min(self.growing, key=lambda growth: growth.eigenvalues[0].real, default=None)
+
+    @property
+    def directions(self) -> int:
+        """In how many directions the whole net runs away, the harmonics n - k included."""
+        return sum(len(g.eigenvalues) * (1 if 2 * g.harmonic % self.order == 0 else 2) for g in self.growing)
+
+
+def harmonics_of(problem: Problem, solution: Solution, ring: Ring) -> Harmonics:
+    """Ask every harmonic, 0 .. n / 2, of an equilibrium of a sector.
+
+    Those whose Hermitian part is positive definite, by its pivots, are stable. Of the others the eigenvalues in the
+    left half-plane are found.
+    """
+    _linearise(problem, solution, ring)
+    scale = float(solution.bar_tension.mean()) / float(problem.structure.length.mean())
+    return growing_harmonics(ring, scale)
+
+
+def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
+    """What grows by the tangent that was gathered last; ``scale`` is a stiffness, N/m, of the net's order of size."""
+    asked = np.arange(ring.order // 2 + 1)
+    if not np.isfinite(ring.step.blocks).all():
+        return Harmonics(ring.order, (), tuple(asked.tolist()))
+    negative = negative_pivots(ring, asked, np.zeros(len(asked)))
+    with_front = negative.copy()
+    if ring.fronted:
+        with_front[0] = ring.tangent(0).negative_eigenvalues(int(negative[0]))
+    doubtful = asked[with_front > 0]
+    growing, undecided = [], []
+    for k, lowest in zip(doubtful.tolist(), _lower_bounds(ring, doubtful, scale), strict=True):
+        tangent = ring.tangent(k)
+        found = _lowest_eigenvalues(tangent, lowest, int(negative[k]), int(with_front[k]))
+        if found is None:
+            undecided.append(k)
+            continue
+        eigenvalues, vectors = found
+        grows = np.flatnonzero(eigenvalues.real < 0.0)
+        if len(grows):
+            grows = grows[np.argsort(eigenvalues[grows].real)]
+            growing.append(Growth(k, eigenvalues[grows], ring.shape_of(vectors[:, grows[0]], k)))
+    return Harmonics(ring.order, tuple(growing), tuple(undecided))
+
+
+def _linearise(problem: Problem, solution: Solution, ring: Ring) -> None:
+    """Write the tangent at an equilibrium into the ring."""
+    structure, state, step = problem.structure, ring.state, ring.step
+    state.position[:] = solution.positions
+    bar_lengths(state.position, structure, state.length)
+    np.divide(solution.bar_tension, state.length, out=state.density)
+    tension = float(solution.bar_tension.mean())
+    measure(structure, problem.loading, tension, DIRECT.switches[0], 0.0, state)
+    sides = kernels.linearise(structure, problem.loading, ring.pattern, tension, NEUTRAL, 0.0, state, step)
+    ring.gather(sides == 2)
+
+
+def negative_pivots(ring: Ring, harmonics: Numbers, shift: Floats) -> Numbers:
+    """Negative eigenvalues of the Hermitian parts of harmonics, each shifted by its own; the front stands still."""
+    negative = np.empty(len(harmonics), dtype=np.int64)
+    for start in range(0, len(harmonics), MOST_SIDE_BY_SIDE):
+        part = slice(start, start + MOST_SIDE_BY_SIDE)
+        turn, tail = ring.turn_and_tail(harmonics[part])
+        negative_pivots_side_by_side(ring.even, ring.odd, ring.depth, turn, shift[part], tail, negative[part])
+    return negative
+
+
+def _lower_bounds(ring: Ring, harmonics: Numbers, scale: float) -> Floats:
+    """Bounds on the lowest eigenvalues of the Hermitian parts of harmonics, N/m; the front stands still.
+
+    They are of ``CLOSE`` times their size at most, or of 1e-2 ``scale``.
+    """
+    bound = np.full(len(harmonics), 1e-2 * scale)
+    left = np.arange(len(harmonics))
+    while len(left):
+        left = left[negative_pivots(ring, harmonics[left], bound[left]) > 0]
+        bound[left] *= CLOSE
+    return -bound
+
+
+def _lowest_eigenvalues(
+    tangent: HarmonicTangent, lowest: float, negative: int, expected: int
+) -> tuple[Complex, Complex] | None:
+    """All eigenvalues of a harmonic with negative real parts, and others; with their vectors. None if they hide.
+
+    Those nearest to a lower bound are found, more and more until on what they leave the Hermitian part is positive
+    definite: that proves the rest to be stable.
+
+    Args:
+        tangent: the harmonic's.
+        lowest: a bound on the eigenvalues of its Hermitian part, the front left out, N/m.
+        negative: how many of these are negative.
+        expected: how many are with the front: nearly always as many as eigenvalues are needed.
+    """
+    wanted = expected
+    while tangent.size > DENSE and wanted < tangent.size // 4:
+        found = tangent.nearest(lowest, wanted)
+        if found is None:
+            break
+        if tangent.negative_eigenvalues(negative, np.linalg.qr(found[1])[0]) == 0:
+            return found
+        wanted = 2 * wanted + 2
+    return np.linalg.eig(tangent.dense()) if tangent.size <= DENSE_AT_LAST else None

@@ -1,0 +1,188 @@
+"""A sector as one of a ring: the tangents that its harmonics see, side by side or one alone. See ``harmonics``."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codend.mechanics.harmonics import Complex, hermitian_parts
+from codend.mechanics.newton_state import empty_state
+from codend.mechanics.newton_step import empty_step
+from codend.mechanics.structure import Structure
+from codend.mechanics.tangent import Pattern, pattern_of
+from codend.net.net import Floats, Ints
+from codend.solvers.harmonic_tangent import HarmonicTangent
+from codend.solvers.linear_systems import narrow_numbering
+
+Places = NDArray[np.int64]
+
+
+class Entries(NamedTuple):
+    """Entries of a matrix: those of the blocks that are named, each times a weight, added up where they meet."""
+
+    row: Places
+    column: Places
+    source: Places
+    weight: Complex
+
+
+class Ring:
+    """What depends on a sector's structure alone, and room to work in: kept from one equilibrium to the next.
+
+    Unknowns are the free coordinates of the nodes off the axis, numbered for a narrow band; behind them come those that
+    the nodes on it have in a harmonic.
+    """
+
+    def __init__(self, structure: Structure, bands: int) -> None:
+        self.order = int(structure.order)
+        self.pattern = pattern_of(structure, by_image=True)
+        self.state, self.step = empty_state(structure, bands), empty_step(structure, self.pattern)
+        self._gathered: Floats | None = None
+        self.fronted = False
+        """Whether the catch's front follows the net."""
+        self.on_axis = np.flatnonzero((structure.free == [1.0, 0.0, 0.0]).all(axis=1)).astype(np.int32)
+        self.unknown = _numbered(structure, self.pattern, self.on_axis)
+        self.size = int(self.unknown.max()) + 1
+        """Unknowns off the axis."""
+        row = np.repeat(self.unknown[self.pattern.row][:, :, None], 3, axis=2).ravel()
+        column = np.repeat(self.unknown[self.pattern.column][:, None, :], 3, axis=1).ravel()
+        image = np.repeat(self.pattern.image, 9)
+        self._off_axis = np.flatnonzero((row >= 0) & (column >= 0))
+        self._row, self._column, self._image = (part[self._off_axis] for part in (row, column, image))
+        self._at_axis = self._entries_at_axis(0), self._entries_at_axis(1)
+        tails = max(len(self.axis_moves(k)) for k in (0, 1)) * len(self.on_axis)
+        rows = np.concatenate([self._row, *(entries.row for entries in self._at_axis)])
+        columns = np.concatenate([self._column, *(entries.column for entries in self._at_axis)])
+        self.depth = np.zeros(self.size + tails, dtype=np.int32)
+        """How many columns before its diagonal a row starts."""
+        np.maximum.at(self.depth, np.maximum(rows, columns), np.abs(rows - columns))
+        width, reach = int(self.depth.max()) + 1, int(np.abs(image).max())
+        self.even, self.odd = np.zeros((2, reach + 1, self.size, width))
+        """C and S of ``mechanics.harmonics``."""
+        row, column, image = self._row, self._column, self._image
+        off = np.abs(row - column)
+        self._place = np.full(9 * len(self.pattern.row), -1)
+        self._place[self._off_axis] = (np.abs(image) * self.size + np.maximum(row, column)) * width + off
+        self._weight = np.zeros((len(self._place), 2))
+        # an entry on the diagonal is both of a pair, which count half each
+        self._weight[self._off_axis, 0] = np.where(off == 0, 1.0, 0.5)
+        self._weight[self._off_axis, 1] = 0.5 * np.sign(image) * np.sign(row - column)
+
+    def gather(self, fronted: bool) -> None:
+        """Take over the tangent that was written into ``step``, and whether the catch's front follows the net."""
+        self.fronted = fronted
+        self._gathered = None
+        hermitian_parts(self.step.blocks, self._place, self._weight, self.even, self.odd)
+
+    def axis_moves(self, harmonic: int) -> Complex:
+        """Moves of a node on the axis in a harmonic, as a sector sees them and of the size it does, (moves, 3)."""
+        moves: Complex = np.zeros((0, 3), dtype=complex)
+        if harmonic == 0:
+            moves = np.array([[1.0, 0.0, 0.0]], dtype=complex)
+        elif harmonic == 1 and self.order == 2:
+            moves = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], dtype=complex)
+        elif harmonic == 1:
+            moves = np.sqrt(0.5) * np.array([[0.0, 1.0, 1.0j]])
+        return moves * np.sqrt(self.order)
+
+    def _entries_at_axis(self, harmonic: int) -> Entries:
+        """Entries of a harmonic in the rows and columns of the nodes on the axis."""
+        moves, pattern = self.axis_moves(harmonic), self.pattern
+        first = np.full(len(self.unknown), -1)
+        first[self.on_axis] = self.size + len(moves) * np.arange(len(self.on_axis))
+
+        def ways(node: int, moves: Complex) -> tuple[NDArray[np.integer], Complex]:
+            """Unknowns of a node, and how each weighs its coordinates, (unknowns, 3)."""
+            if first[node] < 0:
+                return self.unknown[node], np.eye(3, dtype=np.complex128)
+            return first[node] + np.arange(len(moves), dtype=np.int32), moves
+
+        found: list[tuple[int, int, int, complex]] = []
+        for block in np.flatnonzero((first[pattern.row] >= 0) | (first[pattern.column] >= 0)):
+            turn = np.exp(2j * np.pi * harmonic * pattern.image[block] / self.order)
+            rows, by_row = ways(pattern.row[block], moves.conj())
+            columns, by_column = ways(pattern.column[block], moves)
+            for a, b, i, j in np.ndindex(len(rows), len(columns), 3, 3):
+                weight = turn * by_row[a, i] * by_column[b, j]
+                if weight != 0.0 and rows[a] >= 0 and columns[b] >= 0:
+                    found.append((int(rows[a]), int(columns[b]), int(9 * block + 3 * i + j), complex(weight)))
+        row, column, source = np.array([entry[:3] for entry in found], dtype=np.int64).reshape(-1, 3).T
+        return Entries(row, column, source, np.array([entry[3] for entry in found], dtype=complex))
+
+    def _values_at_axis(self, harmonic: int) -> tuple[Places, Places, Complex]:
+        row, column, source, weight = self._at_axis[harmonic]
+        return row, column, weight * self.step.blocks.reshape(-1)[source]
+
+    def turn_and_tail(self, harmonics: NDArray[np.integer]) -> tuple[Floats, Floats]:
+        """What ``negative_pivots_side_by_side`` asks for of some harmonics."""
+        angle = np.arange(len(self.even))[:, None] * (2.0 * np.pi / self.order * harmonics)
+        tail = np.zeros((len(self.depth) - self.size, self.even.shape[2], 2, len(harmonics)))
+        tail[:, 0, 0] = 1.0
+        for lane in np.flatnonzero(harmonics <= 1):
+            row, column, value = self._values_at_axis(harmonics[lane])
+            # of each pair the lower, of which the upper is the conjugate
+            lower: Complex = np.where(row >= column, value, value.conj())
+            weight = np.where(row == column, 1.0, 0.5)
+            place = np.maximum(row, column) - self.size, np.abs(row - column)
+            tail[np.unique(place[0]), 0, 0, lane] = 0.0
+            np.add.at(tail[:, :, 0, lane], place, weight * lower.real)
+            np.add.at(tail[:, :, 1, lane], place, weight * lower.imag)
+        return np.stack([np.cos(angle), np.sin(angle)]), tail
+
+    def tangent(self, harmonic: int) -> HarmonicTangent:
+        """Tangent of a harmonic at the equilibrium that was gathered last."""
+        count = len(self.axis_moves(harmonic)) * len(self.on_axis)
+        half = self.even.shape[2] - 1
+        band = np.zeros((2 * half + 1, self.size + count), dtype=complex)
+        reach = len(self.even) - 1
+        turns = np.exp(2j * np.pi * harmonic / self.order * np.arange(-reach, reach + 1))
+        for turn, part in zip(turns, self._bands, strict=True):
+            band[:, : self.size] += turn * part
+        if count:
+            row, column, value = self._values_at_axis(harmonic)
+            np.add.at(band, (half + row - column, column), value)
+        front = None
+        if harmonic == 0 and self.fronted:
+            front = self._of_harmonic_0(self.step.right[1]), self._of_harmonic_0(self.step.gradient)
+        return HarmonicTangent(band, front)
+
+    @property
+    def _bands(self) -> Floats:
+        """B_m of the unknowns off the axis as bands, laid out as ``HarmonicTangent.band``, (images, ...)."""
+        if self._gathered is None:
+            half, reach = self.even.shape[2] - 1, len(self.even) - 1
+            self._gathered = np.zeros((2 * reach + 1, 2 * half + 1, self.size))
+            place = self._image + reach, half + self._row - self._column, self._column
+            np.add.at(self._gathered, place, self.step.blocks.reshape(-1)[self._off_axis])
+        return self._gathered
+
+    def _of_harmonic_0(self, values: Floats) -> Floats:
+        """Values at the nodes, (n, 3), as those at the unknowns of harmonic 0."""
+        free = self.unknown >= 0
+        off_axis = np.zeros(self.size)
+        off_axis[self.unknown[free]] = values[free]
+        return np.append(off_axis, values[self.on_axis] @ self.axis_moves(0)[0].real)
+
+    def shape_of(self, vector: Complex, harmonic: int) -> Complex:
+        """Moves of a sector's nodes by the unknowns of a harmonic, (n, 3), the largest component 1."""
+        free = self.unknown >= 0
+        shape = np.zeros(self.unknown.shape, dtype=complex)
+        shape[free] = vector[self.unknown[free]]
+        moves = self.axis_moves(harmonic)
+        shape[self.on_axis] = vector[self.size :].reshape(len(self.on_axis), len(moves)) @ moves
+        return shape / shape.reshape(-1)[np.abs(shape).argmax()]
+
+
+def _numbered(structure: Structure, pattern: Pattern, on_axis: Ints) -> Ints:
+    """Number of the unknown of every free coordinate off the axis, -1 for the others, (n, 3); near the axis is last."""
+    nodes = len(structure.free)
+    place = narrow_numbering(pattern.row, pattern.column, nodes)
+    if len(on_axis) and place[on_axis].mean() < 0.5 * nodes:
+        place = nodes - 1 - place
+    free = structure.free > 0.0
+    free[on_axis] = False
+    unknown = np.full(free.shape, -1, dtype=np.int32)
+    order = np.argsort(place)
+    rows, ways = np.nonzero(free[order])
+    unknown[order[rows], ways] = np.arange(len(rows))
+    return unknown
