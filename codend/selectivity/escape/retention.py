@@ -28,7 +28,7 @@ from catch_models.fish import PARAMETERS
 from codend.compiled import njit
 from codend.selectivity.escape.passage import (
     IDEALS,
-    SQUARE,
+    RECTANGLE,
     Effort,
     Fish,
     Hole,
@@ -65,7 +65,7 @@ class Crowd(NamedTuple):
 
     start: NDArray[np.int64]
     """First mesh of each catch, and the end of the last, (c + 1,)."""
-    kind: NDArray[np.int64]
+    shape: NDArray[np.int64]
     bar: Floats
     knot: Floats
     half_angle: Floats
@@ -77,7 +77,7 @@ class Crowd(NamedTuple):
     share: Floats
     """Share of each mesh in its row, (k,)."""
     netting: NDArray[np.int64]
-    """Number of the netting a mesh is of, the same for all with its kind, bar and knot, (k,)."""
+    """Number of the netting a mesh is of, the same for all with its shape, bar and knot, (k,)."""
 
 
 class Nodes(NamedTuple):
@@ -125,10 +125,10 @@ def crowd_of(catches: list[tuple[Holes, Floats, Floats]]) -> Crowd:
     def strung(name: str) -> NDArray:
         return np.concatenate([getattr(one, name) for one in holes])
 
-    _, netting = np.unique([strung(name) for name in ("kind", "bar_m", "knot_m")], axis=1, return_inverse=True)
+    _, netting = np.unique([strung(name) for name in ("shape", "bar_m", "knot_m")], axis=1, return_inverse=True)
     arrays = [
-        np.concatenate([[0], np.cumsum([len(one.kind) for one in holes])]),
-        *(strung(name) for name in ("kind", "bar_m", "knot_m", "half_angle_rad", "across_m", "load_n")),
+        np.concatenate([[0], np.cumsum([len(one.shape) for one in holes])]),
+        *(strung(name) for name in ("shape", "bar_m", "knot_m", "half_angle_rad", "across_m", "load_n")),
         *(np.concatenate([catch[i] for catch in catches]) for i in (1, 2)),
         np.asarray(netting, dtype=np.int64),
     ]
@@ -174,7 +174,7 @@ def ideals_of(crowd: Crowd, values: Floats, nodes: Nodes) -> Floats:
         sought = np.ones(len(ideals), dtype=np.bool_)
         for mesh in range(len(crowd.netting)):
             netting = crowd.netting[mesh]
-            if sought[netting] and crowd.kind[mesh] != SQUARE:
+            if sought[netting] and crowd.shape[mesh] != RECTANGLE:
                 for node in range(len(nodes.shape)):
                     fish = _fish(values, nodes.shape[node])
                     ideal_openings(_hole(crowd, mesh), fish, math.nan, nodes.steps, ideals[netting, node])
@@ -184,7 +184,7 @@ def ideals_of(crowd: Crowd, values: Floats, nodes: Nodes) -> Floats:
 
 @njit(cache=True, nogil=True)
 def _hole(crowd: Crowd, mesh: int) -> Hole:
-    return Hole(crowd.kind[mesh], crowd.bar[mesh], crowd.knot[mesh], crowd.across[mesh], crowd.load[mesh])
+    return Hole(crowd.shape[mesh], crowd.bar[mesh], crowd.knot[mesh], crowd.across[mesh], crowd.load[mesh])
 
 
 @njit(cache=True, nogil=True)
