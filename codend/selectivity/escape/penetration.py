@@ -35,7 +35,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from catch_models.fish import FishSection
 from codend.plan.kinds import KINDS, HoleShape, MeshName
-from codend.selectivity.escape.passage import (
+from codend.selectivity.escape.passage_kernels import (
     FINE,
     IDEALS,
     RECTANGLE,
