@@ -15,6 +15,8 @@ from annotated_types import Ge, Gt, Le, MinLen
 from numpy.typing import ArrayLike, NDArray
 from pydantic import AllowInfNan, BaseModel, ConfigDict, Strict
 
+from catch_models.fish_parameters import PARAMETERS
+
 Floats = NDArray[np.float64]
 Number = Annotated[float, Strict(), AllowInfNan(False)]
 Text = Annotated[str, MinLen(1)]
@@ -99,23 +101,6 @@ class LengthClasses(_Table):
     to_cm: Annotated[Number, Gt(0), Le(500)]
     step_cm: Annotated[Number, Gt(0), Le(50)]
 
-
-PARAMETERS = (
-    "section.height_per_length",
-    "section.width_per_length",
-    "section.exponent",
-    "section.height_compression",
-    "section.width_compression",
-    "spread.size",
-    "spread.shape",
-    "behaviour.contact",
-    "behaviour.attempts",
-    "behaviour.rows_ahead",
-    "behaviour.rotation_deg",
-    "behaviour.push_force_n",
-    "haul.catch_growth",
-)
-"""Numbers that retention depends on, in the order of ``Species.values``."""
 
 DEFAULTS = {"section.exponent": 2.0, "behaviour.push_force_n": 0.0, "haul.catch_growth": 1.0}
 """Numbers a species may leave out: they then stand for no effect, not for a measurement."""

@@ -1,3 +1,4 @@
+import ast
 import os
 import re
 import shutil
@@ -73,3 +74,44 @@ def test_sources_are_followed_through_other_files_and_other_rooms():
     behind = modules_behind("codend.mechanics.newton_step")
     assert {"codend.mechanics.images", "codend.mechanics.structure", "catch_models.filling"} <= behind
     assert "codend.mechanics.newton_step" not in modules_behind("codend.mechanics.images")
+
+
+KERNEL_ROOM = "codend.mechanics."
+BELOW_KERNELS = {"codend.compiled", "codend.net.net", "catch_models.kernel_cache", "catch_models.fish_parameters"}
+"""How kernels are compiled, the types of arrays, and the order of a species' numbers."""
+
+
+def may_hold_kernels(module: str) -> bool:
+    name = module.rpartition(".")[2]
+    in_named_file = name == "kernels" or name.endswith("_kernels") or module == "catch_models.filling"
+    return in_named_file or module.startswith(KERNEL_ROOM)
+
+
+def imported_by(tree: ast.Module) -> set[str]:
+    modules = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module}
+    return {module for module in modules if module.split(".")[0] in ("codend", "catch_models")}
+
+
+def has_kernels(tree: ast.Module) -> bool:
+    called = [node.func for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    return any((func.attr if isinstance(func, ast.Attribute) else getattr(func, "id", "")) == "njit" for func in called)
+
+
+def parsed_sources() -> dict[str, ast.Module]:
+    paths = [path for room in ("codend", "catch_models") for path in (ROOT / room).rglob("*.py")]
+    names = {path: ".".join(path.relative_to(ROOT).with_suffix("").parts) for path in paths}
+    return {name: ast.parse(path.read_text(encoding="utf-8")) for path, name in names.items()}
+
+
+def test_compiled_code_of_a_room_stands_in_its_files_of_kernels():
+    ways_to_compile = {"codend.compiled", "catch_models.kernel_cache"}
+    compiled = {name for name, tree in parsed_sources().items() if has_kernels(tree)} - ways_to_compile
+    assert {"codend.solvers.kernels", "codend.mechanics.bars", "catch_models.filling"} <= compiled
+    assert not {name for name in compiled if not may_hold_kernels(name)}
+
+
+def test_files_of_kernels_outside_the_kernel_room_import_only_kernels_and_what_those_stand_on():
+    for name, tree in parsed_sources().items():
+        if may_hold_kernels(name) and not name.startswith(KERNEL_ROOM):
+            others = imported_by(tree) - BELOW_KERNELS
+            assert not {other for other in others if not may_hold_kernels(other)}, name

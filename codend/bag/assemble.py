@@ -7,8 +7,6 @@ from codend.bag.bag import Bag
 from codend.net.net import NO_POINTS, Floats, Ints, Net
 from codend.netting.parts import Counts, Lattice, Parts
 
-HALF_MESH = 0.5
-
 
 def assembled(
     parts: Parts,
@@ -38,6 +36,7 @@ def assembled(
     around = lattice.order * lattice.columns[facets[:, 6]]
     weight *= _polygon_area(g * around) / _polygon_area(around)
     meshes = np.concatenate(parts.meshes)
+    meshes = meshes[np.argsort(meshes[:, 16], kind="stable")]
     count = len(node_row)
     fixed = np.zeros((count, 3), dtype=bool)
     fixed[entry] = True
@@ -81,8 +80,8 @@ def assembled(
         bar_band=band.astype(np.int32),
         bar_is_twine=~is_knot,
         facet_band=facets[:, 6].astype(np.int32),
-        band_meshes=g * np.where(lattice.square, 1.0, HALF_MESH),
-        band_is_square=lattice.square,
+        band_meshes=np.array([g / s.rows_per_mesh for s in lattice.sections]),
+        band_kind=tuple(s.kind for s in lattice.sections),
         mesh_sides=meshes[:, :8].reshape(-1, 4, 2).astype(np.int32),
         mesh_side_image=meshes[:, 8:16].reshape(-1, 4, 2).astype(np.int32),
         mesh_bars=_bars_of_sides(bars[:, :3], meshes[:, :8].reshape(-1, 2), meshes[:, 8:16].reshape(-1, 2)),

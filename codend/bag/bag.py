@@ -4,11 +4,13 @@ Rows count rings of knots from the entry, row 0, to the codline; band j is the n
 """
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from codend.net.net import Floats, Ints, Net, numbered_all_round, rotate, split_bars
+from codend.plan.kinds import Kind
 
 
 @dataclass(frozen=True)
@@ -26,8 +28,8 @@ class Bag:
     """Band a facet lies in, (f,)."""
     band_meshes: Floats
     """Meshes that a band is long, (bands,)."""
-    band_is_square: NDArray[np.bool_]
-    """Whether a band is of square mesh, which is a whole mesh long: its meshes lie in it, (bands,)."""
+    band_kind: tuple[Kind, ...]
+    """Kind of netting of each band, (bands,)."""
 
     mesh_sides: Ints
     """First and second node of the four twine sides of a mesh, walking round it: fore to right, right to aft, aft to
@@ -37,7 +39,7 @@ class Bag:
     mesh_bars: Ints
     """Bars of those sides, -1 where a side is held and no bar, (k, 4)."""
     mesh_row: Ints
-    """Row that counts a mesh, at its widest part or, of a square mesh, ahead of it, (k,)."""
+    """Row that counts a mesh, at its widest part or, of a mesh that lies in one band, ahead of it, (k,)."""
 
     globalisation: int = 1
     """Real meshes merged into one, each way."""
@@ -56,15 +58,25 @@ class Bag:
         """Place of every row of knots, in meshes from the entry, (bands + 1,)."""
         return np.concatenate([[0.0], np.cumsum(self.band_meshes)])
 
-    @property
-    def mesh_is_square(self) -> NDArray[np.bool_]:
-        """Whether a mesh is square, (k,)."""
-        return np.append(self.band_is_square, False)[self.mesh_row]
+    @cached_property
+    def band_is_staggered(self) -> NDArray[np.bool_]:
+        """Whether the rows at either end of a band are half a mesh apart, a whole one otherwise, (bands,)."""
+        return np.array([kind.staggered for kind in self.band_kind])
+
+    @cached_property
+    def mesh_is_staggered(self) -> NDArray[np.bool_]:
+        """Whether a mesh lies about the row that counts it; otherwise in the band behind it, (k,)."""
+        return self.band_is_staggered[self.mesh_row]
+
+    @cached_property
+    def mesh_opens(self) -> NDArray[np.bool_]:
+        """Whether a mesh opens and closes, (k,)."""
+        return np.array([kind.opens for kind in self.band_kind])[self.mesh_row]
 
     @property
     def mesh_place(self) -> Floats:
         """Middle of the meshes that a row counts, in meshes from the entry, (bands + 1,)."""
-        behind = np.append(0.5 * self.band_meshes * self.band_is_square, 0.0)
+        behind = np.append(0.5 * self.band_meshes * ~self.band_is_staggered, 0.0)
         return self.row_place + behind
 
 

@@ -73,8 +73,8 @@ def _lattice_of(plan: Plan, globalisation: int, sectors: int | None) -> Lattice:
 def _check_bending(plan: Plan) -> None:
     """Refuse bending stiffness where the model has no place for it, rather than leave it out."""
     stiff = [s for s in plan.netting if s.bending_stiffness_n_m2 > 0.0]
-    if stiff and any(s.mesh == "square" for s in stiff):
-        allowed = "0 for square mesh, whose opening bending does not resist"
+    if rigid := [s for s in stiff if not s.kind.opens]:
+        allowed = f"0 for {rigid[0].kind.words} mesh, whose opening bending does not resist"
     elif stiff and plan.model.bars_per_side > 1:
         allowed = "0 with bars_per_side = 2: a hinge in mid-bar and stiff twine contradict each other"
     else:
@@ -91,7 +91,7 @@ def rows_of(plan: Plan, globalisation: int = 1) -> list[Netting]:
 def crude_rows(plan: Plan, globalisation: int = 1) -> tuple[Floats, Floats]:
     """Positions and radii of the rows of a plain bag that any solver can start from: tubes with conical ends."""
     sections = rows_of(plan, globalisation)
-    side = np.array([globalisation * (s.bar_m + (s.knot_m if s.mesh == "diamond" else 0.0)) for s in sections])
+    side = np.array([globalisation * (s.bar_m + s.knot_along_m) for s in sections])
     largest = np.array([s.stretched_radius_m for s in sections])
     from_entry = np.concatenate([[0.0], np.cumsum(side)])
     bound = np.minimum(np.concatenate([largest[:1], largest]), np.concatenate([largest, largest[-1:]]))

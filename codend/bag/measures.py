@@ -95,13 +95,13 @@ def mesh_openings(bag: Bag, corners: Floats) -> tuple[Floats, Floats]:
     meshes that are folded over their widest part by a strap, the longitudinal one is taken along the netting: their
     twines are as far apart as if it lay flat. A square mesh has its width over its length instead: 90 degrees open.
     """
-    square = bag.mesh_is_square
+    staggered = bag.mesh_is_staggered[:, None]
     side = corners[:, :, 1] - corners[:, :, 0]
     fore, aft = 0.5 * (side[:, 0] - side[:, 3]), 0.5 * (side[:, 1] - side[:, 2])
-    longitudinal = np.where(square[:, None], 0.5 * (side[:, 1] - side[:, 3]), fore + aft)
+    longitudinal = np.where(staggered, fore + aft, 0.5 * (side[:, 1] - side[:, 3]))
     diagonal = 0.5 * (side[:, 0] - side[:, 1] - side[:, 2] + side[:, 3])
-    transverse = np.where(square[:, None], 0.5 * (side[:, 0] - side[:, 2]), diagonal)
-    folded = np.isin(bag.mesh_row, bag.node_row[bag.net.bars[bag.straps, 0]]) & ~square
+    transverse = np.where(staggered, diagonal, 0.5 * (side[:, 0] - side[:, 2]))
+    folded = np.isin(bag.mesh_row, bag.node_row[bag.net.bars[bag.straps, 0]]) & bag.mesh_is_staggered
     normal = np.cross(transverse, longitudinal)
     with np.errstate(invalid="ignore"):
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
@@ -117,13 +117,13 @@ def measure_meshes(bag: Bag, problem: Problem, solution: Solution) -> Meshes:
     opening, normal = mesh_openings(bag, corners)
     tension = _mean_over(solution.bar_tension, bag.mesh_bars) / bag.globalisation
     behind = np.minimum(bag.mesh_row, bag.bands - 1)
-    ahead = np.where(bag.mesh_is_square, behind, np.maximum(behind - 1, 0))
+    ahead = np.where(bag.mesh_is_staggered, np.maximum(behind - 1, 0), behind)
     filled = 0.5 * (solution.share[ahead] + solution.share[behind])
     return Meshes(
         centre_m=corners.mean(axis=(1, 2)),
         opening_deg=opening,
         bar_tension_n=tension,
-        opening_force_n=np.where(bag.mesh_is_square, np.nan, opening_force(tension, opening)),
+        opening_force_n=np.where(bag.mesh_opens, opening_force(tension, opening), np.nan),
         pressure_pa=filled * _pressure_at(problem, normal[:, 0], np.hypot(normal[:, 1], normal[:, 2])),
     )
 

@@ -31,8 +31,6 @@ with w the weight over the drag: weight acts across the drag, so it moves the ba
 widest ring, and changes means all round in the second. Found on full nets of random diamond and T90 plans with w from
 0.005 to 0.5 as 0.15, 0.23 and 0.1 w^2, and 0.32 w for the radius, and 0.36 w^2 for the drag of square mesh. Merged
 meshes bear the weight, but in a bag of fewer rows and wider meshes: they may be off by as much."""
-HEAVIEST_SQUARE = 0.2
-"""Weight over the drag from which nets of square mesh can fold over, and no estimate holds."""
 NEARBY = replace(DIRECT, iterations_allowed=8, keeps_factors=True, refuses=False)
 """From a result it is a step or two, with the factors that were used last; if it is not, there is no estimate."""
 
@@ -64,7 +62,7 @@ def estimate(
 
     The solver's part is the distance to an answer that Newton's method finds from the result at a far smaller residual.
     With measures of the meridian method beside the solution of a sector, that distance is the membrane's error.
-    ``unseen_weight_n`` is the wet weight that the model leaves out; heavy square mesh has no estimates.
+    ``unseen_weight_n`` is the wet weight that the model leaves out. Netting so heavy that it can fold over has none.
     The part of a globalised net is the distance between a sector of it and one of the real net, under the loads that
     are the same all round.
     """
@@ -83,7 +81,7 @@ def estimate(
     share = (unseen_weight_n + borne_by_merged_n) / measures.drag_n
     weight = WEIGHT_LEFT_OUT @ [share, share**2]
     errors = SAFETY * (solver + merged) + (NOISE + weight) * sizes
-    if share > HEAVIEST_SQUARE and scene.bag.band_is_square.any():
+    if any(share > kind.folds_over_from for kind in set(scene.bag.band_kind)):
         errors = np.full(len(_QUANTITIES), np.nan)
     drag, volume, radius, opening = map(float, errors)
     return Errors(drag, volume, radius, opening, _change_with_suction(problem, polished, prepared, exact.drag_n))

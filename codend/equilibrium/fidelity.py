@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from codend.bag.build import build_bag
-from codend.equilibrium.accuracy import HEAVIEST_SQUARE, WEIGHT_LEFT_OUT, sector_measures
+from codend.equilibrium.accuracy import WEIGHT_LEFT_OUT, sector_measures
 from codend.mechanics.weight import wet_weight
 from codend.net.net import Net
 from codend.plan.plan import Plan
@@ -68,8 +68,7 @@ def choose(plan: Plan) -> Choice:
     if asked == "full":
         return Choice("full", 1, None, f"Asked for: every mesh of the real net.{_slow(plan, sector, 1)}", 0.0)
     if heavy:
-        square = any(part.mesh == "square" for part in plan.netting)
-        bearable = weight <= (HEAVIEST_SQUARE if square else HEAVIEST_MERGED) * drag
+        bearable = weight <= min(HEAVIEST_MERGED, *(part.kind.folds_over_from for part in plan.netting)) * drag
         merged, error = _merged(plan) if bearable else (1, 0.0)
         model = f"the full net, {merged} x {merged} meshes merged into one" if merged > 1 else "the full net"
         cost = f"which costs {100.0 * error:.2g} % in drag where {100.0 * plan.model.accuracy:g} % is allowed"

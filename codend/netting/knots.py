@@ -66,11 +66,10 @@ def knots_of(lattice: Lattice) -> Knots:
     the codline gathers those. Where the counts of two sections differ, or square mesh follows, the row is laced at
     points: its knots cannot lie across.
     """
-    has_knots = np.array([s.knot_m > 0.0 for s in lattice.sections])
-    t90 = np.array([s.mesh == "t90" for s in lattice.sections])
-    along = np.concatenate([[False], has_knots & ~t90])
-    plain = (lattice.columns[:-1] == lattice.columns[1:]) & ~lattice.square[1:]
-    across = np.concatenate([t90[:1] & has_knots[:1], t90[:-1] & has_knots[:-1] & plain, [False]])
+    along = np.array([False, *(s.knot_along_m > 0.0 for s in lattice.sections)])
+    lie_across = np.array([s.knot_across_m > 0.0 for s in lattice.sections])
+    plain = (lattice.columns[:-1] == lattice.columns[1:]) & lattice.staggered[1:]
+    across = np.concatenate([lie_across[:1], lie_across[:-1] & plain, [False]])
     fore_nodes = along * np.concatenate([[0], lattice.columns])
     nodes = fore_nodes + lattice.knots * (1 + across)
     fore_start = np.cumsum(nodes) - nodes

@@ -32,9 +32,9 @@ class Lattice:
         return len(self.sections)
 
     @cached_property
-    def square(self) -> NDArray[np.bool_]:
-        """Whether a band is of square mesh, (bands,)."""
-        return np.array([s.mesh == "square" for s in self.sections])
+    def staggered(self) -> NDArray[np.bool_]:
+        """Whether the rows at either end of a band are turned against each other by half a mesh, (bands,)."""
+        return np.array([s.kind.staggered for s in self.sections])
 
     @cached_property
     def knots(self) -> Counts:
@@ -44,7 +44,7 @@ class Lattice:
     @cached_property
     def shift(self) -> Counts:
         """1 for rows that are shifted by half a mesh, else 0, (bands + 1,)."""
-        return np.concatenate([[0], np.cumsum(~self.square)]) % 2
+        return np.concatenate([[0], np.cumsum(self.staggered)]) % 2
 
     @cached_property
     def phase(self) -> Floats:

@@ -16,6 +16,7 @@ from pydantic import PrivateAttr, model_validator
 from codend.errors import InputError, all_at_once
 from codend.io.names import as_name
 from codend.io.toml import read_toml
+from codend.plan.kinds import kinds_in_words
 from codend.plan.messages import Contradiction
 from codend.plan.mistakes import checked
 from codend.plan.overrides import CatchKind, apply_overrides
@@ -73,7 +74,7 @@ class Plan(Table):
         yield from self._names_given_twice()
         first = self.netting[0]
         limit_m = first.stretched_radius_m
-        if self.entry.radius_m > limit_m or (self.entry.radius_m == limit_m and first.mesh != "square"):
+        if self.entry.radius_m > limit_m or (self.entry.radius_m == limit_m and first.kind.opens):
             yield Contradiction(
                 "entry.radius_m", f"below {limit_m:.4g} m, that of the first section's meshes pulled fully open"
             )
@@ -127,7 +128,8 @@ class Plan(Table):
             if strap.meshes_from_codline >= meshes_long:
                 yield Contradiction(key, f"below {meshes_long}, the sum of meshes_long")
             elif self.rows_to_codline(strap.meshes_from_codline) is None:
-                yield Contradiction(key, "a row of knots: whole meshes, or half ones in diamond and T90 netting")
+                halves = kinds_in_words(lambda kind: kind.staggered)
+                yield Contradiction(key, f"a row of knots: whole meshes, or half ones in {halves} netting")
             elif strap.meshes_from_codline in [other.meshes_from_codline for other in self.strap[:index]]:
                 yield Contradiction(key, "a row that has no other strap")
 

@@ -23,12 +23,12 @@ def least_radius_m(netting: Sequence[Netting], entry_radius_m: float, rows_to_co
         radius = radius * math.cos(math.pi * len(counts) / min(counts)) - 0.5 * netting[0].knot_m
     rows = sum(part.rows_per_mesh * part.meshes_long for part in netting) - rows_to_codline
     for part in netting:
-        across_m = part.knot_m if part.mesh == "t90" and not joined else 0.0
+        across_m = 0.0 if joined else part.knot_across_m
         for _ in range(min(rows, part.rows_per_mesh * part.meshes_long)):
             if part.axial_stiffness_n is not None or radius <= part.bar_m + part.knot_m:
                 return 0.0
             # the nearest that the aft ring may come tells the most that its knots take, and so the least turn
-            turn = 0.0 if part.mesh == "square" or joined else math.pi / part.meshes_round
+            turn = math.pi / part.meshes_round if part.kind.staggered and not joined else 0.0
             turn -= math.asin(0.5 * across_m / radius) + math.asin(0.5 * across_m / (radius - part.bar_m))
             turn = max(turn, 0.0)
             flat_m = math.sqrt(max(part.bar_m**2 - (radius * math.sin(turn)) ** 2, 0.0))

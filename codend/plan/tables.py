@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, Self
 from annotated_types import Ge, Gt, Le, Lt, MinLen
 from pydantic import AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Strict, model_validator
 
+from codend.plan.kinds import KINDS, Kind, MeshName
 from codend.plan.messages import Contradiction
 from codend.plan.overrides import CATCH_QUANTITIES, MESH_SIZES, CatchKind
 
@@ -52,7 +53,7 @@ class Netting(Table):
     the volume of one. The stiffnesses EA and EI are those of one *bar*, both twines together, and are never doubled.
     """
 
-    mesh: Literal["diamond", "t90", "square"]
+    mesh: MeshName
     meshes_round: Annotated[Whole, Ge(3), Le(10_000)]
     meshes_long: Annotated[Whole, Ge(1), Le(10_000)]
     name: Text | None = None
@@ -76,8 +77,8 @@ class Netting(Table):
         _exactly_one(self, MESH_SIZES)
         if self.name is not None and not (self.name.isprintable() and self.name == self.name.strip()):
             raise Contradiction("name", "a text of one line that neither begins nor ends with a blank")
-        if self.mesh == "square" and self.knot_mm > 0:
-            raise Contradiction("knot_mm", "0 for square mesh")
+        if self.kind.knots == "none" and self.knot_mm > 0:
+            raise Contradiction("knot_mm", f"0 for {self.kind.words} mesh")
         if self.bar_m <= 0:
             raise Contradiction("mesh_mm", f"more than two knots, {2 * self.knot_mm:g} mm")
         if self.knot_m > self.bar_m:
@@ -86,6 +87,11 @@ class Netting(Table):
             side_by_side = ", both twines together" if self.twines == 2 else ""
             raise Contradiction("twine_mm", f"thinner than a bar is long, {1000 * self.bar_m:g} mm{side_by_side}")
         return self
+
+    @property
+    def kind(self) -> Kind:
+        """What sets netting of this mesh apart."""
+        return KINDS[self.mesh]
 
     @property
     def bar_m(self) -> float:
@@ -99,6 +105,16 @@ class Netting(Table):
     def knot_m(self) -> float:
         """Knot length l along the netting's N-direction, m."""
         return self.knot_mm / 1000
+
+    @property
+    def knot_along_m(self) -> float:
+        """Length that a knot takes along the netting, m."""
+        return self.knot_m if self.kind.knots == "along" else 0.0
+
+    @property
+    def knot_across_m(self) -> float:
+        """Length that a knot takes across the netting, m."""
+        return self.knot_m if self.kind.knots == "across" else 0.0
 
     @property
     def full_mesh_m(self) -> float:
@@ -128,19 +144,17 @@ class Netting(Table):
     @property
     def stretched_radius_m(self) -> float:
         """Radius with meshes pulled fully open, m: N b / pi (diamond), N (b + l) / pi (T90), N b / 2 pi (square)."""
-        across_m = {"diamond": self.bar_m, "t90": self.bar_m + self.knot_m, "square": self.bar_m / 2}[self.mesh]
-        return self.meshes_round * across_m / math.pi
+        return self.meshes_round * (self.kind.across_bars * self.bar_m + self.knot_across_m) / math.pi
 
     @property
     def rows_per_mesh(self) -> int:
         """Rows of knots that a mesh is long: 2, in square mesh 1."""
-        return 1 if self.mesh == "square" else 2
+        return self.kind.rows_per_mesh
 
     @property
     def stretched_length_m(self) -> float:
         """Length of the section pulled fully straight, knots included where they lie along it, m."""
-        along_m = self.bar_m + (self.knot_m if self.mesh == "diamond" else 0.0)
-        return self.rows_per_mesh * self.meshes_long * along_m
+        return self.rows_per_mesh * self.meshes_long * (self.bar_m + self.knot_along_m)
 
 
 class Strap(Table):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from codend.io.files import whole_file, write_table, write_text
 from codend.plan.copy import plan_toml
+from codend.plan.kinds import kinds_in_words
 from codend.plan.plan import Plan
 from codend.report.drag_plot import drag_plot
 from codend.report.html import PageFigure, page_html
@@ -66,9 +67,10 @@ PLOTS = (
         opening_force_plot,
         lambda _: (
             "Opening force of the meshes ahead of the catch, each taken as isolated: the extra pull across its "
-            "short diagonal that opens it to 30°. Below zero it is wider open already. Square mesh has none."
+            "short diagonal that opens it to 30°. Below zero it is wider open already. "
+            f"{kinds_in_words(lambda kind: not kind.opens).capitalize()} mesh has none."
         ),
-        lambda study: any(section.mesh != "square" for section in study.plan.netting),
+        lambda study: any(section.kind.opens for section in study.plan.netting),
     ),
     Plot(
         "tension",

@@ -14,8 +14,7 @@ import numpy as np
 from catch_models.fish import FishSection
 from codend.report.style import BLUE, INK, ORANGE, PALE, dress, new_figure, number_text, ordered_colours, spread
 from codend.selectivity.escape.catches import Catch
-from codend.selectivity.escape.passage import SQUARE
-from codend.selectivity.escape.penetration import hole_corners, longest_fish
+from codend.selectivity.escape.penetration import SHAPES, hole_corners, longest_fish
 from codend.selectivity.escape.predict import Prediction
 
 if TYPE_CHECKING:
@@ -165,7 +164,7 @@ def draw_mesh(axes: Axes, catch: Catch, section: FishSection) -> float:
     axes.fill(outline[:, 0], outline[:, 1], color=BLUE, alpha=0.35, linewidth=0.0)
     axes.plot(outline[:, 0], outline[:, 1], color=BLUE, linewidth=1.0)
     axes.set_aspect("equal")
-    if catch.holes.kind[i] == SQUARE:
+    if catch.holes.shape[i] == SHAPES["rectangle"]:
         axes.text(0.0, 0.0, "square", ha="center", va="center", color=INK, fontsize="small")
     return 100.0 * longest_m
 

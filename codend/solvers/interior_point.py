@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from codend.mechanics import newton_step as kernels
+from codend.mechanics import newton_step
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
 from codend.solvers import newton
@@ -136,7 +136,7 @@ def _lower_the_barrier(
             lowered = steps
             barrier = max((LOWERED if size > 0.9 else LOWERED_WARILY) * barrier, last_barrier)
         shift = 0.1 * shift if shift > DIRECT.first_shift else 0.0
-        kernels.take(structure, loading, tension, 1.0, barrier, size, state, state, step, new)
+        newton_step.take(structure, loading, tension, 1.0, barrier, size, state, state, step, new)
         state, new = new, state
     close = barrier <= last_barrier and state.residual <= tolerance
     return state, Outcome.CONVERGED if close else Outcome.STEPS_SPENT, steps
@@ -153,10 +153,10 @@ def _step(
     structure, loading, step, system = problem.structure, problem.loading, prepared.step, prepared.system
     while True:
         turn = np.inf
-        sides = kernels.linearise(structure, loading, prepared.pattern, tension, shift, barrier, state, step)
+        sides = newton_step.linearise(structure, loading, prepared.pattern, tension, shift, barrier, state, step)
         if system.factorise(step.blocks) == 0:
             solved = system.solve(step.right[:sides])
-            _, asked, determinant = kernels.finish_step(structure, state, state, solved, step)
+            _, asked, determinant = newton_step.finish_step(structure, state, state, solved, step)
             turn = float(asked) if determinant > 0.0 else np.inf
         if turn <= FARTHEST_TURN or shift >= DIRECT.largest_shift:
             return turn, shift

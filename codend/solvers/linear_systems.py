@@ -7,16 +7,16 @@ and elsewhere the solver adds a shift until it is, as far as it knows: a band LU
 of the others they are asked for at the equilibrium only. They tell whether it is stable.
 """
 
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 from scipy.sparse import csr_array
 
-from codend.compiled import njit
 from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import Pattern
 from codend.net.net import Floats, Ints
 from codend.solvers import pardiso_system
+from codend.solvers.kernels import Band, factorise_band, solve_band
 from codend.solvers.pardiso_system import PardisoSystem
 from codend.solvers.sparse_system import SparseSystem
 
@@ -104,17 +104,6 @@ def _scalar_places(pattern: Pattern, unknown: Ints) -> tuple[Ints, Ints]:
     return row, column
 
 
-class Band(NamedTuple):
-    """A banded matrix as kernels see it."""
-
-    rows: Floats
-    """Entry (i, j) in ``rows[i, half_band + j - i]``, or the factors, (size, 2 half_band + 1)."""
-    place: Ints
-    """Where each entry of the matrix goes in the flattened rows, -1 for held coordinates."""
-    unknown: Ints
-    """Number of the unknown of every coordinate, -1 for held ones, (n, coordinates)."""
-
-
 class BandedSystem:
     """Band LU without pivoting."""
 
@@ -148,64 +137,3 @@ class BandedSystem:
         """See ``LinearSystem``."""
         rows = self.arrays.rows
         return int(np.count_nonzero(rows[:, rows.shape[1] // 2] < 0.0))
-
-
-@njit(cache=True, fastmath={"contract", "reassoc", "nsz"}, error_model="numpy")
-def factorise_band(entries: Floats, place: Ints, band: Floats) -> int:
-    """Gather a matrix into its band and factorise it in place; number of negative pivots, -1 if it is singular.
-
-    ``band[i, half + j - i]`` holds entry (i, j), later the multipliers of L below the diagonal and U.
-    """
-    size, width = band.shape
-    half = width // 2
-    band[:] = 0.0
-    flat = band.reshape(-1)
-    for entry in range(len(place)):
-        if place[entry] >= 0:
-            flat[place[entry]] += entries[entry]
-    negative = 0
-    for k in range(size):
-        pivot = band[k, half]
-        if pivot == 0.0 or not np.isfinite(pivot):
-            return -1
-        if pivot < 0.0:
-            negative += 1
-        inverse = 1.0 / pivot
-        reach = min(half, size - 1 - k)
-        upper = band[k, half + 1 : half + 1 + reach]
-        for below in range(1, reach + 1):
-            row, start = k + below, half - below
-            factor = band[row, start] * inverse
-            band[row, start] = factor
-            lower = band[row, start + 1 : start + 1 + reach]
-            for i in range(reach):
-                lower[i] -= factor * upper[i]
-    return negative
-
-
-@njit(cache=True, error_model="numpy")
-def solve_band(band: Floats, unknown: Ints, right: Floats, solution: Floats) -> None:
-    """Solve with the factors of ``factorise_band``; right sides and solutions are (k, n, coordinates)."""
-    size, width = band.shape
-    half = width // 2
-    nodes, coordinates = unknown.shape
-    x = np.zeros(size)
-    for side in range(len(right)):
-        for node in range(nodes):
-            for i in range(coordinates):
-                if unknown[node, i] >= 0:
-                    x[unknown[node, i]] = right[side, node, i]
-        for i in range(size):
-            value = x[i]
-            for j in range(max(0, i - half), i):
-                value -= band[i, half + j - i] * x[j]
-            x[i] = value
-        for i in range(size - 1, -1, -1):
-            value = x[i]
-            for j in range(i + 1, min(size, i + half + 1)):
-                value -= band[i, half + j - i] * x[j]
-            x[i] = value / band[i, half]
-        for node in range(nodes):
-            for i in range(coordinates):
-                if unknown[node, i] >= 0:
-                    solution[side, node, i] = x[unknown[node, i]]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from codend.mechanics import newton_step as kernels
+from codend.mechanics import newton_step
 from codend.mechanics.bars import bar_lengths
 from codend.mechanics.newton_state import State, empty_state, measure
 from codend.mechanics.newton_step import Step
@@ -20,8 +20,8 @@ from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import Pattern, pattern_of
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension, rough_shape
+from codend.solvers.kernels import FAILED, IN_FIRST, IN_SECOND, Iteration, Limits, advance, advance_banded
 from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
-from codend.solvers.newton_advance import FAILED, IN_FIRST, IN_SECOND, Iteration, Limits, advance, advance_banded
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 from codend.solvers.refusal import Refusal, refusal, told
 
@@ -93,7 +93,7 @@ def prepare(structure: Structure, bands: int) -> Prepared:
         pattern=pattern,
         system=linear_system(structure, pattern),
         states=(empty_state(structure, bands), empty_state(structure, bands), empty_state(structure, bands)),
-        step=kernels.empty_step(structure, pattern),
+        step=newton_step.empty_step(structure, pattern),
     )
 
 
@@ -156,13 +156,13 @@ def negative_pivots(problem: Problem, solution: Solution, prepared: Prepared) ->
     run = _Run(problem, prepared, DIRECT, None)
     run._set_start(solution, DIRECT.switches[0])
     step, system = prepared.step, prepared.system
-    sides = kernels.linearise(
+    sides = newton_step.linearise(
         problem.structure, problem.loading, prepared.pattern, run.tension, NEUTRAL, 0.0, run.state, step
     )
     if system.factorise(step.blocks) == -1:
         return -1
     # a front that follows the net adds a product to the tangent, and with it the sign of one more factor
-    turned = kernels.combine(system.solve(step.right[:sides]), step, step.move) <= 0.0
+    turned = newton_step.combine(system.solve(step.right[:sides]), step, step.move) <= 0.0
     negative = system.negative_pivots()
     return negative + int(turned) if negative >= 0 else -1
 

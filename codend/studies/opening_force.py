@@ -21,6 +21,7 @@ from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.accuracy import SAFETY
 from codend.errors import OPTIONS, InputError
 from codend.net.net import Floats, Ints, with_bars
+from codend.plan.kinds import kinds_in_words
 from codend.plan.plan import Case, Plan
 from codend.solvers import interior_point, newton
 from codend.solvers.outcome import Progress, Solution
@@ -73,15 +74,20 @@ def check_place(plan: Plan, meshes_from_entry: float | None) -> None:
     Raises:
         InputError: it is not between entry and codline, or in square mesh; or there is nothing but square mesh.
     """
-    if all(section.mesh == "square" for section in plan.netting):
-        raise InputError(plan.source, "netting.mesh", "square", "diamond or T90 netting somewhere: square mesh is open")
+    open_to_a_pull = kinds_in_words(lambda kind: kind.opens, "or")
+    rigid = next((section for section in plan.netting if not section.kind.opens), None)
+    if rigid is not None and not any(section.kind.opens for section in plan.netting):
+        allowed = f"{open_to_a_pull} netting somewhere: {rigid.kind.words} mesh is open"
+        raise InputError(plan.source, "netting.mesh", rigid.mesh, allowed)
     if meshes_from_entry is None:
         return
     ends = np.cumsum([section.meshes_long for section in plan.netting])
     if not 0.0 < meshes_from_entry < ends[-1]:
         raise InputError(OPTIONS, "--at", meshes_from_entry, f"above 0 and below {ends[-1]:g}, the meshes long")
-    if plan.netting[int(np.searchsorted(ends, meshes_from_entry))].mesh == "square":
-        raise InputError(OPTIONS, "--at", meshes_from_entry, "a place in diamond or T90 netting: square mesh is open")
+    there = plan.netting[int(np.searchsorted(ends, meshes_from_entry))].kind
+    if not there.opens:
+        allowed = f"a place in {open_to_a_pull} netting: {there.words} mesh is open"
+        raise InputError(OPTIONS, "--at", meshes_from_entry, allowed)
 
 
 def pull_mesh(
@@ -124,9 +130,9 @@ def pull_mesh(
     place = bag.mesh_place[bag.mesh_row]
     ahead = place <= float((1.0 - solution.share) @ bag.band_meshes)
     if meshes_from_entry is not None:
-        fits = np.where(bag.mesh_is_square, -np.inf, -np.abs(place - meshes_from_entry))
-    elif np.any(ahead & ~bag.mesh_is_square):
-        fits = np.where(ahead & ~bag.mesh_is_square, alone, -np.inf)
+        fits = np.where(bag.mesh_opens, -np.abs(place - meshes_from_entry), -np.inf)
+    elif np.any(ahead & bag.mesh_opens):
+        fits = np.where(ahead & bag.mesh_opens, alone, -np.inf)
     else:
         return replace(pull, attempts=(*attempts, "no mesh to pull lies ahead of the catch: say which is to be pulled"))
     mesh = int(np.argmax(fits))

@@ -111,7 +111,7 @@ def sections_of_rows(plan: Plan, globalisation: int) -> NDArray[np.object_]:
     """
     band = np.array(plan.sections_of_bands(globalisation))
     ahead, behind = np.append(band[:1], band), np.append(band, band[-1:])
-    square = np.array([section.mesh == "square" for section in plan.netting])
+    staggered = np.array([section.kind.staggered for section in plan.netting])
     around = np.array([section.meshes_round for section in plan.netting])
-    counting = np.where(square[behind] | (around[behind] < around[ahead]), behind, ahead)
+    counting = np.where(~staggered[behind] | (around[behind] < around[ahead]), behind, ahead)
     return np.array(plan.section_names, dtype=object)[counting]

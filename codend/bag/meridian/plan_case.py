@@ -10,6 +10,7 @@ from codend.bag.meridian.problem import Floats, MeridianProblem, MeridianShape
 from codend.bag.meridian.solve import solve_meridian, uniform_pressure_shape
 from codend.errors import InputError
 from codend.mechanics.water import VISCOSITY_M2_S
+from codend.plan.kinds import kinds_in_words
 from codend.plan.plan import Case, Plan
 from codend.solvers.outcome import Outcome
 
@@ -22,9 +23,8 @@ def why_not(plan: Plan) -> str:
     """What keeps the meridian method from a start for a plan, in words; empty if nothing does."""
     if len(plan.netting) > 1:
         return "it takes one section of netting"
-    section = plan.netting[0]
-    if section.mesh == "square":
-        return "it takes diamond and T90 netting"
+    if not plan.netting[0].kind.membrane:
+        return f"it takes {kinds_in_words(lambda kind: kind.membrane)} netting"
     return ""
 
 
@@ -142,7 +142,7 @@ def share_of(shape: MeridianShape, bands: int) -> Floats:
 
 
 def _rows(plan: Plan) -> int:
-    return 2 * plan.netting[0].meshes_long
+    return plan.netting[0].rows_per_mesh * plan.netting[0].meshes_long
 
 
 def problem_for(plan: Plan, case: Case, front_row: float) -> MeridianProblem:
@@ -157,7 +157,7 @@ def problem_for(plan: Plan, case: Case, front_row: float) -> MeridianProblem:
         front_row=max(front_row, 0.0),
         stagnation_pressure_pa=0.5 * plan.tow.water_density_kg_m3 * case.speed_m_s**2,
         pressure_law=pressure_law_of(plan),
-        mesh="t90" if section.mesh == "t90" else "diamond",
+        mesh=section.mesh,
         knot_m=section.knot_m,
         drag_width_m=section.drag_width_m,
         drag_law=plan.drag.law,

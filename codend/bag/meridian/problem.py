@@ -1,7 +1,6 @@
 """What the meridian method is asked and what it answers."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +8,7 @@ from numpy.typing import NDArray
 from catch_models.pressure import PressureLaw
 from codend.bag.meridian.shell import Shell
 from codend.mechanics.drag_laws import DRAG_LAWS
+from codend.plan.kinds import KINDS, MeshName
 from codend.solvers.outcome import Outcome
 
 Floats = NDArray[np.float64]
@@ -33,7 +33,7 @@ class MeridianProblem:
     stagnation_pressure_pa: float
     """rho V^2 / 2: scales both the catch's pressure and the twine drag."""
     pressure_law: PressureLaw
-    mesh: Literal["diamond", "t90"] = "diamond"
+    mesh: MeshName = "diamond"
     knot_m: float = 0.0
     drag_width_m: float = 0.0
     """Width of a bar that meets the flow; 0 switches twine drag off. Knots carry no drag."""
@@ -59,7 +59,7 @@ class MeridianProblem:
             raise ValueError("meshes_round must be 3 or more and half_mesh_rows 2 or more")
         if not 0.0 <= self.front_row < self.half_mesh_rows:
             raise ValueError(f"front_row = {self.front_row} must lie in 0 <= front_row < {self.half_mesh_rows}")
-        if self.mesh not in ("diamond", "t90") or self.drag_law not in DRAG_LAWS:
+        if self.mesh not in KINDS or not KINDS[self.mesh].membrane or self.drag_law not in DRAG_LAWS:
             raise ValueError(f"unknown mesh {self.mesh!r} or drag law {self.drag_law!r}")
         if self.axial_stiffness_n is not None:
             if not self.axial_stiffness_n > 0.0:
@@ -71,6 +71,11 @@ class MeridianProblem:
             )
 
     @property
+    def knots_lie_across(self) -> bool:
+        """Whether knots lie across the meridian, not along it."""
+        return KINDS[self.mesh].knots == "across"
+
+    @property
     def spread_radius_m(self) -> float:
         """Radius of a ring of fully spread bars, N b / pi, knots apart."""
         return self.meshes_round * self.bar_m / np.pi
@@ -78,7 +83,7 @@ class MeridianProblem:
     def rows_to_axis(self) -> float:
         """Half-mesh rows of a flat disc from the entry to the axis; infinite if the entry is wider than the netting."""
         knot = self.knot_m / self.bar_m
-        across = knot if self.mesh == "t90" else 0.0
+        across = knot if self.knots_lie_across else 0.0
         sine = self.entry_radius_m / self.spread_radius_m - across
         if sine >= 1.0:
             return np.inf
@@ -100,7 +105,7 @@ class MeridianProblem:
             front=self.front_row * per_row,
             entry_radius=self.entry_radius_m / self.spread_radius_m,
             knot=self.knot_m / self.bar_m,
-            knot_across=self.mesh == "t90",
+            knot_across=self.knots_lie_across,
             pressure=self.pressure_law,
             drag_law=DRAG_LAWS.index(self.drag_law),
             speed_m_s=self.speed_m_s,

@@ -15,8 +15,7 @@ from codend.io.columns import PLACE
 from codend.io.input_table import InputTable
 from codend.io.run_tables import read_run_table, solved_cases
 from codend.plan.plan import Netting, Plan, load_plan
-from codend.selectivity.escape.passage import KINDS, SQUARE
-from codend.selectivity.escape.penetration import Holes
+from codend.selectivity.escape.penetration import SHAPES, Holes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -133,8 +132,8 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
         place, row = profile["meshes_from_entry"].to_numpy(), meshes["row"].to_numpy(dtype=int)
         front_row = np.interp(place[-1] - result["filled_meshes"], place, merged * np.arange(len(place)))
         # a merged row stands for real rows about it, of square mesh for those behind it
-        square = np.array([section.mesh == "square" for section in sections])
-        within = np.arange(merged) - np.where(square[:, None], 0.0, 0.5 * (merged - 1))
+        staggered = np.array([section.kind.staggered for section in sections])
+        within = np.arange(merged) - np.where(staggered[:, None], 0.5 * (merged - 1), 0.0)
         ahead = (float(front_row) - merged * row[:, None] - within).ravel()
         near = (ahead > 0.0) & (ahead < most_rows + 1.0)
         which = np.repeat(np.arange(len(row)), merged)[near]
@@ -178,10 +177,10 @@ def _profile_of(run: Run, result: dict[Hashable, Any]) -> tuple[pd.DataFrame, in
 def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, merged: int) -> pd.DataFrame:
     """Meshes of a solved case: one a row of a net that is the same all round, of another all."""
     around = np.array([section.meshes_round for section in run.plan.netting])
-    square = np.array([section.mesh == "square" for section in run.plan.netting])
-    square = square[list(run.plan.sections_of_bands(merged))]
+    bands = [run.plan.netting[number].kind for number in run.plan.sections_of_bands(merged)]
+    staggered = np.array([kind.staggered for kind in bands])
     # a square mesh lies behind the row that counts it, another about it; where square mesh ends a row counts none
-    counting = np.append(square | ~np.append(True, square[:-1]), False)
+    counting = np.append(~staggered | np.append(False, staggered[:-1]), False)
     if result["fidelity"] in ("meridian", "sector") and np.gcd.reduce(around) > 1:
         rows = profile[counting]
         InputTable(str(Path(run.source) / "profile.csv"), rows).numbers("opening_deg")
@@ -207,9 +206,10 @@ def _holes(sections: list[Netting], meshes: pd.DataFrame, radius_m: Floats) -> H
     around = np.array([s.meshes_round for s in sections])
     # the chord between two meridional bars, which a bar across them bounds
     between = 2.0 * 0.5 * (radius_m[row] + radius_m[np.minimum(row + 1, len(radius_m) - 1)]) * np.sin(np.pi / around)
-    kind = np.array([KINDS.index(s.mesh) for s in sections], dtype=np.int64)
-    across = np.where(kind == SQUARE, np.clip(between - width, 0.0, bar), bar)
+    shape = np.array([SHAPES[s.kind.hole] for s in sections], dtype=np.int64)
+    rectangle = shape == SHAPES["rectangle"]
+    across = np.where(rectangle, np.clip(between - width, 0.0, bar), bar)
     # half of a square mesh's bars run along the netting, and bear nearly all there is
-    along = np.where(kind == SQUARE, 1.0, np.cos(half))
+    along = np.where(rectangle, 1.0, np.cos(half))
     load = 2.0 * meshes["bar_tension_n"].to_numpy(dtype=float) * along
-    return Holes(kind, bar, np.array([s.knot_m for s in sections]), half, across, load)
+    return Holes(shape, bar, np.array([s.knot_m for s in sections]), half, across, load)

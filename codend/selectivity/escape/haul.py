@@ -8,37 +8,21 @@ of them, it is that of the first: a share (V_1 / V_end)^(1 / g) of the haul rest
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from catch_models.fish import PARAMETERS, Species
-from codend.compiled import njit
 from codend.selectivity.escape.catches import Catch
-from codend.selectivity.escape.retention import (
-    Crowd,
-    EscapeTerms,
-    Nodes,
-    add_terms,
-    crowd_of,
-    escape_terms,
-    ideals_of,
-    ln_length_at,
-    nodes_of,
-    retained_at,
-)
+from codend.selectivity.escape.retention import EscapeTerms, crowd_of, escape_terms, nodes_of
+from codend.selectivity.escape.retention_kernels import Crowd, Nodes, retain_hauls, time_shares
 
 Floats = NDArray[np.float64]
-_GROWTH, _SIZE = PARAMETERS.index("haul.catch_growth"), PARAMETERS.index("spread.size")
-BIN: Final = 0.004
-"""Width, in ln L, of the bins in which terms of many hauls are gathered, each split between two to keep its mean."""
-_LEAST_LN_M, _BINS = math.log(1e-3), int(math.log(1e4) / BIN)
+_GROWTH = PARAMETERS.index("haul.catch_growth")
 
 
 @dataclass(frozen=True)
@@ -111,18 +95,6 @@ def shares_until(haul: Haul, species: Species, volume_m3: float) -> Floats:
     return np.asarray(np.trapezoid(hats, knots, axis=1) / end)
 
 
-@njit(cache=True, nogil=True)
-def time_shares(time: Floats) -> Floats:
-    """Share of the haul for which each catch stands, (c,), adding to 1: trapezoidal rule, constant before the first."""
-    share = np.zeros(len(time))
-    share[0] = time[0]
-    for i in range(1, len(time)):
-        half = 0.5 * (time[i] - time[i - 1])
-        share[i - 1] += half
-        share[i] += half
-    return share
-
-
 def many_hauls(haul: Haul, values: Floats, nodes: Nodes, length_cm: Floats) -> tuple[Floats, Floats]:
     """L50 and SR over the haul in cm, (m, 2), and retention by length, (m, n), for many sets of values (m, 13).
 
@@ -133,49 +105,9 @@ def many_hauls(haul: Haul, values: Floats, nodes: Nodes, length_cm: Floats) -> t
     ln_length = np.log(0.01 * length_cm)
 
     def solve(part: Floats, result: tuple[Floats, Floats]) -> None:
-        _many_hauls(haul.crowd, haul.volume_m3, part, nodes, ln_length, *result)
+        retain_hauls(haul.crowd, haul.volume_m3, part, nodes, ln_length, *result)
 
     with ThreadPoolExecutor(len(parts)) as pool:
         list(pool.map(solve, parts, found))
     l50_sr, retained = zip(*found, strict=True)
     return np.concatenate(l50_sr), np.concatenate(retained)
-
-
-@njit(cache=True, nogil=True)
-def _many_hauls(
-    crowd: Crowd,
-    volume: Floats,
-    values: Floats,
-    nodes: Nodes,
-    ln_lengths: Floats,
-    l50_sr: Floats,
-    retained: Floats,
-) -> None:
-    most = 0
-    for catch in range(len(volume)):
-        most = max(most, crowd.start[catch + 1] - crowd.start[catch])
-    most *= len(nodes.shape) * len(nodes.rotation)
-    ln_g, escape = np.empty(most), np.empty(most)
-    place, mass = np.empty(_BINS + 1), np.empty(_BINS + 1)
-    for m in range(len(values)):
-        share = time_shares((volume / volume[-1]) ** (1.0 / values[m, _GROWTH]))
-        ideals = ideals_of(crowd, values[m], nodes)
-        gathered = np.zeros(_BINS + 1)
-        for catch in range(len(volume)):
-            for k in range(add_terms(crowd, catch, values[m], nodes, ideals, ln_g, escape)):
-                bins = min(max((ln_g[k] - _LEAST_LN_M) / BIN, 0.0), _BINS - 1e-6)
-                left = int(bins)
-                weight = share[catch] * escape[k]
-                gathered[left] += weight * (left + 1 - bins)
-                gathered[left + 1] += weight * (bins - left)
-        count = 0
-        for k in range(_BINS + 1):
-            if gathered[k] > 0.0:
-                place[count], mass[count] = _LEAST_LN_M + BIN * k, gathered[k]
-                count += 1
-        spread = values[m, _SIZE]
-        l25 = ln_length_at(place[:count], mass[:count], spread, 0.25)
-        l50 = ln_length_at(place[:count], mass[:count], spread, 0.50)
-        l75 = ln_length_at(place[:count], mass[:count], spread, 0.75)
-        l50_sr[m, 0], l50_sr[m, 1] = 100.0 * math.exp(l50), 100.0 * (math.exp(l75) - math.exp(l25))
-        retained_at(place[:count], mass[:count], spread, ln_lengths, retained[m])

@@ -28,17 +28,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from catch_models.fish import FishSection
-from codend.selectivity.escape.passage import (
+from codend.plan.kinds import KINDS, HoleShape, MeshName
+from codend.selectivity.escape.passage_kernels import (
     FINE,
     IDEALS,
-    KINDS,
-    SQUARE,
-    T90,
+    RECTANGLE,
+    RHOMBUS_KNOTS_ACROSS,
+    RHOMBUS_KNOTS_ALONG,
     Effort,
     Fish,
     Hole,
@@ -50,32 +52,46 @@ from codend.selectivity.escape.passage import (
 
 Floats = NDArray[np.float64]
 
+SHAPES: Final[dict[HoleShape, int]] = {
+    "rhombus, knots along": RHOMBUS_KNOTS_ALONG,
+    "rhombus, knots across": RHOMBUS_KNOTS_ACROSS,
+    "rectangle": RECTANGLE,
+}
+"""Numbers of the shapes that holes can have."""
+
 
 @dataclass(frozen=True)
 class Holes:
     """Meshes as holes, arrays (k,)."""
 
-    kind: NDArray[np.int64]
-    """Index into ``KINDS``."""
+    shape: NDArray[np.int64]
+    """One of ``SHAPES``."""
     bar_m: Floats
     """Clear length of a bar."""
     knot_m: Floats
-    """Length of the knot; 0 for square mesh."""
+    """Length of the knot; 0 for rectangles."""
     half_angle_rad: Floats
-    """Half the opening angle; without meaning for square mesh."""
+    """Half the opening angle; without meaning for rectangles."""
     across_m: Floats
-    """Clear distance between the meridional bars of square mesh; without meaning for others."""
+    """Clear distance between the meridional bars of rectangles; without meaning for others."""
     load_n: Floats
     """Load P along the netting that a mesh carries."""
 
     @classmethod
     def of(
-        cls, kind: str, bar_m: ArrayLike, opening_deg: ArrayLike, *, knot_m: ArrayLike = 0.0, load_n: ArrayLike = 0.0
+        cls,
+        mesh: MeshName,
+        bar_m: ArrayLike,
+        opening_deg: ArrayLike,
+        *,
+        knot_m: ArrayLike = 0.0,
+        load_n: ArrayLike = 0.0,
     ) -> Holes:
         """Meshes of one kind, the other arguments broadcast; square ones are as wide as their bars are long."""
         bar, opening, knot, load = np.broadcast_arrays(*map(np.atleast_1d, (bar_m, opening_deg, knot_m, load_n)))
         half = np.radians(opening.astype(float)) / 2.0
-        return cls(np.full(bar.shape, KINDS.index(kind)), *(a.astype(float) for a in (bar, knot, half, bar, load)))
+        shape = np.full(bar.shape, SHAPES[KINDS[mesh].hole])
+        return cls(shape, *(a.astype(float) for a in (bar, knot, half, bar, load)))
 
 
 def longest_through_rhombus(
@@ -109,7 +125,7 @@ def longest_fish(
     """
     fish = Fish(float(section.half_height), float(section.half_width), float(section.exponent))
     rotation = math.nan if rotation_deg is None else math.radians(rotation_deg)
-    longest, ideals = np.empty(len(holes.kind)), np.full(IDEALS, np.nan)
+    longest, ideals = np.empty(len(holes.shape)), np.full(IDEALS, np.nan)
     for i in range(len(longest)):
         hole, phi = _hole(holes, i), float(holes.half_angle_rad[i])
         if push_force_n > 0.0:
@@ -129,12 +145,12 @@ def hole_corners(holes: Holes, i: int) -> Floats:
     """Corners of mesh i in metres, x along the netting, anticlockwise, (4 or 6, 2)."""
     b, knot = holes.bar_m[i], holes.knot_m[i]
     along, across = b * math.cos(holes.half_angle_rad[i]), b * math.sin(holes.half_angle_rad[i])
-    if holes.kind[i] == SQUARE:
+    if holes.shape[i] == RECTANGLE:
         x, y = 0.5 * b, 0.5 * holes.across_m[i]
         quarter = [(x, -y), (x, y)]
     elif knot == 0.0:
         quarter = [(along, 0.0), (0.0, across)]
-    elif holes.kind[i] == T90:
+    elif holes.shape[i] == RHOMBUS_KNOTS_ACROSS:
         quarter = [(along, -0.5 * knot), (along, 0.5 * knot), (0.0, across + 0.5 * knot)]
     else:
         quarter = [(along + 0.5 * knot, 0.0), (0.5 * knot, across), (-0.5 * knot, across)]
@@ -144,4 +160,4 @@ def hole_corners(holes: Holes, i: int) -> Floats:
 
 def _hole(holes: Holes, i: int) -> Hole:
     of_mesh = (holes.bar_m[i], holes.knot_m[i], holes.across_m[i], holes.load_n[i])
-    return Hole(int(holes.kind[i]), *map(float, of_mesh))
+    return Hole(int(holes.shape[i]), *map(float, of_mesh))

@@ -13,8 +13,8 @@ from codend.compiled import njit
 Sides = tuple[float, float, float, float, float, float]
 """Angle of the normal and distance from the centre, of three pairs of sides in turn."""
 
-KINDS: Final = ("diamond", "t90", "square")
-DIAMOND, T90, SQUARE = range(3)
+RHOMBUS_KNOTS_ALONG, RHOMBUS_KNOTS_ACROSS, RECTANGLE = range(3)
+"""Shapes of holes."""
 GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)
 FINE: Final = 40
 """Steps of bisection and of golden-section search by which a single answer is refined."""
@@ -35,7 +35,7 @@ class Fish(NamedTuple):
 class Hole(NamedTuple):
     """One mesh but for its opening, as in ``Holes``."""
 
-    kind: int
+    shape: int
     bar: float
     knot: float
     across: float
@@ -66,11 +66,11 @@ def _by_side(sides: Sides, fish: Fish, rotation: float) -> tuple[float, float, f
 @njit(cache=True, nogil=True)
 def sides_of(hole: Hole, phi: float) -> Sides:
     """Normal angle to the netting's axis and distance from the centre of three pairs of sides; see the heading."""
-    if hole.kind == SQUARE:
+    if hole.shape == RECTANGLE:
         return 0.0, 0.5 * hole.bar, 0.5 * math.pi, 0.5 * hole.across, 0.0, math.inf
     sine, cosine = math.sin(phi), math.cos(phi)
     normal = 0.5 * math.pi - phi
-    if hole.kind == T90:
+    if hole.shape == RHOMBUS_KNOTS_ACROSS:
         d = (hole.bar * sine + 0.5 * hole.knot) * cosine
         return normal, d, -normal, d, 0.0, hole.bar * cosine if hole.knot > 0.0 else math.inf
     d = (hole.bar * cosine + 0.5 * hole.knot) * sine
@@ -104,7 +104,7 @@ def best_rotation(hole: Hole, phi: float, fish: Fish, steps: int) -> float:
     at_end = min(_by_side(sides, fish, quarter))
     if at_end > value:
         best, value = quarter, at_end
-    if fish.n == 2.0 and hole.knot == 0.0 and hole.kind != SQUARE:  # an ellipse in a rhombus lies along a diagonal
+    if fish.n == 2.0 and hole.knot == 0.0 and hole.shape != RECTANGLE:  # an ellipse in a rhombus lies along a diagonal
         return best
     q = fish.n / (fish.n - 1.0)
     between = math.atan((fish.a / fish.b) ** (q / (q - 2.0))) if q > 2.0 else 0.0
@@ -118,7 +118,7 @@ def best_rotation(hole: Hole, phi: float, fish: Fish, steps: int) -> float:
     for one, two in ((0, 1), (0, 2), (1, 2)):
         # ellipses: the two roots for the first and third pair mirror those for the second and third, and the mirrored
         # sides of knotted netting cross at 0 and at 90 degrees only
-        known = fish.n == 2.0 and (one == 1 or (two == 1 and hole.kind != SQUARE))
+        known = fish.n == 2.0 and (one == 1 or (two == 1 and hole.shape != RECTANGLE))
         if known or sides[2 * two + 1] == math.inf:
             continue
         for k in range(ROTATIONS if fish.n != 2.0 else 2):
@@ -222,7 +222,7 @@ def best_opening(
 
     It is one of the netting's ``ideal_openings`` that lies within reach, or an end of the reach.
     """
-    if effort.push <= 0.0 or hole.kind == SQUARE:
+    if effort.push <= 0.0 or hole.shape == RECTANGLE:
         return phi
     load_across = hole.load * math.tan(phi)
     lowest = math.atan2(load_across, hole.load + effort.push)

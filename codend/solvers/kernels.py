@@ -1,10 +1,11 @@
-"""One step of Newton's method on any net, written once: plain Python for sparse systems, compiled for banded ones.
+"""Compiled code of the solvers: a band LU, and a step of Newton's method on any net.
 
-A sector's step takes about as long as a call from Python into compiled code, so for banded systems all of it is one
-kernel. ``advance`` is that kernel's source and runs as it stands where the system is factorised by a library.
+The step is written once: plain Python for sparse systems, compiled for banded ones. A sector's step takes about as long
+as a call from Python into compiled code, so for banded systems all of it is one kernel. ``advance`` is that kernel's
+source and runs as it stands where the system is factorised by a library.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba.extending import overload
@@ -16,8 +17,7 @@ from codend.mechanics.newton_state import State
 from codend.mechanics.newton_step import Step, finish_step, linearise, simplified_move, take
 from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import Pattern
-from codend.net.net import Floats
-from codend.solvers.linear_systems import Band, LinearSystem, factorise_band, solve_band
+from codend.net.net import Floats, Ints
 
 FAILED, IN_FIRST, IN_SECOND = range(3)
 """Where the new state is: nowhere, or in the first or second of the spare states."""
@@ -26,6 +26,78 @@ FAILED, IN_FIRST, IN_SECOND = range(3)
 NEARBY = 2.5e-5
 """Residual up to which a step with negative pivots is made if it is a good one: where a bag turns about its axis for
 nothing a pivot is 0 but for round-off, of either sign, and in steps that are shifted it crawls."""
+
+
+class Band(NamedTuple):
+    """A banded matrix as kernels see it."""
+
+    rows: Floats
+    """Entry (i, j) in ``rows[i, half_band + j - i]``, or the factors, (size, 2 half_band + 1)."""
+    place: Ints
+    """Where each entry of the matrix goes in the flattened rows, -1 for held coordinates."""
+    unknown: Ints
+    """Number of the unknown of every coordinate, -1 for held ones, (n, coordinates)."""
+
+
+@njit(cache=True, fastmath={"contract", "reassoc", "nsz"}, error_model="numpy")
+def factorise_band(entries: Floats, place: Ints, band: Floats) -> int:
+    """Gather a matrix into its band and factorise it in place; number of negative pivots, -1 if it is singular.
+
+    ``band[i, half + j - i]`` holds entry (i, j), later the multipliers of L below the diagonal and U.
+    """
+    size, width = band.shape
+    half = width // 2
+    band[:] = 0.0
+    flat = band.reshape(-1)
+    for entry in range(len(place)):
+        if place[entry] >= 0:
+            flat[place[entry]] += entries[entry]
+    negative = 0
+    for k in range(size):
+        pivot = band[k, half]
+        if pivot == 0.0 or not np.isfinite(pivot):
+            return -1
+        if pivot < 0.0:
+            negative += 1
+        inverse = 1.0 / pivot
+        reach = min(half, size - 1 - k)
+        upper = band[k, half + 1 : half + 1 + reach]
+        for below in range(1, reach + 1):
+            row, start = k + below, half - below
+            factor = band[row, start] * inverse
+            band[row, start] = factor
+            lower = band[row, start + 1 : start + 1 + reach]
+            for i in range(reach):
+                lower[i] -= factor * upper[i]
+    return negative
+
+
+@njit(cache=True, error_model="numpy")
+def solve_band(band: Floats, unknown: Ints, right: Floats, solution: Floats) -> None:
+    """Solve with the factors of ``factorise_band``; right sides and solutions are (k, n, coordinates)."""
+    size, width = band.shape
+    half = width // 2
+    nodes, coordinates = unknown.shape
+    x = np.zeros(size)
+    for side in range(len(right)):
+        for node in range(nodes):
+            for i in range(coordinates):
+                if unknown[node, i] >= 0:
+                    x[unknown[node, i]] = right[side, node, i]
+        for i in range(size):
+            value = x[i]
+            for j in range(max(0, i - half), i):
+                value -= band[i, half + j - i] * x[j]
+            x[i] = value
+        for i in range(size - 1, -1, -1):
+            value = x[i]
+            for j in range(i + 1, min(size, i + half + 1)):
+                value -= band[i, half + j - i] * x[j]
+            x[i] = value / band[i, half]
+        for node in range(nodes):
+            for i in range(coordinates):
+                if unknown[node, i] >= 0:
+                    solution[side, node, i] = x[unknown[node, i]]
 
 
 class Limits(NamedTuple):
@@ -41,14 +113,17 @@ class Limits(NamedTuple):
     length_tolerance: float
 
 
-def factorise(system: LinearSystem | Band, blocks: Floats) -> int:
-    """Factorise the tangent; number of negative pivots (0 where the factorisation does not tell), -1 if singular."""
-    return system.factorise(blocks)  # type: ignore[union-attr]
+def factorise(system: Any, blocks: Floats) -> int:
+    """Factorise the tangent; number of negative pivots (0 where the factorisation does not tell), -1 if singular.
+
+    ``system`` is a ``linear_systems.LinearSystem``, or in compiled code a ``Band``.
+    """
+    return int(system.factorise(blocks))
 
 
-def solve(system: LinearSystem | Band, right: Floats, solution: Floats) -> None:
-    """Write the solutions for right sides (k, n, 3)."""
-    solution[:] = system.solve(right)  # type: ignore[union-attr]
+def solve(system: Any, right: Floats, solution: Floats) -> None:
+    """Write the solutions for right sides (k, n, 3), with the factors of such a system."""
+    solution[:] = system.solve(right)
 
 
 @overload(factorise)
@@ -87,7 +162,7 @@ def within(state: State, limits: Limits) -> bool:
     return max(marks.residual, marks.imbalance) <= limits.tolerance and marks.length_error <= limits.length_tolerance
 
 
-def advance(system: LinearSystem | Band, iteration: Iteration, shift: float, fresh: bool) -> tuple[int, int]:
+def advance(system: Any, iteration: Iteration, shift: float, fresh: bool) -> tuple[int, int]:
     """Take a step from a state with the tangent shifted, shortened as far as need be.
 
     Unless ``fresh``, the factors that the system holds stand for those of the tangent, which is near to theirs.

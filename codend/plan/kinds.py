@@ -1,0 +1,89 @@
+"""The kinds of netting: one record a kind, which tells all that sets it apart.
+
+A new kind is a record here, its name in ``MeshName`` and, if knots and twine are joined as in no other, a file in
+``codend.netting.patterns`` that writes them and a line in ``codend.netting.pattern.PATTERNS``.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, Literal
+
+MeshName = Literal["diamond", "t90", "square"]
+"""What a plan calls them."""
+HoleShape = Literal["rhombus, knots along", "rhombus, knots across", "rectangle"]
+"""Holes whose passage by fish is known; see ``codend.selectivity.escape.penetration``."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of netting; b is a bar, l a knot and N the meshes round."""
+
+    words: str
+    """What sentences call it."""
+    pattern: str
+    """What joins its knots, a key of ``codend.netting.pattern.PATTERNS``."""
+    rows_per_mesh: Literal[1, 2]
+    """Rows of knots that a mesh is long."""
+    knots: Literal["along", "across", "none"]
+    """How the length of its knots lies, or that they have none."""
+    across_bars: float
+    """Width round the netting that a mesh pulled fully open has, without knots, over 2 b: N times 2 b times this is the
+    way round."""
+    opens: bool
+    """Whether its meshes open and close: bending resists that, and a pull across the netting helps."""
+    membrane: bool
+    """Whether the meridian method takes it."""
+    hole: HoleShape
+    """What fish have to pass."""
+    folds_over_from: float = math.inf
+    """Wet weight over the drag from which nets of it can fold over, and no estimate holds (found on full nets)."""
+
+    @property
+    def staggered(self) -> bool:
+        """Whether rows are half a mesh apart and turned by half a mesh.
+
+        A mesh then lies about the row at its widest part, its sides aslant; else between two rows, along and across.
+        """
+        return self.rows_per_mesh == 2
+
+
+KINDS: Final[dict[MeshName, Kind]] = {
+    "diamond": Kind(
+        words="diamond",
+        pattern="rhombs",
+        rows_per_mesh=2,
+        knots="along",
+        across_bars=1.0,
+        opens=True,
+        membrane=True,
+        hole="rhombus, knots along",
+    ),
+    "t90": Kind(
+        words="T90",
+        pattern="rhombs",
+        rows_per_mesh=2,
+        knots="across",
+        across_bars=1.0,
+        opens=True,
+        membrane=True,
+        hole="rhombus, knots across",
+    ),
+    "square": Kind(
+        words="square",
+        pattern="squares",
+        rows_per_mesh=1,
+        knots="none",
+        across_bars=0.5,
+        opens=False,
+        membrane=False,
+        hole="rectangle",
+        folds_over_from=0.2,
+    ),
+}
+
+
+def kinds_in_words(which: Callable[[Kind], bool], joint: Literal["and", "or"] = "and") -> str:
+    """The kinds of which something holds, as a sentence names them: "diamond and T90"."""
+    *first, last = [kind.words for kind in KINDS.values() if which(kind)]
+    return f"{', '.join(first)} {joint} {last}" if first else last
