@@ -16,7 +16,9 @@ def assembled(
     entry: NDArray,
     drag: tuple[int, float, float],
 ) -> Bag:
-    """Bag with the properties of its bars, held at the entry and kept on the axis at the codline.
+    """Bag with the properties of its bars, held at the entry and nowhere else.
+
+    Only the symmetry of a sector keeps its codline on the axis.
 
     ``drag`` is the law of the twine's drag and its coefficients, as ``drag_laws.drag`` gives them.
     """
@@ -40,7 +42,7 @@ def assembled(
     count = len(node_row)
     fixed = np.zeros((count, 3), dtype=bool)
     fixed[entry] = True
-    fixed[parts.codline, 1:] = True
+    fixed[parts.codline, 1:] = lattice.order > 1
     corners = np.concatenate(parts.corners)
     clamped = np.array([12.0 * s.bending_stiffness_n_m2 / s.bar_m for s in lattice.sections])[corners[:, 6]]
     # two twines gathered at the codline have no angle between them

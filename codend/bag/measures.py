@@ -10,7 +10,8 @@ import numpy as np
 from catch_models.filling import enclosed_volume
 from catch_models.pressure import PressureLaw
 from codend.bag.bag import Bag, mesh_corners, real_tensions
-from codend.mechanics import bars, bending, drag, pressure
+from codend.bag.supports import held_by_the_entry, loads_and_supports, sideways_imbalance
+from codend.mechanics import drag, pressure
 from codend.mechanics.catch_front import band_geometry
 from codend.mechanics.crossing import band_turns
 from codend.mechanics.problem import Problem
@@ -46,6 +47,8 @@ class Measures:
     """Share of the netting on the catch that lies in folds, facing inward; see ``folded_share``."""
     turn_deg: float
     """By how much the bag is turned about its axis from the entry to the codline, summed over the bands."""
+    sideways_imbalance: float
+    """What the entry's reactions leave of the loads across the axis and as a moment; see ``sideways_imbalance``."""
 
     @classmethod
     def unknown(cls) -> "Measures":
@@ -199,14 +202,7 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows) -> Measu
     net, structure, loading = problem.net, problem.structure, problem.loading
     position, share = np.ascontiguousarray(solution.positions), solution.share
     twine_load, catch_load = current_loads(problem, solution)
-    pull = np.zeros_like(position)
-    length = np.empty(len(net.bars))
-    bars.bar_lengths(position, structure, length)
-    density = np.divide(solution.bar_tension, length, out=np.zeros_like(length), where=length > 0.0)
-    bars.add_bar_forces(position, structure, density, pull)
-    bending.add_force(position, structure, pull)
-    held = net.fixed[:, 0]
-    at_entry = (pull + twine_load + catch_load + loading.dead)[held, 0].sum() * net.order
+    load, support = loads_and_supports(problem, solution)
 
     area, moment = np.empty(bag.bands), np.empty(bag.bands)
     band_geometry(position, structure, loading.catch, area, moment)
@@ -229,13 +225,14 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows) -> Measu
         drag_n=float((twine_load + catch_load)[:, 0].sum() * net.order),
         catch_drag_n=float(catch_load[:, 0].sum() * net.order),
         twine_drag_n=float(twine_load[:, 0].sum() * net.order),
-        entry_reaction_n=float(at_entry),
+        entry_reaction_n=float(-support[held_by_the_entry(bag), 0].sum() * net.order),
         opening_ahead_deg=float(np.mean(openings)) if len(ahead) else float("nan"),
         opening_force_ahead_n=float(np.mean(forces)) if len(ahead) else float("nan"),
         max_bar_tension_n=float(np.delete(tension, straps).max()),
         max_strap_tension_n=float(tension[straps].max()) if len(straps) else float("nan"),
         folded_share=folded_share(bag, position, rows, share),
         turn_deg=float(np.degrees(band_turns(position, structure, loading.catch)[0].sum())),
+        sideways_imbalance=sideways_imbalance(bag, position, load, support),
     )
 
 

@@ -34,6 +34,7 @@ RESULT_COLUMNS = [
     "sector_meshes",
     "folded_share",
     "turn_deg",
+    "sideways_imbalance",
 ]
 
 STRAP_COLUMNS = ["max_strap_tension_n"]

@@ -98,6 +98,7 @@ def solving_table(study: Study) -> PageTable:
         column_text(reaction, digits=6),
         column_text(drag, digits=6),
         [_small(difference) for difference in reaction - drag],
+        [_small(result.measures.sideways_imbalance) for result in study.cases],
         [_small(report.length_error) for report in reports],
         [_stable(result) for result in study.cases],
         column_text(100.0 * study.table["folded_share"].to_numpy(dtype=float), digits=3),
@@ -111,6 +112,7 @@ def solving_table(study: Study) -> PageTable:
         Head("Pull at the entry", "N"),
         Head("Drag", "N"),
         Head("Pull less drag", "N"),
+        Head("Sideways"),
         Head("Length error"),
         Head("Stable", words=True),
         Head("In folds", "%"),
@@ -122,6 +124,12 @@ def solving_table(study: Study) -> PageTable:
         "net, and in brackets how often those do that grow; of a full net yes where no pivot of the tangent is "
         "negative. In folds: netting on the catch that faces inward, where the pressure is right in sum over the "
         "layers of a fold only."
+        "the axial reaction, which must equal the drag. Sideways: what the entry's reactions leave of the loads "
+        "across the axis and as a moment, over the resultant load and the bag's length. Length error: largest "
+        "departure of a bar from the law of its twine, over its length. Stable: yes where no pivot of the tangent is "
+        "negative at the equilibrium, not sure where it is singular; that of a sector tells of moves that are the "
+        "same all round. In folds: netting on the catch that faces inward, where the pressure is right in sum over "
+        "the layers of a fold only."
     )
     return PageTable(heads, _rows(study, cells), (remark,))
 

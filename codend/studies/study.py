@@ -168,6 +168,7 @@ def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) 
             catch_drag_n=shape.catch_drag_n,
             twine_drag_n=shape.twine_drag_n,
             entry_reaction_n=shape.entry_reaction_n,
+            sideways_imbalance=0.0,  # a membrane is the same all round, and nothing turns it
         )
         _, of_bars = equilibrium.solve(sector, case, [(case, solution)], None)
         errors = accuracy.estimate(sector, case, problem, of_bars, own, choice.unseen_weight_n)

@@ -1,0 +1,55 @@
+"""What the supports of a bag carry, and whether the entry's alone balance its loads.
+
+Only the hoop at the entry holds a bag. A support anywhere else that carries something is one that no gear supplies: it
+shows in the balance of the whole bag, which counts the reactions of the entry and no others.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codend.bag.bag import Bag
+from codend.mechanics import bars
+from codend.mechanics.loads import add_force
+from codend.mechanics.problem import Problem
+from codend.net.net import Floats
+from codend.solvers.outcome import Solution
+
+
+def held_by_the_entry(bag: Bag) -> NDArray[np.bool_]:
+    """Nodes that the hoop at the entry holds, (n,)."""
+    return np.asarray(bag.net.fixed.all(axis=1) & (bag.node_row == 0))
+
+
+def loads_and_supports(problem: Problem, solution: Solution) -> tuple[Floats, Floats]:
+    """Loads on the nodes, the twine's bending among them, and what it takes to hold each node so, N, each (n, 3).
+
+    The latter is what a support carries, and at a free node what the solver leaves out of balance.
+    """
+    position, structure = np.ascontiguousarray(solution.positions), problem.structure
+    load, length = np.zeros_like(position), np.empty(len(problem.net.bars))
+    add_force(position, structure, problem.loading, solution.share, load)
+    bars.bar_lengths(position, structure, length)
+    density = np.divide(solution.bar_tension, length, out=np.zeros_like(length), where=length > 0.0)
+    total = load.copy()
+    bars.add_bar_forces(position, structure, density, total)
+    return load, -total
+
+
+def sideways_imbalance(bag: Bag, positions: Floats, load: Floats, support: Floats) -> float:
+    """What the loads of a bag and the reactions of its entry leave over across the axis and as a moment, relative.
+
+    The larger of the force across the axis over the resultant load, and of the moment about the middle of the entry
+    over that times the bag's reach from there. Over the images of a sector all cancel but the moment about the axis.
+    """
+    order, entry = bag.net.order, held_by_the_entry(bag)
+    outer = load + np.where(entry[:, None], support, 0.0)
+    middle = positions[entry].mean(axis=0)
+    if order > 1:
+        middle[1:] = 0.0
+    arm = positions - middle
+    force, moment, resultant = (v.sum(axis=0) for v in (outer, np.cross(arm, outer), load))
+    if order > 1:
+        force[1:] = moment[1:] = resultant[1:] = 0.0
+    reach = np.linalg.norm(arm, axis=1).max()
+    over = max(np.linalg.norm(force[1:]), np.linalg.norm(moment) / reach)
+    return float(over / np.linalg.norm(resultant))
