@@ -119,17 +119,12 @@ def solving_table(study: Study) -> PageTable:
     )
     remark = (
         "Residual: largest force out of balance on a free node, over the resultant of the loads. Pull at the entry: "
-        "the axial reaction, which must equal the drag. Length error: largest departure of a bar from the law of its "
-        "twine, over its length. Stable: of a sector yes where no change grows, however often it varies round the "
-        "net, and in brackets how often those do that grow; of a full net yes where no pivot of the tangent is "
-        "negative. In folds: netting on the catch that faces inward, where the pressure is right in sum over the "
-        "layers of a fold only."
         "the axial reaction, which must equal the drag. Sideways: what the entry's reactions leave of the loads "
         "across the axis and as a moment, over the resultant load and the bag's length. Length error: largest "
-        "departure of a bar from the law of its twine, over its length. Stable: yes where no pivot of the tangent is "
-        "negative at the equilibrium, not sure where it is singular; that of a sector tells of moves that are the "
-        "same all round. In folds: netting on the catch that faces inward, where the pressure is right in sum over "
-        "the layers of a fold only."
+        "departure of a bar from the law of its twine, over its length. Stable: of a sector yes where no change grows, "
+        "however often it varies round the net, and in brackets how often those do that grow; of a full net yes where "
+        "no pivot of the tangent is negative. In folds: netting on the catch that faces inward, where the pressure is "
+        "right in sum over the layers of a fold only."
     )
     return PageTable(heads, _rows(study, cells), (remark,))
 
