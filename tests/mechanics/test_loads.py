@@ -127,7 +127,7 @@ def test_bar_forces_are_minus_the_gradient_of_their_energy(case, seed):
     tension = stiffness * np.maximum(length / net.bar_length - 1.0, 0.0)
     bars.add_bar_forces(net.positions, structure, tension / length, force)
     direction = np.random.default_rng(seed).normal(size=net.positions.shape)
-    step = 1e-6
+    step = 1e-7
     slope = (energy(net.positions + step * direction) - energy(net.positions - step * direction)) / (2 * step)
     assert -(force * direction).sum() == pytest.approx(slope, rel=1e-5, abs=1e-6 * np.abs(force).max())
 
