@@ -125,8 +125,8 @@ def by_relaxation(problem: Problem, tolerance: float, start: Solution) -> Soluti
 
 
 def _safe(problem: Problem, tolerance: float) -> float:
-    """Largest force over the resultant, with room for the bars' tensions, which solvers hold to their law apart."""
-    return 0.1 * tolerance / len(problem.net.positions)
+    """Largest force over the loads and the tension, with room for the bars' law, to which solvers hold them apart."""
+    return 0.02 * tolerance / len(problem.net.positions)
 
 
 def ours(

@@ -34,6 +34,7 @@ FOR_TESTS = (
     "pytest",
     "hypothesis",
     "statsmodels",
+    "ipctk",
     "ruff",
     "mypy",
     "import-linter",

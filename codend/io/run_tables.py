@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from codend.errors import InputError
 from codend.io.columns import MESH_COLUMNS, PLACE, PROFILE_COLUMNS, RESULT_COLUMNS, SECTION, STRAP_COLUMNS
 from codend.io.files import as_named
@@ -57,7 +59,7 @@ def read_run_table(path: str | Path, filled: Sequence[str] = ()) -> pd.DataFrame
             table.numbers(name, may_be_empty=name not in filled)
             columns[name] = pd.to_numeric(table.with_points(name))
         else:
-            columns[name] = cells
+            columns[name] = cells.where(cells.notna(), np.nan)
     return pd.DataFrame(columns, table.frame.index)
 
 

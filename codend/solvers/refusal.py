@@ -3,6 +3,8 @@
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from codend.mechanics import possible
 from codend.mechanics.crossing import band_turns
 from codend.mechanics.piercing import TOUCHING, first_pierced
@@ -13,6 +15,8 @@ from codend.solvers.outcome import Outcome
 
 LARGEST_TURN = 0.5 * math.pi
 """Turn about its axis, from entry to codline, up to which a net is not wrung, rad."""
+DEEPEST = 0.1
+"""Of the shortest bar; see ``touching_m``."""
 _IMPOSSIBLE = {
     possible.NO_VOLUME: (Outcome.NO_VOLUME, "volume {:.2g} m3"),
     possible.FRONT_BEHIND: (Outcome.FRONT_BEHIND, "front {:.2g} m ahead of the codline"),
@@ -33,6 +37,8 @@ def refusal(problem: Problem, position: Floats, share: Floats) -> Refusal | None
     through = passage(problem, position)
     if through is not None:
         return through
+    if problem.loading.catch.row_size[-1] != 1.0:
+        return None  # no bag, which a codline closes, but netting on which a pressure acts
     code, number = possible.impossible(position, problem.structure, problem.loading.catch, share)
     if code == possible.POSSIBLE:
         return None
@@ -42,8 +48,8 @@ def refusal(problem: Problem, position: Floats, share: Floats) -> Refusal | None
 
 def passage(problem: Problem, position: Floats) -> Refusal | None:
     """Where a net has passed through itself, or that it is wrung; None where it has not."""
-    structure, catch = problem.structure, problem.loading.catch
-    touching = TOUCHING * float(structure.length.min())
+    catch = problem.loading.catch
+    touching = touching_m(problem)
     if catch.row_size.any():
         round_axis = _rings(problem, position, touching)
         if round_axis is not None:
@@ -53,6 +59,16 @@ def passage(problem: Problem, position: Floats) -> Refusal | None:
         return None
     band, met = catch.bar_band[bar] + 1, catch.facet_band[facet] + 1
     return Refusal(Outcome.PASSED_THROUGH, f"a bar of band {band} pierces band {met} of {problem.bands}")
+
+
+def touching_m(problem: Problem) -> float:
+    """Depth up to which netting touches itself and does not pass through, m.
+
+    Twine has a thickness: netting whose middle lines are on the wrong side of each other by less than that is pressed
+    together, which is no part of the model, and not through. That counts up to ``DEEPEST`` of the shortest bar.
+    """
+    shortest, thick = float(problem.structure.length.min()), float(np.median(problem.structure.diameter))
+    return max(TOUCHING * shortest, min(thick, DEEPEST * shortest))
 
 
 def _rings(problem: Problem, position: Floats, touching: float) -> Refusal | None:
