@@ -78,7 +78,7 @@ KINDS: Final[dict[MeshName, Kind]] = {
         opens=False,
         membrane=False,
         hole="rectangle",
-        folds_over_from=0.2,
+        folds_over_from=0.005,
     ),
 }
 

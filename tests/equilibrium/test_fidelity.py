@@ -18,6 +18,7 @@ from codend.solvers import dynamic_relaxation, newton
 from codend.studies.study import solve
 from tests import ROOT
 from tests.plans import joined_plan, make_plan
+from validation.weight_left_out import errors_of
 
 TIGHT = 1e-11
 
@@ -199,7 +200,7 @@ WEIGHED = {
 
 
 @pytest.mark.parametrize("weighed", WEIGHED)
-def test_weight_changes_openings_by_less_than_its_share_of_the_drag_and_drag_by_the_square_of_it(weighed):
+def test_weight_left_out_is_within_the_errors_and_chosen_by_its_share_of_the_drag(weighed):
     options = WEIGHED[weighed]
     light = solve(make_plan(24, 20, **options, model={"fidelity": "sector"})).cases[0]
     share = 0.06
@@ -207,10 +208,10 @@ def test_weight_changes_openings_by_less_than_its_share_of_the_drag_and_drag_by_
     per_density = 24 * abs(float(wet_weight(build_bag(_dense(options, 2000.0), sectors=1).net, 1000.0).sum()))
     plan = _dense(options, 1000.0 + 1000.0 * weight / per_density, fidelity="full")
     heavy = solve(plan).cases[0]
-    assert abs(heavy.measures.drag_n / light.measures.drag_n - 1.0) <= accuracy.WEIGHT_LEFT_OUT[0, 1] * share**2
+    assert abs(heavy.measures.drag_n / light.measures.drag_n - 1.0) <= accuracy.WEIGHT_LEFT_OUT[0] @ [share, share**2]
     ahead = np.abs(heavy.bag.mesh_row - (40 - 2 * options["filled"] - 3)) <= 2
     change = heavy.meshes.opening_deg / light.rows.opening_deg[heavy.bag.mesh_row] - 1.0
-    assert 0.02 * share < np.abs(change[ahead]).max() <= share
+    assert 0.02 * share < np.abs(change[ahead]).max() <= 3.0 * share, "the codline is free to sink"
     left_out = solve(_dense(options, plan.netting[0].twine_density_kg_m3, fidelity="sector")).cases[0]
     assert abs(left_out.measures.drag_n - heavy.measures.drag_n) <= left_out.errors.drag_error_n
     volume = left_out.measures.catch_volume_m3 - heavy.measures.catch_volume_m3
@@ -224,7 +225,6 @@ def test_weight_changes_openings_by_less_than_its_share_of_the_drag_and_drag_by_
 
 
 def test_merged_meshes_own_up_to_what_they_make_of_weight():
-    """Without weight the widest ring is the entry's in both nets: only weight makes them differ there."""
     options = {"filled": 2.0, "speed": 0.4}
     full, merged = (
         solve(_dense(options, 1400.0, fidelity=kind, globalisation=g)).cases[0]
@@ -236,7 +236,6 @@ def test_merged_meshes_own_up_to_what_they_make_of_weight():
         ("catch_volume_m3", merged.errors.catch_volume_error_m3),
     ):
         assert abs(getattr(merged.measures, quantity) - getattr(full.measures, quantity)) <= error
-    assert abs(merged.measures.max_radius_m / full.measures.max_radius_m - 1.0) > 1e-3
     square = _dense({"mesh": "square", "filled": 2.0, "speed": 0.3}, 1400.0, fidelity="sector")
     result = solve(square).cases[0]
     assert fidelity.choose(square).unseen_weight_n > KINDS["square"].folds_over_from * result.measures.drag_n
@@ -267,3 +266,11 @@ def test_flume_net_globalised_by_ten_has_its_drag_within_one_and_a_half_percent(
     model = solve(load_plan(flume, merged)).cases[0].measures
     assert model.drag_n == pytest.approx(real.drag_n, rel=0.015)
     assert model.length_m == pytest.approx(real.length_m, rel=0.0015)
+
+
+@pytest.mark.parametrize("number", range(6))
+def test_errors_cover_what_weight_does_to_free_nets_that_were_not_used_to_find_them(number):
+    found = errors_of(3, number)
+    if found is not None:
+        over = [value for name, value in found.items() if name.endswith("over estimate")]
+        assert np.nan_to_num(over).max() <= 1.0
