@@ -123,11 +123,17 @@ def departure(problem: Problem, positions: np.ndarray, tension: np.ndarray, shar
 
 
 def facing_rings(problem: Problem, positions: np.ndarray) -> float:
-    """Least mean, over a band, of the cosine between the directions from the axis of the knots that a bar joins.
+    """Least mean, over a band, of the cosine between the directions of the knots that a bar joins, from their axis.
 
-    Near 1 in a sound net that is the same all round; below 0 the netting has passed through itself at the axis.
+    That is the flow's for a sector, and for a full net, whose codline is free, the middles of its rings. Near 1 in a
+    sound net that is the same all round; below 0 the netting has passed through itself at the axis.
     """
     net, catch = problem.net, problem.loading.catch
+    if net.order == 1:
+        positions = positions.copy()
+        for row in np.unique(catch.node_row[catch.node_row >= 0]):
+            ring = catch.node_row == row
+            positions[ring, 1:] -= positions[ring, 1:].mean(axis=0)
     cosines: dict[int, list[float]] = {}
     for bar, (i, j) in enumerate(net.bars):
         if catch.node_row[i] == catch.node_row[j] or min(catch.node_row[i], catch.node_row[j]) < 0:
