@@ -7,6 +7,7 @@ import numpy as np
 from codend.mechanics.loads import Loading
 from codend.mechanics.points import points_of
 from codend.mechanics.pressure import FILLED_MESHES, Catch
+from codend.mechanics.rings import Rings, rings_of
 from codend.mechanics.structure import Structure, structure_of
 from codend.mechanics.water import Water, uniform_flow
 from codend.mechanics.weight import wet_weight
@@ -20,6 +21,8 @@ class Problem:
     net: Net
     structure: Structure
     loading: Loading
+    rings: Rings
+    """Rings of knots in the order in which the net was built, wherever it starts."""
 
     @property
     def bands(self) -> int:
@@ -50,7 +53,7 @@ class Problem:
         if nodal_force_n is not None:
             dead = dead + nodal_force_n
         loading = Loading(dead, water, points_of(net), no_catch(net) if catch is None else catch)
-        return cls(net, structure_of(net), loading)
+        return cls(net, structure_of(net), loading, rings_of(net.positions, loading.catch.node_row, net.order))
 
 
 SEA_WATER_KG_M3 = 1025.0

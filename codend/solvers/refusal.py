@@ -9,7 +9,7 @@ from codend.mechanics import possible
 from codend.mechanics.crossing import band_turns
 from codend.mechanics.piercing import TOUCHING, first_pierced
 from codend.mechanics.problem import Problem
-from codend.mechanics.rings import first_crossed_ring, rings_of
+from codend.mechanics.rings import first_crossed_ring
 from codend.net.net import Floats
 from codend.solvers.outcome import Outcome
 
@@ -83,8 +83,7 @@ def _rings(problem: Problem, position: Floats, touching: float) -> Refusal | Non
     # a ring of one or two knots a sector is sound, or a bar of it pierces the netting
     if structure.order > 1.0 and catch.row_size.max() <= 2.0:
         return None
-    rings = rings_of(problem.net.positions, catch.node_row, problem.net.order)
-    row, times = first_crossed_ring(position, *rings, structure.order, touching)
+    row, times = first_crossed_ring(position, *problem.rings, structure.order, touching)
     if row < 0:
         return None
     runs = f"runs {times} times round and " if times != 1 else ""
