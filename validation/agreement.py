@@ -17,11 +17,11 @@ import pandas as pd
 from codend.bag.loads import problem_of
 from codend.bag.measures import Measures, measure_all
 from codend.equilibrium import accuracy
-from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.accuracy import Errors
+from codend.equilibrium.bag_model import model_of
 from codend.plan.plan import Plan, plan_from_dict
 from codend.report.style import BLUE, INK, ORANGE, dress, new_figure
-from codend.solvers import interior_point
+from codend.solvers import interior_point, newton
 from codend.studies.case_result import CaseResult
 from codend.studies.study import solve
 from validation.report import markdown_table
@@ -159,14 +159,14 @@ def _solved(plan: Plan) -> CaseResult:
 def _full_from_nothing(plan: Plan) -> CaseResult:
     """The full net from a crude bag: ``solve`` would set the equilibrium of a sector all round, which shows nothing."""
     (case,) = plan.cases()
-    scene = equilibrium.scene_of(plan, 1, None)
-    problem = problem_of(scene.bag, plan, case)
-    solution = interior_point.solve(problem, plan.model.tolerance, None, prepared=scene.prepared)
+    model = model_of(plan, 1, None)
+    problem = problem_of(model.bag, plan, case)
+    solution = interior_point.solve(problem, plan.model.tolerance, None, prepared=model.prepared)
     if not solution.report.outcome.converged:
-        return CaseResult(case, scene.bag, problem, solution, Measures.unknown(), Errors.unknown(), None, None, None)
-    meshes, rows, measures = measure_all(scene.bag, problem, solution)
-    errors = accuracy.estimate(scene, case, problem, solution, measures)
-    return CaseResult(case, scene.bag, problem, solution, measures, errors, None, rows, meshes)
+        return CaseResult(case, model.bag, problem, solution, Measures.unknown(), Errors.unknown(), None, None, None)
+    meshes, rows, measures = measure_all(model.bag, problem, solution)
+    errors = accuracy.estimate(model, case, newton.tangent_at(problem, solution, model.prepared), measures)
+    return CaseResult(case, model.bag, problem, solution, measures, errors, None, rows, meshes)
 
 
 def _row(name: str, meshes_round: int, scene: Scene) -> dict[str, object]:

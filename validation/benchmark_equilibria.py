@@ -12,6 +12,7 @@ import click
 import numpy as np
 
 from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.bag_model import model_of
 from codend.plan.plan import Plan, load_plan, plan_from_dict
 from codend.studies.study import solve
 
@@ -76,10 +77,10 @@ def growth_with_nodes(factors: tuple[int, ...]) -> float:
         model = ["model.fidelity=globalised", f"model.globalisation={g}"] if g > 1 else ["model.fidelity=full"]
         plan = load_plan(FLUME, ["catch.filled_meshes=40", "netting.0.twine_density_kg_m3=1140", *model])
         started = perf_counter()
-        scene = equilibrium.scene_of(plan, g, None)
+        model = model_of(plan, g, None)
         built = perf_counter() - started
-        _, solution = equilibrium.solve(scene, plan.cases()[0], (), None)
-        nodes.append(len(scene.bag.net.positions))
+        _, solution = equilibrium.solve(model, plan.cases()[0], (), None)
+        nodes.append(len(model.bag.net.positions))
         times.append(solution.report.solve_ms)
         residual, outcome = solution.report.residual, solution.report.outcome.name
         print(

@@ -10,6 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.bag_model import model_of
 from codend.plan.plan import Plan, load_plan, plan_from_dict
 from codend.solvers.harmonics import harmonics_of
 from validation.benchmark_equilibria import FLUME
@@ -34,7 +35,7 @@ def commercial(mesh: str, bending_n_m2: float, catch_kg: float) -> Plan:
 
 def report(name: str, plan: Plan, goal: str) -> None:
     """Print a row for the first case of a plan."""
-    scene = equilibrium.scene_of(plan, 1, 1)
+    scene = model_of(plan, 1, 1)
     problem, solution = equilibrium.solve(scene, plan.cases()[0], (), None)
     harmonics = harmonics_of(problem, solution, scene.ring)
     times = []

@@ -18,7 +18,7 @@ import click
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
-from codend.equilibrium.solve import START
+from codend.equilibrium.start_shapes import START
 from codend.mechanics.bars import add_bar_forces
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, bar_vectors

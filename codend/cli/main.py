@@ -147,6 +147,7 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     checked = load_plan(plan, changes)
     from codend.bag.loads import pressure_law_of
     from codend.equilibrium.fidelity import choose
+    from codend.report.choice_words import reason_text
     from codend.report.html import cautions, sea_water
     from codend.report.page import files_of, write_report
     from codend.studies.kept_cases import KeptCases
@@ -159,7 +160,7 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     with shown_progress() as progress:
         progress(0, len(checked.cases()), "choosing the model")
         choice = choose(checked)
-    click.echo(choice.why)
+    click.echo(reason_text(choice))
     if checked.water_is_assumed:
         click.echo(sea_water(checked))
     if (before := unfinished(folder)) is not None:

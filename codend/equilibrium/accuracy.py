@@ -10,11 +10,9 @@ import numpy as np
 
 from codend.bag.measures import Measures, current_loads, measure_all
 from codend.equilibrium import solve as equilibrium
-from codend.equilibrium.solve import Scene
-from codend.mechanics.problem import Problem
+from codend.equilibrium.bag_model import BagModel, model_of
 from codend.plan.plan import Case, Plan
-from codend.solvers import newton
-from codend.solvers.newton import DIRECT
+from codend.solvers.newton import TangentAtEquilibrium, solve_nearby
 from codend.solvers.outcome import Solution
 
 POLISHED = 1e-3
@@ -32,8 +30,6 @@ to 0.5 (``python -m validation.weight_left_out``): where the sector is stable th
 and 2.8 w, where it is not by 0.66, 0.64, 0.5 and 6.8 w, and on other nets by up to 0.85 and 8.9 w: there the net lies
 in waves, which these estimates do not cover. Merged meshes bear the weight, but in a bag of fewer rows and wider
 meshes: they may be off by as much."""
-NEARBY = replace(DIRECT, iterations_allowed=8, keeps_factors=True, refuses=False)
-"""From a result it is a step or two, with the factors that were used last; if it is not, there is no estimate."""
 
 
 @dataclass(frozen=True)
@@ -57,9 +53,13 @@ _QUANTITIES = ("drag_n", "catch_volume_m3", "max_radius_m", "opening_ahead_deg")
 
 
 def estimate(
-    scene: Scene, case: Case, problem: Problem, solution: Solution, measures: Measures, unseen_weight_n: float = 0.0
+    model: BagModel,
+    case: Case,
+    tangent: TangentAtEquilibrium,
+    measures: Measures,
+    unseen_weight_n: float = 0.0,
 ) -> Errors:
-    """Error estimates of one solved case.
+    """Error estimates of one solved case, from the tangent at its equilibrium.
 
     The solver's part is the distance to an answer that Newton's method finds from the result at a far smaller residual.
     With measures of the meridian method beside the solution of a sector, that distance is the membrane's error.
@@ -67,25 +67,25 @@ def estimate(
     The part of a globalised net is the distance between a sector of it and one of the real net, under the loads that
     are the same all round.
     """
-    prepared = scene.prepared
-    finest = max(POLISHED * max(solution.report.residual, solution.report.imbalance), FINEST)
-    polished = newton.solve(problem, finest, solution, NEARBY, prepared=prepared)
+    problem, report = tangent.problem, tangent.solution.report
+    finest = max(POLISHED * max(report.residual, report.imbalance), FINEST)
+    polished = solve_nearby(problem, finest, tangent.solution, tangent)
     if not polished.report.outcome.converged:
         return Errors.unknown()
-    exact = measure_all(scene.bag, problem, polished)[2]
+    exact = measure_all(model.bag, problem, polished)[2]
     solver = _distance(measures, exact)
-    merged = np.zeros(len(_QUANTITIES))
-    if scene.globalisation > 1:
-        merged = _distance(*(sector_measures(scene.plan, case, g) for g in (1, scene.globalisation)))
+    globalised = np.zeros(len(_QUANTITIES))
+    if model.globalisation > 1:
+        globalised = _distance(*(sector_measures(model.plan, case, g) for g in (1, model.globalisation)))
     sizes = np.abs([getattr(measures, name) for name in _QUANTITIES])
-    borne_by_merged_n = float(np.abs(problem.loading.dead).sum()) if scene.globalisation > 1 else 0.0
-    share = (unseen_weight_n + borne_by_merged_n) / measures.drag_n
+    borne_by_globalised_n = float(np.abs(problem.loading.dead).sum()) if model.globalisation > 1 else 0.0
+    share = (unseen_weight_n + borne_by_globalised_n) / measures.drag_n
     weight = WEIGHT_LEFT_OUT @ [share, share**2]
-    errors = SAFETY * (solver + merged) + (NOISE + weight) * sizes
-    if any(share > kind.folds_over_from for kind in set(scene.bag.band_kind)):
+    errors = SAFETY * (solver + globalised) + (NOISE + weight) * sizes
+    if any(share > kind.folds_over_from for kind in set(model.bag.band_kind)):
         errors = np.full(len(_QUANTITIES), np.nan)
     drag, volume, radius, opening = map(float, errors)
-    return Errors(drag, volume, radius, opening, _change_with_suction(problem, polished, prepared, exact.drag_n))
+    return Errors(drag, volume, radius, opening, _change_with_suction(polished, tangent, exact.drag_n))
 
 
 def sector_measures(plan: Plan, case: Case, globalisation: int) -> Measures:
@@ -95,22 +95,23 @@ def sector_measures(plan: Plan, case: Case, globalisation: int) -> Measures:
     common divisor make a sector of the whole net, which bears its weight and cannot be merged.
     """
     quickly = plan.model_copy(update={"model": plan.model.model_copy(update={"method": "auto"})})
-    scene = equilibrium.scene_of(quickly, globalisation, 1)
-    problem, solution = equilibrium.solve(scene, case, (), None)
-    return measure_all(scene.bag, problem, solution)[2] if solution.report.outcome.converged else Measures.unknown()
+    model = model_of(quickly, globalisation, 1)
+    problem, solution = equilibrium.solve(model, case, (), None)
+    return measure_all(model.bag, problem, solution)[2] if solution.report.outcome.converged else Measures.unknown()
 
 
 def _distance(first: Measures, second: Measures) -> np.ndarray:
     return np.array([abs(getattr(first, name) - getattr(second, name)) for name in _QUANTITIES])
 
 
-def _change_with_suction(problem: Problem, solution: Solution, prepared: newton.Prepared, drag_n: float) -> float:
+def _change_with_suction(solution: Solution, tangent: TangentAtEquilibrium, drag_n: float) -> float:
     """1 - Cp becomes 1 - 1.1 Cp; inside the catch the water stays at stagnation pressure."""
+    problem = tangent.problem
     catch = problem.loading.catch
     coefficients = (1.0 + MORE_SUCTION) * catch.coefficients
     coefficients[3] -= MORE_SUCTION
     changed = replace(problem, loading=problem.loading._replace(catch=catch._replace(coefficients=coefficients)))
-    moved = newton.solve(changed, 1e-8, solution, NEARBY, prepared=prepared)
+    moved = solve_nearby(changed, 1e-8, solution, tangent)
     if not moved.report.outcome.converged:
         return float("nan")
     drag = sum(load[:, 0].sum() for load in current_loads(changed, moved)) * problem.net.order

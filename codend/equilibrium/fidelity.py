@@ -1,7 +1,8 @@
-"""Which model a scene needs: no more than the scene asks for, the reason in words, and what the choice costs."""
+"""Which model a plan needs: no more than it asks for, the facts that decide, and what the choice costs."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import Enum, auto
 
 import numpy as np
 
@@ -14,72 +15,132 @@ from codend.plan.plan import Plan
 SLOW_KNOTS, SLOW_MESHES = 3000, 10
 """Knots of a model, and meshes round it, from which a case takes seconds or more: full nets of joined sections took 2 s
 with 3 800 knots and 23 s with 15 000. Narrow sectors, however long, take milliseconds."""
-HEAVIEST_MERGED = 0.5
-"""Weight over the drag of the smallest catch up to which merged diamond and T90 meshes are tried: there they were off
-by no more than weightless sectors are; at a weight like the drag by ten times that."""
+HEAVIEST_GLOBALISED = 0.5
+"""Weight over the drag of the smallest catch up to which diamond and T90 meshes are merged: there they were off by no
+more than weightless sectors are; at a weight like the drag by ten times that."""
 FEWEST_MESHES_ROUND = 8
 """Merged meshes round below which a globalised net is no bag any more."""
 
 
+class Reason(Enum):
+    """Why a model was chosen."""
+
+    ASKED = auto()
+    """The plan names it."""
+    NO_WEIGHT = auto()
+    """The plan is the same all round, and no density of twine is given."""
+    LITTLE_WEIGHT = auto()
+    """The plan is the same all round but for a wet weight that does not matter."""
+    WEIGHT = auto()
+    """Wet weight breaks the symmetry; meshes are merged as the accuracy allows."""
+    TOO_HEAVY_TO_GLOBALISE = auto()
+    """Wet weight breaks the symmetry, and is so large that sectors tell nothing of what merged meshes make of it."""
+
+
 @dataclass(frozen=True)
 class Choice:
-    """A model, and why it is enough."""
+    """A model, and the facts that it was chosen by; ``report.choice_words`` says them in sentences."""
 
     fidelity: str
     """``meridian``, ``sector``, ``globalised`` or ``full``."""
     globalisation: int
+    """Real meshes merged into one, each way."""
     sectors: int | None
     """Equal sectors that are modelled side by side, None for all."""
-    why: str
+    reason: Reason
     drag_error: float
     """Relative error in drag that the choice of model costs; nan where it was the user's and is not known ahead."""
-    unseen_weight_n: float = 0.0
+    unseen_weight_n: float
     """Wet weight that the model does not see."""
+    order: int
+    """Equal sectors that the plan can be divided into."""
+    meshes_round: tuple[int, ...]
+    """Of the sections from the entry, each count once."""
+    weight_n: float
+    """Wet weight of the whole net, that of twine that floats counted alike."""
+    least_drag_n: float
+    """Drag of the smallest catch at the lowest speed; infinite where it does not matter."""
+    accuracy: float
+    """What the choice may cost, relative (``model.accuracy``)."""
+    knots: int
+    """Of the model."""
+    slow: bool
+    """Whether a case takes seconds to minutes."""
+
+    @property
+    def weight_over_drag(self) -> float:
+        """Wet weight over the least drag; 0 where that does not matter."""
+        return self.weight_n / self.least_drag_n
+
+    @property
+    def weight_matters(self) -> bool:
+        """Whether the weight breaks the symmetry by more than is allowed."""
+        return self.weight_n > self.accuracy * self.least_drag_n
 
 
 def choose(plan: Plan) -> Choice:
-    """The model that the plan names, or for ``auto`` the smallest one that is exact enough for its scene.
+    """The model that the plan names, or for ``auto`` the smallest one that is exact enough for it.
 
     A plan that is the same all round needs one rotational sector of the real net, which is exact. Wet weight breaks
     that symmetry: openings then differ from top to bottom, by as much as the weight over the drag, which counts once it
     exceeds ``model.accuracy``. Then as many meshes are merged as that allows in drag, judged by sectors of the merged
     and of the real net, but none where the weight is so large that such sectors, which know none, tell nothing.
     """
-    asked, g = plan.model.fidelity, plan.model.globalisation
+    asked = plan.model.fidelity
     sector = build_bag(plan, sectors=1).net
     # twine that floats counts like twine that sinks: in different sections they bend the bag all the same
     weight = sector.order * float(np.abs(wet_weight(sector, plan.tow.water_density_kg_m3)).sum())
     drag = _least_drag(plan) if weight > 0.0 and asked in ("auto", "sector", "meridian") else math.inf
-    heavy = weight > plan.model.accuracy * drag
-    weighed = f"wet weight {weight:.3g} N, {100.0 * weight / drag:.2g} % of the drag of the smallest catch"
     # the sector of counts without a common divisor is the whole net, which bears its weight
     unseen = 0.0 if sector.order == 1 and asked != "meridian" else weight
-    error = float(WEIGHT_LEFT_OUT[0] @ [unseen / drag, (unseen / drag) ** 2])
-    left_out = f"; it leaves out the wet weight, which here matters ({weighed})" if heavy and unseen > 0.0 else ""
-    if asked == "sector":
-        why = f"Asked for: {_sector(plan, sector.order)}{left_out}.{_slow(plan, sector)}"
-        return Choice("sector", 1, 1, why, error, unseen)
-    if asked == "meridian":
-        why = f"Asked for: the netting as a membrane, the same all round{left_out}."
-        return Choice("meridian", 1, 1, why, math.nan, unseen)
-    if asked == "globalised":
-        why = f"Asked for: the full net, {g} x {g} real meshes merged into one."
-        return Choice("globalised", g, None, why + _slow(plan, sector, g), math.nan)
-    if asked == "full":
-        return Choice("full", 1, None, f"Asked for: every mesh of the real net.{_slow(plan, sector, 1)}", 0.0)
-    if heavy:
-        bearable = weight <= min(HEAVIEST_MERGED, *(part.kind.folds_over_from for part in plan.netting)) * drag
-        merged, error = _merged(plan) if bearable else (1, 0.0)
-        model = f"the full net, {merged} x {merged} meshes merged into one" if merged > 1 else "the full net"
-        cost = f"which costs {100.0 * error:.2g} % in drag where {100.0 * plan.model.accuracy:g} % is allowed"
-        if not bearable:
-            cost = "for merged meshes may bear so much of it otherwise"
-        why = f"Wet weight breaks the symmetry ({weighed}): {model}, {cost}."
-        return Choice("globalised" if merged > 1 else "full", merged, None, why + _slow(plan, sector, merged), error)
     dense = any(part.twine_density_kg_m3 is not None for part in plan.netting)
-    light = f"{weighed}, is negligible" if dense else "no twine density is given, so wet weight is left out"
-    why = f"The plan is the same all round and {light}: {_sector(plan, sector.order)} is exact.{_slow(plan, sector)}"
-    return Choice("sector", 1, 1, why, error, unseen)
+    knots, slow = _size(plan, sector, None)
+    by_sector = Choice(
+        fidelity="sector",
+        globalisation=1,
+        sectors=1,
+        reason=Reason.LITTLE_WEIGHT if dense else Reason.NO_WEIGHT,
+        drag_error=float(WEIGHT_LEFT_OUT[0] @ [unseen / drag, (unseen / drag) ** 2]),
+        unseen_weight_n=unseen,
+        order=sector.order,
+        meshes_round=tuple(dict.fromkeys(part.meshes_round for part in plan.netting)),
+        weight_n=weight,
+        least_drag_n=drag,
+        accuracy=plan.model.accuracy,
+        knots=knots,
+        slow=slow,
+    )
+
+    def all_round(globalisation: int, reason: Reason, drag_error: float) -> Choice:
+        knots, slow = _size(plan, sector, globalisation)
+        return replace(
+            by_sector,
+            fidelity="globalised" if globalisation > 1 else "full",
+            globalisation=globalisation,
+            sectors=None,
+            reason=reason,
+            drag_error=drag_error,
+            unseen_weight_n=0.0,
+            knots=knots,
+            slow=slow,
+        )
+
+    match asked:
+        case "sector":
+            return replace(by_sector, reason=Reason.ASKED)
+        case "meridian":
+            return replace(by_sector, fidelity="meridian", reason=Reason.ASKED, drag_error=math.nan, slow=False)
+        case "globalised":
+            chosen = all_round(plan.model.globalisation, Reason.ASKED, math.nan)
+            return replace(chosen, fidelity="globalised")
+        case "full":
+            return all_round(1, Reason.ASKED, 0.0)
+    if not by_sector.weight_matters:
+        return by_sector
+    if by_sector.weight_over_drag <= min(HEAVIEST_GLOBALISED, *(part.kind.folds_over_from for part in plan.netting)):
+        globalisation, error = _largest_globalisation(plan)
+        return all_round(globalisation, Reason.WEIGHT, error)
+    return all_round(1, Reason.TOO_HEAVY_TO_GLOBALISE, 0.0)
 
 
 def _least_drag(plan: Plan) -> float:
@@ -90,38 +151,16 @@ def _least_drag(plan: Plan) -> float:
     return drag if drag > 0.0 else 0.5 * plan.tow.water_density_kg_m3 * case.speed_m_s**2 * area
 
 
-def _sector(plan: Plan, order: int) -> str:
-    """The narrowest sector: of how many, and how many meshes of each section make it if it is not a single one."""
-    counts = list(dict.fromkeys(part.meshes_round for part in plan.netting))
-    if order == 1:
-        return f"the full net (its mesh counts {_listed(counts)} have no common divisor)"
-    wide = [count // order for count in counts]
-    meshes = "" if wide == [1] else f", {_listed(wide)} meshes wide,"
-    return f"one of {order} equal sectors{meshes} of the real net"
-
-
-def _slow(plan: Plan, sector: Net, merged: int | None = None) -> str:
-    """What a large model costs in time, in words; empty for others.
-
-    The model is the sector, or the full net with so many meshes merged into one each way.
-    """
-    counts = {part.meshes_round for part in plan.netting}
-    sectors, g = (1, 1) if merged is None else (sector.order, merged)
+def _size(plan: Plan, sector: Net, globalisation: int | None) -> tuple[int, bool]:
+    """Knots of a model, and whether it is slow: of the full net with so many meshes merged, or of the sector."""
+    sectors, g = (1, 1) if globalisation is None else (sector.order, globalisation)
     # all knots but the codline, which every sector has
     knots = 1 + (len(sector.positions) - 1) * sectors // g**2
-    if knots < SLOW_KNOTS or max(counts) * sectors // sector.order < SLOW_MESHES * g:
-        return ""
-    wide = merged is None and len(counts) > 1
-    narrower = "; meshes round with a larger common divisor make a narrower sector" if wide else ""
-    return f" Its {knots} knots take seconds to minutes a case{narrower}."
+    widest = max(part.meshes_round for part in plan.netting)
+    return knots, knots >= SLOW_KNOTS and widest * sectors // sector.order >= SLOW_MESHES * g
 
 
-def _listed(counts: list[int]) -> str:
-    *others, last = map(str, counts)
-    return f"{', '.join(others)} and {last}" if others else last
-
-
-def _merged(plan: Plan) -> tuple[int, float]:
+def _largest_globalisation(plan: Plan) -> tuple[int, float]:
     """Most meshes that may be merged each way for the accuracy asked for, and the relative error in drag."""
     by_size = sorted(plan.cases(), key=lambda case: case.catch_value)
     cases = by_size[:1] if by_size[0].catch_value == by_size[-1].catch_value else [by_size[0], by_size[-1]]
@@ -129,8 +168,8 @@ def _merged(plan: Plan) -> tuple[int, float]:
     for g in sorted(plan.globalisations, reverse=True):
         if g == 1 or min(part.meshes_round for part in plan.netting) < FEWEST_MESHES_ROUND * g:
             continue
-        merged_n = [sector_measures(plan, case, g).drag_n for case in cases]
-        errors = [abs(merged / real - 1.0) for merged, real in zip(merged_n, real_n, strict=True)]
+        globalised_n = [sector_measures(plan, case, g).drag_n for case in cases]
+        errors = [abs(globalised / real - 1.0) for globalised, real in zip(globalised_n, real_n, strict=True)]
         if all(error <= plan.model.accuracy for error in errors):  # nan, where a sector was not solved, is no reason
             return g, max(errors)
     return 1, 0.0

@@ -2,11 +2,9 @@
 
 from dataclasses import dataclass
 
-from codend.equilibrium.solve import Scene
-from codend.mechanics.problem import Problem
-from codend.solvers import newton
+from codend.equilibrium.bag_model import BagModel
 from codend.solvers.harmonics import Growth, harmonics_of
-from codend.solvers.outcome import Solution
+from codend.solvers.newton import TangentAtEquilibrium
 
 
 @dataclass(frozen=True)
@@ -21,15 +19,12 @@ class Stability:
     """That of them which grows most."""
 
 
-def stability_of(scene: Scene, problem: Problem, solution: Solution) -> Stability:
-    """Stability of an equilibrium.
-
-    The tangent's factors stay in ``scene.prepared``, as by ``newton.negative_pivots``.
-    """
-    pivots = newton.negative_pivots(problem, solution, scene.prepared)
-    if problem.net.order == 1:
+def stability_of(model: BagModel, tangent: TangentAtEquilibrium) -> Stability:
+    """Stability of an equilibrium."""
+    pivots = tangent.negative_pivots
+    if tangent.problem.net.order == 1:
         return Stability("yes" if pivots == 0 else "no" if pivots > 0 else "unknown")
-    harmonics = harmonics_of(problem, solution, scene.ring)
+    harmonics = harmonics_of(tangent.problem, tangent.solution, model.ring)
     growing = tuple(growth.harmonic for growth in harmonics.growing)
     stable = "no" if growing else "unknown" if harmonics.undecided else "yes"
     return Stability(stable, growing, harmonics.strongest)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from codend.equilibrium.stability import ranges_text
 from codend.io.names import as_text
 from codend.plan.plan import Plan
+from codend.report.choice_words import reason_text
 from codend.report.page_tables import results_table, solving_table
 from codend.studies.case_result import CaseResult
 from codend.studies.study import Study
@@ -65,7 +66,7 @@ def page_html(study: Study, figures: Sequence[PageFigure], run: str = "") -> str
         + (f"; run {run}, as run.json beside its tables says." if run else "."),
         notes=notes(study),
         fidelity=FIDELITIES.get(study.choice.fidelity, study.choice.fidelity),
-        why=study.choice.why,
+        why=reason_text(study.choice),
         results=results_table(study),
         solving=solving_table(study),
         opening_figures=figures[:1],

@@ -74,7 +74,7 @@ def solve(
             work = relaxation.workspace(
                 problem.structure, problem.bands, problem.net.positions if start is None else start.positions
             )
-            run = _Run(problem, work, settings, penalty, mass_factor, settings.steps_allowed - steps, progress)
+            run = _Relaxation(problem, work, settings, penalty, mass_factor, settings.steps_allowed - steps, progress)
             outcome = run.to_equilibrium(tolerance, start)
             if outcome.balanced:
                 run.refused = refusal(problem, work.position, work.share)
@@ -139,7 +139,7 @@ def rough_shape(
     return Solution(positions, work.density * work.length, work.share.copy(), report), note
 
 
-class _Run:
+class _Relaxation:
     """One relaxation with one penalty, from the start to wherever it gets."""
 
     def __init__(
@@ -170,7 +170,7 @@ class _Run:
             bar_lengths(start.positions, structure, work.length)
             work.multiplier[:] = start.bar_tension / work.length
             inner = max(tolerance, 0.1 * ROUGH)
-        best, last_gain = np.inf, 0
+        best, last_headway = np.inf, 0
         while True:
             spend = min(STEPS_AT_ONCE, self.steps_allowed - self.steps)
             code, steps, _, self.residual, self.imbalance = relaxation.relax(
@@ -188,9 +188,9 @@ class _Run:
                 if self.refused is not None:
                     return self.refused.outcome
             if max(self.residual, self.imbalance) < 0.5 * best:
-                best, last_gain = max(self.residual, self.imbalance), self.steps
+                best, last_headway = max(self.residual, self.imbalance), self.steps
             if outcome is Outcome.STEPS_SPENT:
-                if self.steps >= self.steps_allowed or self.steps - last_gain > 2 * STEPS_AT_ONCE:
+                if self.steps >= self.steps_allowed or self.steps - last_headway > 2 * STEPS_AT_ONCE:
                     return Outcome.STEPS_SPENT
                 continue
             last_error, self.length_error = self.length_error, length_error(structure, work.length, work.density)
@@ -213,7 +213,7 @@ class _Run:
                 # the shape has settled: nearly dependent bars want a stiffer penalty
                 self.penalty *= 3.0
                 self._set_law(self.tension)
-            best, last_gain = np.inf, self.steps
+            best, last_headway = np.inf, self.steps
 
     def _set_law(self, tension: float) -> None:
         self.tension = tension

@@ -105,9 +105,9 @@ class Limits(NamedTuple):
 
     largest_turn: float
     shortest_step: float
-    clear_gain: float
+    clear_fall: float
     """Fall of the merit at which a step is taken without the test of monotonicity."""
-    worthwhile_gain: float
+    worthwhile_fall: float
     """Fall of the merit at which one more step with the same factors costs less than it saves."""
     tolerance: float
     length_tolerance: float
@@ -188,8 +188,8 @@ def advance(system: Any, iteration: Iteration, shift: float, fresh: bool) -> tup
     solved_there = False
     while True:
         take(structure, loading, tension, switch, 0.0, size, state, state, step, first)
-        gain = first.marks[0]["merit"] / state.marks[0]["merit"]
-        if gain <= limits.clear_gain:
+        fall = first.marks[0]["merit"] / state.marks[0]["merit"]
+        if fall <= limits.clear_fall:
             break
         if negative > 0:
             return FAILED, negative
@@ -199,7 +199,7 @@ def advance(system: Any, iteration: Iteration, shift: float, fresh: bool) -> tup
         # a shifted step leaves what the shift took, so there only growth is refused
         if left <= ((1.0 - 0.25 * size) if shift == 0.0 else 2.0) * length:
             # what is left to go may fall where the forces, of which stiff bars make much, do not
-            gain = min(gain, left / length)
+            fall = min(fall, left / length)
             break
         size = min(0.5 * size, 0.5 * size * size * length / bend)
         if size < limits.shortest_step:
@@ -208,10 +208,10 @@ def advance(system: Any, iteration: Iteration, shift: float, fresh: bool) -> tup
         return IN_FIRST, 0
     past = step.past
     keep(past, 0, state.length, tension, step.move, step.change)
-    there, new, where, last_gain = first, second, IN_FIRST, gain
+    there, new, where, last_fall = first, second, IN_FIRST, fall
     for count in range(1, MOST_STEPS):
         # over two steps, since the first of a bend may seem to lead away
-        if not gain * last_gain <= limits.worthwhile_gain**2 or within(there, limits):
+        if not fall * last_fall <= limits.worthwhile_fall**2 or within(there, limits):
             break
         if count > 1 or not solved_there:
             solve(system, right[:1], solved[:1])
@@ -219,8 +219,8 @@ def advance(system: Any, iteration: Iteration, shift: float, fresh: bool) -> tup
         if not correct(past, count, state.length, tension, step.move, step.change):
             break
         take(structure, loading, tension, switch, 0.0, 1.0, state, there, step, new)
-        last_gain, gain = gain, new.marks[0]["merit"] / there.marks[0]["merit"]
-        if gain < 1.0 or gain * last_gain <= limits.worthwhile_gain**2:
+        last_fall, fall = fall, new.marks[0]["merit"] / there.marks[0]["merit"]
+        if fall < 1.0 or fall * last_fall <= limits.worthwhile_fall**2:
             there, new, where = new, there, IN_FIRST + IN_SECOND - where
     return where, 0
 

@@ -32,7 +32,7 @@ class LinearSystem(Protocol):
 
     name: str
     """What factorises it, for reports."""
-    worthwhile_gain: float
+    worthwhile_fall: float
     """Fall of the merit at which one more step with the same factors costs less than it saves."""
 
     @property
@@ -108,7 +108,7 @@ class BandedSystem:
     """Band LU without pivoting."""
 
     name = "a band LU"
-    worthwhile_gain = 0.2
+    worthwhile_fall = 0.2
 
     def __init__(self, unknown: Ints, row: Ints, column: Ints, half_band: int) -> None:
         size = int(unknown.max(initial=-1)) + 1

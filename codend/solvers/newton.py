@@ -3,11 +3,11 @@
 A step is shortened until the move that the old tangent still asks for at its end is shorter than the step (natural
 monotonicity: Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3). Where pivots are negative far from
 an equilibrium, a banded tangent is shifted until they are positive, which leads away from unstable equilibria. It does
-not keep off them: a start may be one, and of wide nets the pivots are not known on the way. ``negative_pivots`` tells
+not keep off them: a start may be one, and of wide nets the pivots are not known on the way. ``tangent_at`` tells
 afterwards. Twine that would be compressed goes slack on the way; an answer with bars in compression is refused.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 from codend.solvers.refusal import Refusal, refusal, told
 
 METHOD = "newton"
-CLEAR_GAIN = 0.1
+CLEAR_FALL = 0.1
 """Fall of the merit at which a step is taken without the test of monotonicity."""
 ROUND_OFF = 1e-9
 """Compression of a bar, over the reference tension, up to which it carries nothing but round-off."""
@@ -48,9 +48,6 @@ class NewtonSettings:
     """Made even from a start within the tolerance, which is one of single nodes: a small load on all hides below it."""
     refuses: bool = True
     """Whether an answer is held to what answers are refused for; needless a step from one that was."""
-    keeps_factors: bool = False
-    """Whether the first iteration takes the factors there are, best of the tangent at an equilibrium nearby; where they
-    are of no use it makes its own."""
     largest_turn: float = 1.0
     """Largest change of a taut bar's vector in one step, over its length."""
     shortest_step: float = 0.01
@@ -66,6 +63,8 @@ class NewtonSettings:
 
 DIRECT = NewtonSettings(rough_starts=())
 """Newton's method from the start it is given and no other."""
+NEARBY = replace(DIRECT, iterations_allowed=8, refuses=False)
+"""Newton's method from an equilibrium nearby, for no longer than a step or two and some to spare."""
 
 
 @dataclass(frozen=True)
@@ -116,14 +115,19 @@ def solve(
         prepared: what ``prepare`` returned for this structure, to save that work.
     """
     prepared = prepare(problem.structure, problem.bands) if prepared is None else prepared
-    run = _Run(problem, prepared, settings, progress)
+    return _solve(_Iterations(problem, prepared, settings, progress), tolerance, start)
+
+
+def _solve(run: "_Iterations", tolerance: float, start: Solution | None) -> Solution:
+    """What ``solve`` does once there is room to iterate in."""
+    settings = run.settings
     attempts: list[str] = []
     switches = settings.switches[:1] if start is not None and settings.rough_starts else settings.switches
     waiting = list(settings.rough_starts)
     with Clock() as clock:
         while True:
             if start is None:
-                start, note = rough_shape(problem, *waiting.pop(0), settings.rough_steps)
+                start, note = rough_shape(run.problem, *waiting.pop(0), settings.rough_steps)
                 attempts.append(note)
             outcome = run.from_start(start, tolerance, switches, attempts)
             if outcome.balanced or not waiting:
@@ -145,36 +149,62 @@ def solve(
     return Solution.ended(report, state.position, state.density * state.length, state.share)
 
 
-def negative_pivots(problem: Problem, solution: Solution, prepared: Prepared) -> int:
-    """Negative pivots of the tangent at an equilibrium: 0 where it is stable, -1 if the tangent is singular.
+@dataclass(frozen=True)
+class TangentAtEquilibrium:
+    """The tangent at an equilibrium, factorised: it tells of stability, and solves nearby can do with its factors."""
+
+    problem: Problem
+    solution: Solution
+    """The equilibrium."""
+    prepared: Prepared
+    """With the factors, until something else is solved with it."""
+    negative_pivots: int
+    """0 where the equilibrium is stable, -1 if the tangent is singular.
 
     Of a symmetric tangent they are as many as its negative eigenvalues. Loads that follow the net make it unsymmetric:
     then an odd number, a negative determinant, still proves the equilibrium unstable, and an even one is a sign. Those
-    of a sector tell of moves that are the same in all sectors. The tangent's factors, ``NEUTRAL`` included, stay in
-    ``prepared``, for solves nearby that keep them.
+    of a sector tell of moves that are the same in all sectors.
     """
-    run = _Run(problem, prepared, DIRECT, None)
+
+
+def tangent_at(problem: Problem, solution: Solution, prepared: Prepared) -> TangentAtEquilibrium:
+    """The tangent at an equilibrium, shifted by ``NEUTRAL`` and factorised in ``prepared``."""
+    run = _Iterations(problem, prepared, DIRECT, None)
     run._set_start(solution, DIRECT.switches[0])
     step, system = prepared.step, prepared.system
     sides = newton_step.linearise(
         problem.structure, problem.loading, prepared.pattern, run.tension, NEUTRAL, 0.0, run.state, step
     )
     if system.factorise(step.blocks) == -1:
-        return -1
+        return TangentAtEquilibrium(problem, solution, prepared, -1)
     # a front that follows the net adds a product to the tangent, and with it the sign of one more factor
     turned = newton_step.combine(system.solve(step.right[:sides]), step, step.move) <= 0.0
     negative = system.negative_pivots()
-    return negative + int(turned) if negative >= 0 else -1
+    return TangentAtEquilibrium(problem, solution, prepared, negative + int(turned) if negative >= 0 else -1)
 
 
-class _Run:
+def solve_nearby(problem: Problem, tolerance: float, start: Solution, tangent: TangentAtEquilibrium) -> Solution:
+    """Equilibrium a step or two from a start near the one whose tangent is known; not converged if it is farther.
+
+    The first iteration takes the tangent's factors; where they are of no use it makes its own.
+    """
+    return _solve(_Iterations(problem, tangent.prepared, NEARBY, None, takes_factors=True), tolerance, start)
+
+
+class _Iterations:
     """Iterations from a start to wherever they get."""
 
     def __init__(
-        self, problem: Problem, prepared: Prepared, settings: NewtonSettings, progress: Progress | None
+        self,
+        problem: Problem,
+        prepared: Prepared,
+        settings: NewtonSettings,
+        progress: Progress | None,
+        takes_factors: bool = False,
     ) -> None:
         self.problem, self.structure, self.loading = problem, problem.structure, problem.loading
         self.prepared, self.settings, self.progress = prepared, settings, progress
+        self.takes_factors = takes_factors
         self.state, self.first, self.second = prepared.states
         self.iterations = 0
         self.singular = False
@@ -204,7 +234,7 @@ class _Run:
             return Outcome.NOT_FINITE
         self._set_start(start, switch)
         settings, shift = self.settings, 0.0
-        kept = settings.keeps_factors and self.prepared.system.ready
+        kept = self.takes_factors and self.prepared.system.ready
         first, last = (self.iterations + n for n in (settings.least_iterations, settings.iterations_allowed))
         while True:
             (marks,) = self.state.marks
@@ -272,8 +302,8 @@ class _Run:
             limits=Limits(
                 settings.largest_turn,
                 settings.shortest_step,
-                CLEAR_GAIN,
-                system.worthwhile_gain,
+                CLEAR_FALL,
+                system.worthwhile_fall,
                 tolerance,
                 LENGTH_TOLERANCE,
             ),

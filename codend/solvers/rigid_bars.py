@@ -88,7 +88,7 @@ def solve(
     steps, safety = 0, SAFETY
     with Clock() as clock:
         for _ in range(1 if settings.time_step_s is not None else settings.restarts + 1):
-            run = _Run(problem, start, settings, safety, progress)
+            run = _MotionToRest(problem, start, settings, safety, progress)
             outcome = run.to_rest(tolerance)
             steps += run.steps
             mean_step = run.time_s / run.steps if run.steps else 0.0
@@ -119,7 +119,7 @@ def solve(
     return Solution.ended(report, run.motion.position, run.tension, run.motion.share)
 
 
-class _Run:
+class _MotionToRest:
     """One motion, from the start to wherever it gets."""
 
     def __init__(

@@ -30,7 +30,7 @@ class SparseSystem:
     """SuperLU in its symmetric mode."""
 
     name = "SuperLU"
-    worthwhile_gain = 0.7
+    worthwhile_fall = 0.7
 
     def __init__(self, unknown: Ints, row: Ints, column: Ints) -> None:
         self.size = int(unknown.max(initial=-1)) + 1

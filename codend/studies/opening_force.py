@@ -19,6 +19,8 @@ from codend.bag.loads import problem_of
 from codend.bag.measures import WANTED_OPENING_DEG, measure_meshes, mesh_openings, opening_force
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.accuracy import SAFETY
+from codend.equilibrium.bag_model import model_of
+from codend.equilibrium.start_shapes import all_round_start
 from codend.errors import OPTIONS, InputError
 from codend.net.net import Floats, Ints, with_bars
 from codend.plan.kinds import kinds_in_words
@@ -118,7 +120,7 @@ def pull_mesh(
         raise InputError(OPTIONS, "--opening", wanted_deg, "degrees above 0 and below 180")
     if plan.model.bars_per_side > 1:
         raise InputError(plan.source, "model.bars_per_side", plan.model.bars_per_side, "1 where a mesh is pulled open")
-    sector = equilibrium.scene_of(plan, 1, 1)
+    sector = model_of(plan, 1, 1)
     bag = sector.bag
     problem, solution = equilibrium.solve(sector, case, (), progress)
     attempts, nothing = solution.report.attempts, float("nan")
@@ -154,7 +156,7 @@ def pull_mesh(
         )
     found: list[Pull] = []
     for sectors in _widths(bag.net.order):
-        start = equilibrium.all_round_start(bag, solution.positions, solution.bar_tension, sectors)
+        start = all_round_start(bag, solution.positions, solution.bar_tension, sectors)
         pulled = _pulled(plan, sectors, row, start, pull, progress)
         attempts += tuple(f"{sectors} of {bag.net.order} sectors: {line}" for line in pulled.attempts)
         if pulled.converged:

@@ -14,10 +14,12 @@ from codend.bag.meridian import plan_case
 from codend.equilibrium import accuracy, fidelity
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.accuracy import Errors
+from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.fidelity import Choice
 from codend.equilibrium.stability import Stability, stability_of
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
+from codend.solvers import newton
 from codend.solvers.outcome import Solution, SolverReport
 from codend.studies.case_result import CaseResult
 
@@ -91,7 +93,7 @@ def solve(
             if keep is not None:
                 keep(result)
         return Study(plan, choice, tuple(done_cases))
-    scene = equilibrium.scene_of(plan, choice.globalisation, choice.sectors)
+    model = model_of(plan, choice.globalisation, choice.sectors)
     cases = plan.cases()
     known: list[tuple[Case, Solution]] = []
     results: dict[int, CaseResult] = {}
@@ -104,12 +106,13 @@ def solve(
 
         if progress is not None:
             progress(done, len(cases), f"case {case.number}")
-        problem, solution = equilibrium.solve(scene, case, known, report)
-        result = _measured(scene.bag, case, problem, solution)
+        problem, solution = equilibrium.solve(model, case, known, report)
+        result = _measured(model.bag, case, problem, solution)
         if result.converged:
             known.append((case, solution))
-            stability = stability_of(scene, problem, solution)
-            errors = accuracy.estimate(scene, case, problem, solution, result.measures, choice.unseen_weight_n)
+            tangent = newton.tangent_at(problem, solution, model.prepared)
+            stability = stability_of(model, tangent)
+            errors = accuracy.estimate(model, case, tangent, result.measures, choice.unseen_weight_n)
             result = replace(result, errors=errors, stability=stability)
         results[case.number] = result
         if keep is not None:
@@ -133,7 +136,7 @@ def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) 
     """
     cases = plan.cases()
     any_method = plan.model_copy(update={"model": plan.model.model_copy(update={"method": "auto"})})
-    sector = equilibrium.scene_of(any_method, 1, 1)
+    sector = model_of(any_method, 1, 1)
     for case in cases:
         if progress is not None:
             progress(case.number - 1, len(cases), f"case {case.number}: meridian method")
@@ -171,7 +174,10 @@ def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) 
             sideways_imbalance=0.0,  # a membrane is the same all round, and nothing turns it
         )
         _, of_bars = equilibrium.solve(sector, case, [(case, solution)], None)
-        errors = accuracy.estimate(sector, case, problem, of_bars, own, choice.unseen_weight_n)
+        errors = Errors.unknown()
+        if of_bars.report.outcome.converged:
+            tangent = newton.tangent_at(problem, of_bars, sector.prepared)
+            errors = accuracy.estimate(sector, case, tangent, own, choice.unseen_weight_n)
         # a membrane, which has no tangent
         yield replace(result, measures=own, errors=errors, stability=Stability("unknown"))
     if progress is not None:

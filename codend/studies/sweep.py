@@ -34,7 +34,7 @@ _VALUES = "KEY=[VALUE, VALUE, ...], such as netting.0.bar_mm=[20, 25, 30]"
 
 
 @dataclass(frozen=True)
-class Run:
+class SweepRun:
     """One plan of a sweep."""
 
     number: int
@@ -49,7 +49,7 @@ class Run:
         return ", ".join(f"{key} = {toml_value(value)}" for key, value in self.values.items())
 
 
-def runs_of(path: str | Path, vary: Sequence[str], changes: Sequence[str] = ()) -> list[Run]:
+def runs_of(path: str | Path, vary: Sequence[str], changes: Sequence[str] = ()) -> list[SweepRun]:
     """Plans with every combination of the varied values, the last key running fastest; all are checked.
 
     Args:
@@ -84,12 +84,12 @@ def runs_of(path: str | Path, vary: Sequence[str], changes: Sequence[str] = ()) 
     for number, combination in enumerate(product(*axes.values()), start=1):
         values = dict(zip(axes, combination, strict=True))
         own = [f"{key}={toml_value(value)}" for key, value in values.items()]
-        runs.append(Run(number, values, load_plan(path, [*changes, *own])))
+        runs.append(SweepRun(number, values, load_plan(path, [*changes, *own])))
     return runs
 
 
 def solve_runs(
-    runs: Sequence[Run], folder: Path, processes: int = 1, progress: SweepProgress | None = None
+    runs: Sequence[SweepRun], folder: Path, processes: int = 1, progress: SweepProgress | None = None
 ) -> pd.DataFrame:
     """Solve the runs and keep each in ``folder/runs/<number>`` as ``codend run`` does, but for plots and VTK.
 
@@ -124,7 +124,7 @@ def solve_runs(
     return pd.concat(tables, ignore_index=True)
 
 
-def why_again(runs: Sequence[Run], folder: Path) -> dict[str, list[int]]:
+def why_again(runs: Sequence[SweepRun], folder: Path) -> dict[str, list[int]]:
     """Numbers of the runs that a folder holds but that are to be solved again, by the reason why.
 
     A run is done when program, plan and the files the plan names are those it was solved with, and its tables are as
@@ -139,7 +139,7 @@ def why_again(runs: Sequence[Run], folder: Path) -> dict[str, list[int]]:
     return found
 
 
-def _solved(runs: Sequence[Run], folder: Path, processes: int) -> Iterator[Run]:
+def _solved(runs: Sequence[SweepRun], folder: Path, processes: int) -> Iterator[SweepRun]:
     """Solve what is not solved yet; yields every run as it is done. Only this process writes, which owns the folder."""
     waiting = []
     for run in runs:
@@ -183,16 +183,16 @@ def _end_with_parent() -> None:
         signal.signal(number, lambda *_: os._exit(1))
 
 
-def files_of(runs: Sequence[Run]) -> list[str]:
+def files_of(runs: Sequence[SweepRun]) -> list[str]:
     """Every file that ``solve_runs`` may write or remove, relative to its folder."""
     return [f"{_place_of(run)}/{name}" for run in runs for name in ("plan.toml", *TABLES, RECORD)]
 
 
-def _folder_of(run: Run, folder: Path) -> Path:
+def _folder_of(run: SweepRun, folder: Path) -> Path:
     return folder / _place_of(run)
 
 
-def _place_of(run: Run) -> str:
+def _place_of(run: SweepRun) -> str:
     return f"runs/{run.number:03d}"
 
 
@@ -203,7 +203,7 @@ def _tables_of(plan: Plan) -> dict[str, str]:
     return {name: table_text(table) for name, table in tables.items() if name != "meshes.csv" or not table.empty}
 
 
-def _write(run: Run, inputs: dict[str, str], tables: dict[str, str], folder: Path) -> None:
+def _write(run: SweepRun, inputs: dict[str, str], tables: dict[str, str], folder: Path) -> None:
     """Write a solved run in the place of an earlier one; its record comes last and tells that all is there."""
     own = _folder_of(run, folder)
     with owned(own):

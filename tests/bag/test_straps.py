@@ -7,7 +7,7 @@ import pytest
 
 from codend.bag.build import build_bag
 from codend.bag.measures import Measures, measure_all
-from codend.equilibrium.solve import scene_of
+from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.solve import solve as solve_case
 from codend.errors import InputError
 from codend.io.columns import RESULT_COLUMNS
@@ -125,11 +125,11 @@ def merged(kind: str, g: int, **strap: Any) -> tuple[Measures, float]:
         model={"tolerance": 1e-9},
         strap=[{"meshes_from_codline": 15.0, **strap}],
     )
-    scene = scene_of(plan, g, 1)
-    problem, solution = solve_case(scene, plan.cases()[0], (), None)
+    model = model_of(plan, g, 1)
+    problem, solution = solve_case(model, plan.cases()[0], (), None)
     assert solution.report.outcome.converged
-    _, rows, measures = measure_all(scene.bag, problem, solution)
-    return measures, float(rows.radius_m[scene.bag.bands - 30 // g])
+    _, rows, measures = measure_all(model.bag, problem, solution)
+    return measures, float(rows.radius_m[model.bag.bands - 30 // g])
 
 
 @pytest.mark.parametrize("kind", ["T0", "T90"])

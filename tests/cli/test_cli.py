@@ -20,6 +20,7 @@ from codend.io import files
 from codend.io.columns import RESULT_COLUMNS
 from codend.plan.plan import load_plan
 from codend.report import page
+from codend.report.choice_words import reason_text
 from tests import ROOT
 from tests.bad_plans import BAD_PLANS, VALID_PLAN, BadPlan
 
@@ -84,7 +85,7 @@ def ran(tmp_path_factory):
 
 def reason(plan: Path) -> str:
     """What ``codend run`` prints before it solves anything: the model, and why."""
-    return f"{fidelity.choose(load_plan(plan)).why}\n"
+    return f"{reason_text(fidelity.choose(load_plan(plan)))}\n"
 
 
 # --- the program as a whole ------------------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ import pytest
 from codend.bag.bag import mesh_corners
 from codend.bag.measures import measure_all, mesh_openings
 from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.bag_model import model_of
 from codend.solvers.outcome import Outcome
 from codend.studies.study import solve
 from tests.plans import UNIFORM, make_plan, uniform_plan
@@ -154,10 +155,10 @@ def test_two_sectors_side_by_side_have_the_equilibrium_of_one():
     plan = make_plan(24, 20)
     drags = []
     for sectors in (1, 2):
-        scene = equilibrium.scene_of(plan, 1, sectors)
-        problem, solution = equilibrium.solve(scene, plan.cases()[0], (), None)
+        model = model_of(plan, 1, sectors)
+        problem, solution = equilibrium.solve(model, plan.cases()[0], (), None)
         assert solution.report.outcome.converged
-        drags.append(measure_all(scene.bag, problem, solution)[2].drag_n)
+        drags.append(measure_all(model.bag, problem, solution)[2].drag_n)
     assert drags[1] == pytest.approx(drags[0], rel=1e-6)
 
 
@@ -191,8 +192,8 @@ def test_a_catch_is_called_too_large_by_every_method_above_the_volume_of_the_ful
     def solved(method, catch):
         model = {"fidelity": "sector", "method": method, "tolerance": 2.5e-7}
         plan = make_plan(meshes_round, meshes_long, entry, catch=catch | pressure, model=model, **options)
-        scene = equilibrium.scene_of(plan, 1, 1)
-        return scene.bag, *equilibrium.solve(scene, plan.cases()[0], (), None)
+        model = model_of(plan, 1, 1)
+        return model.bag, *equilibrium.solve(model, plan.cases()[0], (), None)
 
     full_volume = measure_all(*solved("auto", {"filled_meshes": float(meshes_long)}))[2].catch_volume_m3
     methods = ["newton", "auto", "dynamic-relaxation"]

@@ -14,6 +14,7 @@ from codend.mechanics.weight import wet_weight
 from codend.net.net import rotate
 from codend.plan.kinds import KINDS
 from codend.plan.plan import load_plan
+from codend.report.choice_words import reason_text
 from codend.solvers import dynamic_relaxation, newton
 from codend.studies.study import solve
 from tests import ROOT
@@ -146,11 +147,11 @@ def test_globalised_drag_converges_with_the_square_of_the_factor():
 def test_automatic_choice_is_a_sector_unless_weight_breaks_the_symmetry():
     assert fidelity.choose(make_plan(24, 20)).fidelity == "sector"
     light = make_plan(24, 20, netting={"twine_density_kg_m3": 1001.0})
-    assert "negligible" in fidelity.choose(light).why
+    assert "negligible" in reason_text(fidelity.choose(light))
     heavy = make_plan(96, 48, netting={"twine_density_kg_m3": 1400.0}, speed=0.3, filled=[16.0, 32.0])
     choice = fidelity.choose(heavy)
     assert choice.fidelity == "globalised"
-    assert "symmetry" in choice.why
+    assert "symmetry" in reason_text(choice)
     assert 0.0 < choice.drag_error <= 0.01
     strict = heavy.model_copy(update={"model": heavy.model.model_copy(update={"accuracy": 1e-6})})
     assert fidelity.choose(strict).fidelity == "full"
@@ -162,7 +163,7 @@ def test_twine_that_floats_does_not_cancel_twine_that_sinks():
     sections = ("diamond", 24, 10, 40.0, floats), ("diamond", 24, 10, 40.0, sinks)
     choice = fidelity.choose(joined_plan(*sections))
     assert choice.fidelity == "full"
-    assert "Wet weight breaks the symmetry" in choice.why
+    assert "Wet weight breaks the symmetry" in reason_text(choice)
     sector, full = (solve(joined_plan(*sections, model={"fidelity": kind})).cases[0] for kind in ("sector", "full"))
     missed = abs(sector.measures.max_radius_m / full.measures.max_radius_m - 1.0)
     assert missed > 1e-4
@@ -173,23 +174,23 @@ def test_counts_without_a_common_divisor_make_a_sector_that_bears_its_weight():
     heavy = {"twine_density_kg_m3": 1400.0}
     plan = joined_plan(("diamond", 13, 10, 40.0, heavy), ("diamond", 12, 10, 40.0, heavy), model={"fidelity": "sector"})
     choice = fidelity.choose(plan)
-    assert choice.why.startswith("Asked for: the full net (its mesh counts 13 and 12 have no common divisor).")
+    assert reason_text(choice).startswith("Asked for: the full net (its mesh counts 13 and 12 have no common divisor).")
     assert choice.unseen_weight_n == 0.0
     assert problem_of(build_bag(plan, sectors=1), plan, plan.cases()[0]).loading.dead.any()
 
 
 def test_only_wide_models_of_many_knots_are_told_to_be_slow():
-    assert "minutes" not in fidelity.choose(make_plan(24, 20, model={"fidelity": "full"})).why
+    assert "minutes" not in reason_text(fidelity.choose(make_plan(24, 20, model={"fidelity": "full"})))
     full = make_plan(120, 100, model={"fidelity": "full"})
-    assert "Its 24001 knots take seconds to minutes a case." in fidelity.choose(full).why
+    assert "Its 24001 knots take seconds to minutes a case." in reason_text(fidelity.choose(full))
     merged = make_plan(120, 100, model={"fidelity": "globalised", "globalisation": 2})
-    assert "Its 6001 knots take seconds to minutes a case." in fidelity.choose(merged).why
+    assert "Its 6001 knots take seconds to minutes a case." in reason_text(fidelity.choose(merged))
     for plan in (full, merged):
         choice = fidelity.choose(plan)
         net = build_bag(plan, globalisation=choice.globalisation, sectors=choice.sectors).net
-        assert f" {len(net.positions)} knots" in choice.why
+        assert f" {len(net.positions)} knots" in reason_text(choice)
     # one mesh wide and 3000 rows long
-    assert "minutes" not in fidelity.choose(make_plan(120, 1500)).why
+    assert "minutes" not in reason_text(fidelity.choose(make_plan(120, 1500)))
 
 
 WEIGHED = {

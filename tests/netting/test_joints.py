@@ -10,11 +10,12 @@ from codend.bag.bag import Bag, all_round
 from codend.bag.build import build_bag
 from codend.bag.measures import Measures, measure_all, opening_rows_ahead
 from codend.equilibrium import fidelity
-from codend.equilibrium.solve import scene_of
+from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.solve import solve as solve_case
 from codend.net.net import facet_corners
 from codend.netting.parts import taken_up
 from codend.plan.plan import Plan
+from codend.report.choice_words import reason_text
 from codend.solvers import interior_point, newton
 from codend.solvers.outcome import Outcome, Solution
 from codend.studies.case_result import CaseResult
@@ -161,10 +162,10 @@ def test_entry_reaction_is_pressure_times_the_polygon_of_the_front_row_at_joints
 
 
 def measured(plan: Plan, sectors: int) -> Measures:
-    scene = scene_of(plan, 1, sectors)
-    problem, solution = solve_case(scene, plan.cases()[0], (), None)
+    model = model_of(plan, 1, sectors)
+    problem, solution = solve_case(model, plan.cases()[0], (), None)
     assert solution.report.outcome.converged, solution.report.attempts
-    return measure_all(scene.bag, problem, solution)[2]
+    return measure_all(model.bag, problem, solution)[2]
 
 
 @pytest.mark.parametrize("sections", SMALL.values(), ids=SMALL)
@@ -235,9 +236,9 @@ def test_rows_ahead_of_the_front_are_counted_through_a_change_of_mesh_kind():
 
 
 def test_the_reason_tells_how_many_meshes_make_a_sector():
-    why = fidelity.choose(joined_plan(*USUAL["100 to 60"])).why
+    why = reason_text(fidelity.choose(joined_plan(*USUAL["100 to 60"])))
     assert "one of 20 equal sectors, 5 and 3 meshes wide, of the real net is exact" in why
-    assert "meshes wide" not in fidelity.choose(joined_plan(USUAL["100 to 60"][0])).why
+    assert "meshes wide" not in reason_text(fidelity.choose(joined_plan(USUAL["100 to 60"][0])))
 
 
 def test_counts_without_a_common_divisor_make_one_sector_of_the_whole_net():

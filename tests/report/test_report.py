@@ -14,6 +14,7 @@ from codend.bag.measures import Measures
 from codend.io.files import whole_file, write_table
 from codend.plan.plan import plan_from_dict
 from codend.report import page
+from codend.report.choice_words import reason_text
 from codend.report.html import notes
 from codend.report.page import PLOTS, files_of, write_report
 from codend.report.style import column_text, number_text, spread
@@ -151,7 +152,7 @@ def test_the_page_says_all_that_the_plan_asks_for_defaults_included(study: Study
 
 
 def test_the_page_says_which_model_was_used_and_what_stands_behind_the_pressure(study: Study, written: Path):
-    assert study.choice.why in text_of(written)
+    assert reason_text(study.choice) in text_of(written)
     assert "reconstructed" in text_of(written)
 
 

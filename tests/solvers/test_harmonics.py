@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from catch_models.pressure import uniform_law
 from codend.bag.loads import problem_of
 from codend.equilibrium import solve as equilibrium
-from codend.equilibrium.solve import all_round_start
+from codend.equilibrium.bag_model import model_of
+from codend.equilibrium.start_shapes import all_round_start
 from codend.mechanics import bending, pressure
 from codend.mechanics.bars import add_bar_tangent
 from codend.mechanics.loads import add_tangent
@@ -29,7 +30,7 @@ STIFF = {"axial_stiffness_n": 2000.0, "bending_stiffness_n_m2": 2e-3, "knot_mm":
 def solved(plan: Plan) -> tuple[Problem, Solution]:
     """Equilibrium of the narrowest sector."""
     finely = plan.model_copy(update={"model": plan.model.model_copy(update={"tolerance": 1e-9})})
-    scene = equilibrium.scene_of(finely, 1, 1)
+    scene = model_of(finely, 1, 1)
     problem, solution = equilibrium.solve(scene, plan.cases()[0], (), None)
     assert solution.report.outcome.converged
     return problem, solution
@@ -39,9 +40,9 @@ def asked(plan: Plan, abreast: int = 1) -> Harmonics:
     """The harmonics of that equilibrium, of so many such sectors as one."""
     problem, solution = solved(plan)
     if abreast > 1:
-        narrow = equilibrium.scene_of(plan, 1, 1).bag
+        narrow = model_of(plan, 1, 1).bag
         solution = all_round_start(narrow, solution.positions, solution.bar_tension, abreast)
-        problem = problem_of(equilibrium.scene_of(plan, 1, abreast).bag, plan, plan.cases()[0])
+        problem = problem_of(model_of(plan, 1, abreast).bag, plan, plan.cases()[0])
     harmonics = harmonics_of(problem, solution, Ring(problem.structure, problem.bands))
     assert harmonics.undecided == ()
     return harmonics
@@ -57,9 +58,9 @@ def directions_of_whole_net(plan: Plan) -> int:
     Taut inextensible bars keep their force densities and hold their lengths: the tangent counts on the moves that do.
     """
     _, solution = solved(plan)
-    bag = equilibrium.scene_of(plan, 1, None).bag
+    bag = model_of(plan, 1, None).bag
     net = bag.net
-    narrow = equilibrium.scene_of(plan, 1, 1).bag
+    narrow = model_of(plan, 1, 1).bag
     start = all_round_start(narrow, solution.positions, solution.bar_tension, narrow.net.order)
     problem = problem_of(bag, plan, plan.cases()[0])
     flexibility = np.where(net.bar_flexibility > 0.0, net.bar_flexibility, 1.0)
@@ -227,7 +228,7 @@ def ring_of_beam(inside_pa: float, order: int = 48) -> Ring:
 
 def spare_problem() -> Problem:
     plan = make_plan(8, 5, filled=2.0)
-    return problem_of(equilibrium.scene_of(plan, 1, 1).bag, plan, plan.cases()[0])
+    return problem_of(model_of(plan, 1, 1).bag, plan, plan.cases()[0])
 
 
 def test_a_ring_under_suction_buckles_into_an_oval_at_the_pressure_of_theory():
@@ -248,7 +249,7 @@ def disturbed_rings(draw):
     if mesh != "square":
         netting["bending_stiffness_n_m2"] = draw(st.sampled_from([0.0, 1e-3]))
     plan = make_plan(draw(st.integers(2, 4)) * 3, draw(st.integers(4, 6)), mesh=mesh, filled=2.5, netting=netting)
-    bag = equilibrium.scene_of(plan, 1, draw(st.sampled_from([1, 3]))).bag
+    bag = model_of(plan, 1, draw(st.sampled_from([1, 3]))).bag
     net, problem = bag.net, problem_of(bag, plan, plan.cases()[0])
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     position = net.positions + rng.normal(0.0, 0.004, net.positions.shape) * ~net.fixed
@@ -301,7 +302,7 @@ def test_negative_pivots_are_as_many_as_negative_eigenvalues_of_the_hermitian_pa
 def test_harmonic_0_is_the_tangent_of_newtons_method(mesh, sectors):
     """But for the codline, which in the whole net is one node where each sector has its own."""
     plan = make_plan(12, 6, 0.4, 2.5, mesh=mesh, netting=KNOTTED)
-    scene = equilibrium.scene_of(plan, 1, sectors)
+    scene = model_of(plan, 1, sectors)
     problem = problem_of(scene.bag, plan, plan.cases()[0])
     position, structure = problem.net.positions, problem.structure
     ring, share = Ring(structure, problem.bands), np.full(problem.bands, 0.4)

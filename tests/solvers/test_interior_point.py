@@ -6,7 +6,7 @@ import pytest
 from codend.bag.bag import Bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
-from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.bag_model import model_of
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Plan
 from codend.solvers import interior_point
@@ -38,9 +38,9 @@ JOINED = {
 
 
 def solved(plan: Plan) -> tuple[Bag, Problem, Solution]:
-    scene = equilibrium.scene_of(plan, 1, 1)
-    problem = problem_of(scene.bag, plan, plan.cases()[0])
-    return scene.bag, problem, interior_point.solve(problem, 1e-8, prepared=scene.prepared)
+    model = model_of(plan, 1, 1)
+    problem = problem_of(model.bag, plan, plan.cases()[0])
+    return model.bag, problem, interior_point.solve(problem, 1e-8, prepared=model.prepared)
 
 
 @pytest.mark.parametrize("name", JOINED)

@@ -8,6 +8,7 @@ from click.testing import CliRunner
 
 from codend.cli.main import main
 from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.stability import Stability
 from codend.report.html import cautions, notes
 from codend.report.page_tables import solving_table
@@ -39,11 +40,11 @@ def test_a_bag_that_turns_for_nothing_behind_a_closed_neck_is_not_called_unstabl
 @pytest.mark.parametrize(("entry", "filled"), [(0.4, 5.0), (0.7, 1.2), (0.4, 1.2)])
 def test_negative_pivots_of_a_full_net_are_as_many_as_directions_in_which_it_runs_away(entry, filled):
     plan = make_plan(36, 10, entry, filled, mesh="square", model={"fidelity": "full"})
-    scene = equilibrium.scene_of(plan, 1, None)
-    problem, solution = equilibrium.solve(scene, plan.cases()[0], (), None)
+    model = model_of(plan, 1, None)
+    problem, solution = equilibrium.solve(model, plan.cases()[0], (), None)
     assert solution.report.outcome.converged
     running_away = np.count_nonzero(np.linalg.eigvals(tangent_of(problem, solution)).real < 0.0)
-    assert newton.negative_pivots(problem, solution, scene.prepared) == running_away
+    assert newton.tangent_at(problem, solution, model.prepared).negative_pivots == running_away
     assert (running_away > 0) == ((entry, filled) != (0.4, 1.2))
 
 

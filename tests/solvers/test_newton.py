@@ -8,7 +8,7 @@ from scipy.sparse import csc_array
 
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
-from codend.equilibrium.solve import START
+from codend.equilibrium.start_shapes import START
 from codend.mechanics.bars import add_bar_tangent
 from codend.mechanics.tangent import pattern_of
 from codend.net.net import bar_vectors, rotate
@@ -70,7 +70,8 @@ def test_a_rough_start_leads_to_an_equilibrium_without_compression(name):
     assert report.outcome is Outcome.CONVERGED, report.attempts
     assert max(report.residual, report.imbalance) <= 1e-8
     assert report.length_error <= 1e-6
-    assert newton.negative_pivots(problem, solution, newton.prepare(problem.structure, problem.bands)) == 0
+    prepared = newton.prepare(problem.structure, problem.bands)
+    assert newton.tangent_at(problem, solution, prepared).negative_pivots == 0
     assert solution.bar_tension.min() >= 0.0
     length = np.linalg.norm(bar_vectors(problem.net, solution.positions), axis=1)
     law = problem.net.bar_length * (1.0 + solution.bar_tension * problem.net.bar_flexibility)
@@ -125,10 +126,10 @@ def test_convergence_is_quadratic_near_the_solution():
     for size in (1e-2, 1e-3):
         move = size * problem.net.bar_length.min() * rng.normal(size=exact.positions.shape) * ~problem.net.fixed
         start = replace(exact, positions=exact.positions + move)
-        run = newton._Run(problem, newton.prepare(problem.structure, problem.bands), NewtonSettings(), None)
+        run = newton._Iterations(problem, newton.prepare(problem.structure, problem.bands), NewtonSettings(), None)
         run._set_start(start, 0.1)
         before = np.linalg.norm(run.state.position - exact.positions)
-        run.prepared.system.worthwhile_gain = 0.0
+        run.prepared.system.worthwhile_fall = 0.0
         assert run._advance(0.0, 0.0)
         errors.append((before, np.linalg.norm(run.state.position - exact.positions)))
     (wide, wide_left), (near, near_left) = errors
@@ -303,12 +304,12 @@ def test_a_solve_nearby_that_keeps_the_factors_makes_no_new_ones_and_ends_at_the
     made = []
     factorise = SparseSystem.factorise
     monkeypatch.setattr(SparseSystem, "factorise", lambda self, blocks: made.append(1) or factorise(self, blocks))
-    assert newton.negative_pivots(problem, known, prepared) == 0
-    keeping = replace(newton.DIRECT, keeps_factors=True)
-    solution = newton.solve(nearby, 1e-10, known, keeping, prepared=prepared)
+    tangent = newton.tangent_at(problem, known, prepared)
+    assert tangent.negative_pivots == 0
+    solution = newton.solve_nearby(nearby, 1e-10, known, tangent)
     assert solution.report.outcome is Outcome.CONVERGED
     np.testing.assert_allclose(solution.positions, expected.positions, atol=1e-9)
     assert len(made) == 1
-    # without any to keep, it makes its own
-    newton.solve(nearby, 1e-10, known, keeping)
+    # without any to keep, Newton's method makes its own
+    newton.solve(nearby, 1e-10, known, newton.DIRECT)
     assert len(made) > 1

@@ -14,7 +14,8 @@ from codend.bag.loads import problem_of
 from codend.bag.measures import mesh_openings
 from codend.cli.main import main
 from codend.equilibrium import solve as equilibrium
-from codend.equilibrium.solve import START
+from codend.equilibrium.bag_model import model_of
+from codend.equilibrium.start_shapes import START, all_round_start
 from codend.errors import InputError
 from codend.solvers import dynamic_relaxation, interior_point, newton
 from codend.solvers.interior_point import InteriorPointSettings
@@ -37,10 +38,10 @@ PLANS = {
 def hooked_problem(plan, pulled_m):
     """A full net with one mesh between hooks: its bag, its loads, where it starts from, and the mesh."""
     case = plan.cases()[0]
-    sector = equilibrium.scene_of(plan, 1, 1)
+    sector = model_of(plan, 1, 1)
     _, solution = equilibrium.solve(sector, case, (), None)
     sectors = sector.bag.net.order
-    start = equilibrium.all_round_start(sector.bag, solution.positions, solution.bar_tension, sectors)
+    start = all_round_start(sector.bag, solution.positions, solution.bar_tension, sectors)
     bag = build_bag(plan, sectors=sectors)
     bag = replace(bag, net=replace(bag.net, positions=start.positions))
     mesh = pulling._middle_mesh(bag, 10)
@@ -56,8 +57,8 @@ def hooked_problem(plan, pulled_m):
 def test_the_interior_point_finds_the_equilibrium_that_newton_finds_where_no_bar_goes_slack(name):
     plan = make_plan(24, 20, filled=8.0, **PLANS[name])
     case = plan.cases()[0]
-    scene = equilibrium.scene_of(plan, 1, 1)
-    problem, expected = equilibrium.solve(scene, case, (), None)
+    model = model_of(plan, 1, 1)
+    problem, expected = equilibrium.solve(model, case, (), None)
     start = replace(expected, bar_tension=np.full_like(expected.bar_tension, expected.bar_tension.mean()))
     found = interior_point.solve(problem, 1e-9, start, prepared=newton.prepare(problem.structure, problem.bands))
     assert found.report.outcome is Outcome.CONVERGED

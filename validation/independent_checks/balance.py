@@ -21,6 +21,7 @@ from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
 from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.bag_model import model_of
 from codend.mechanics.problem import Problem
 from codend.net.net import bar_vectors, facet_corners
 from codend.plan.plan import load_plan
@@ -38,9 +39,9 @@ SEED, FIELDS = 42, 20
 
 def _solved(changes: list[str], globalisation: int, sectors: int | None = None) -> tuple[Bag, Problem, Solution]:
     plan = load_plan(FLUME, [*CATCH, *changes])
-    scene = equilibrium.scene_of(plan, globalisation, sectors)
-    problem, solution = equilibrium.solve(scene, plan.cases()[0], (), None)
-    return scene.bag, problem, _checked(solution)
+    model = model_of(plan, globalisation, sectors)
+    problem, solution = equilibrium.solve(model, plan.cases()[0], (), None)
+    return model.bag, problem, _checked(solution)
 
 
 def _checked(solution: Solution) -> Solution:

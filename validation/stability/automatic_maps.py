@@ -11,6 +11,7 @@ import numpy as np
 
 from codend.bag.loads import pressure_law_of
 from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.bag_model import model_of
 from codend.net.net import Floats
 from codend.plan.plan import Plan
 from codend.solvers import dynamic_relaxation
@@ -153,8 +154,8 @@ def slack_map(quick: bool) -> StabilityMap:
 
 def checked(plan: Plan) -> tuple[Solution, Judgement]:
     """Solve the plan's case by its method, and hold the answer to that of dynamic relaxation."""
-    scene = equilibrium.scene_of(plan, 1, 1)
-    problem, solution = equilibrium.solve(scene, plan.cases()[0], (), None)
+    model = model_of(plan, 1, 1)
+    problem, solution = equilibrium.solve(model, plan.cases()[0], (), None)
     if not solution.report.outcome.converged:
         return solution, judge_alone(solution, "numbers come with a failure")
     second = dynamic_relaxation.solve(problem, SECOND)
@@ -163,4 +164,4 @@ def checked(plan: Plan) -> tuple[Solution, Judgement]:
         second = dynamic_relaxation.solve(problem, SECOND, nearby)
     if not second.report.outcome.converged:
         return solution, judge_alone(solution, "no second method confirms it")
-    return solution, judge(reference_of(scene.bag, problem, second), solution, plan.model.tolerance)
+    return solution, judge(reference_of(model.bag, problem, second), solution, plan.model.tolerance)

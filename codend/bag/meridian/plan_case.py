@@ -105,17 +105,6 @@ def first_guess(plan: Plan, case: Case) -> MeridianShape | None:
     return shape if shape.converged and _within_straps(plan, shape) else None
 
 
-def equilibrium_guess(plan: Plan, case: Case) -> MeridianShape | None:
-    """Shape of limp twine under the loads of the case; None where the method does not apply or finds none.
-
-    It knows no straps, and none is given where one would be tight.
-    """
-    if why_not(plan):
-        return None
-    shape = _under_its_loads(plan, case)
-    return shape if shape.converged and _within_straps(plan, shape) else None
-
-
 def _within_straps(plan: Plan, shape: MeridianShape) -> bool:
     """Whether the shape leaves all straps slack."""
     places = zip(plan.strap, plan.strap_rows, strict=True)

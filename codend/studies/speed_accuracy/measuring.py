@@ -12,6 +12,7 @@ from codend.bag.meridian.problem import MeridianShape
 from codend.bag.meridian.solve import solve_meridian
 from codend.equilibrium import fidelity
 from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.fidelity import Choice
 from codend.plan.plan import Plan
 from codend.studies.case_result import CaseResult
@@ -133,8 +134,8 @@ def _solver_of(plan: Plan, choice: Choice) -> Callable[[], float]:
     """Solves the plan's case from nothing, without the error estimates, and tells the time it took, ms."""
     if choice.fidelity == "meridian":
         return lambda: _time_of(lambda: solve_case(plan, plan.cases()[0]))
-    scene = equilibrium.scene_of(plan, choice.globalisation, choice.sectors)
-    return lambda: float(equilibrium.solve(scene, plan.cases()[0], (), None)[1].report.solve_ms)
+    model = model_of(plan, choice.globalisation, choice.sectors)
+    return lambda: float(equilibrium.solve(model, plan.cases()[0], (), None)[1].report.solve_ms)
 
 
 def _repeat(answers: list[Answer], quick: bool) -> None:

@@ -1,0 +1,46 @@
+"""A bag as it is modelled, ready to be solved again and again."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from codend.bag.bag import Bag
+from codend.bag.build import build_bag
+from codend.errors import InputError
+from codend.mechanics.structure import structure_of
+from codend.plan.plan import Plan
+from codend.solvers import newton
+from codend.solvers.ring import Ring
+
+
+@dataclass(frozen=True)
+class BagModel:
+    """A bag with what is kept from one of its equilibria to the next."""
+
+    plan: Plan
+    bag: Bag
+    sectors: int | None
+    """Equal sectors that are modelled side by side, None for all."""
+    globalisation: int
+
+    @cached_property
+    def prepared(self) -> newton.Prepared:
+        """The unknowns numbered, and room for Newton's method to work in; made when first asked for."""
+        return newton.prepare(structure_of(self.bag.net), self.bag.bands)
+
+    @cached_property
+    def ring(self) -> Ring:
+        """The net as a sector of a ring, and room to ask its harmonics; made when first asked for."""
+        return Ring(structure_of(self.bag.net), self.bag.bands)
+
+
+def model_of(plan: Plan, globalisation: int, sectors: int | None) -> BagModel:
+    """Build the net of a plan.
+
+    Raises:
+        InputError: the plan asks for rigid bars and gives elastic twine.
+    """
+    stretching = [s.axial_stiffness_n for s in plan.netting if s.axial_stiffness_n is not None]
+    if plan.model.method == "rigid-bars" and stretching:
+        allowed = 'left out with model.method = "rigid-bars": rigid bars do not stretch'
+        raise InputError(file=plan.source, key="netting.axial_stiffness_n", value=stretching[0], allowed=allowed)
+    return BagModel(plan, build_bag(plan, globalisation=globalisation, sectors=sectors), sectors, globalisation)

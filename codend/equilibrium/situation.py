@@ -1,0 +1,123 @@
+"""What a start may look at, and the solvers as it asks for them."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from codend.equilibrium.bag_model import BagModel, model_of
+from codend.equilibrium.start_shapes import all_round_start
+from codend.mechanics.problem import Problem
+from codend.plan.plan import Case, Plan
+from codend.solvers import dynamic_relaxation, interior_point, newton
+from codend.solvers.dynamic_relaxation import RelaxationSettings
+from codend.solvers.linear_systems import BandedSystem
+from codend.solvers.newton import DIRECT, NewtonSettings
+from codend.solvers.outcome import Progress, Solution
+
+BRIEF = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=10)
+"""Newton's method from a start for no longer than a good one needs."""
+
+FARTHEST_PREDICTION = 1.5
+"""How far beyond the last catch the next one is predicted, over the distance between the last two."""
+
+Known = Sequence[tuple[Case, Solution]]
+"""Equilibria of other cases of the same model."""
+
+
+@dataclass(frozen=True)
+class Situation:
+    """The case to be solved, on which model, and what is known of others: all that a start may look at."""
+
+    model: BagModel
+    problem: Problem
+    case: Case
+    known: Known
+    progress: Progress | None
+    solve: Callable[[BagModel, Case], Solution]
+    """Solves a case of another model, from nothing."""
+
+    @property
+    def plan(self) -> Plan:
+        """What is modelled."""
+        return self.model.plan
+
+    @property
+    def tolerance(self) -> float:
+        """Largest residual and axial imbalance."""
+        return self.plan.model.tolerance
+
+    @property
+    def by_meshes(self) -> bool:
+        """Whether the catch is given by the meshes it fills, so that its front need not be searched for."""
+        return self.case.catch_kind == "filled_meshes"
+
+    @property
+    def half_full_meshes(self) -> float:
+        """Catch of half a bag, in meshes."""
+        return 0.5 * float(self.model.bag.band_meshes.sum())
+
+    @cached_property
+    def at_its_speed(self) -> list[tuple[float, Solution]]:
+        """Catches known at the case's speed, each once, and their equilibria."""
+        return list({c.catch_value: found for c, found in self.known if c.speed_m_s == self.case.speed_m_s}.items())
+
+    @property
+    def others_at_its_speed(self) -> list[tuple[float, Solution]]:
+        """The same but for the case's own catch."""
+        return [pair for pair in self.at_its_speed if pair[0] != self.case.catch_value]
+
+    @property
+    def within_prediction(self) -> bool:
+        """Whether a polynomial through the last catches known at its speed can be trusted at this one."""
+        if len(self.at_its_speed) < 2:
+            return False
+        (before, _), (last, _) = self.at_its_speed[-2:]
+        return abs(self.case.catch_value - last) <= FARTHEST_PREDICTION * abs(last - before)
+
+    @property
+    def led(self) -> bool:
+        """Whether the last equilibria lead so near that nothing else is tried before.
+
+        On a wide net a start that leads nowhere costs minutes, and the equilibrium of a sector next to nothing.
+        """
+        if self.model.sectors == 1 or any(other.catch_value == self.case.catch_value for other, _ in self.known):
+            return len(self.known) > 0
+        narrow = isinstance(self.model.prepared.system, BandedSystem)
+        return self.within_prediction and (narrow or not self.by_meshes)
+
+    @property
+    def has_sector(self) -> bool:
+        """Whether the whole net is modelled, and the equilibrium of a sector can be set all round it."""
+        return self.model.sectors is None and self.plan.model.bars_per_side == 1
+
+    @cached_property
+    def sector_all_round(self) -> Solution | None:
+        """The equilibrium of a sector set all round, its report that of the sector; None where that is not solved."""
+        sector = model_of(self.plan, self.model.globalisation, 1)
+        found = self.solve(sector, self.case)
+        if not found.report.outcome.converged:
+            return None
+        start = all_round_start(sector.bag, found.positions, found.bar_tension, sector.bag.net.order)
+        return replace(start, report=found.report)
+
+    @property
+    def first_settings(self) -> NewtonSettings:
+        """Newton's method where better starts are left: none is followed for long.
+
+        Weight may hide below the tolerance of single nodes.
+        """
+        brief = self.by_meshes and len(self.model.bag.net.corners) == 0
+        return replace(BRIEF if brief else DIRECT, least_iterations=int(self.problem.loading.dead.any()))
+
+    def by_newton(self, problem: Problem, start: Solution | None, settings: NewtonSettings = DIRECT) -> Solution:
+        """Newton's method to the plan's tolerance."""
+        return newton.solve(problem, self.tolerance, start, settings, self.progress, self.model.prepared)
+
+    def through_the_interior(self, problem: Problem) -> Solution:
+        """The interior-point method to the plan's tolerance, from the crude bag the net was built as."""
+        return interior_point.solve(problem, self.tolerance, None, progress=self.progress, prepared=self.model.prepared)
+
+    def relaxed(self, start: Solution | None) -> Solution:
+        """Relaxation to the plan's tolerance."""
+        settings = RelaxationSettings(viscous=self.plan.model.damping == "viscous")
+        return dynamic_relaxation.solve(self.problem, self.tolerance, start, settings, self.progress)

@@ -1,0 +1,68 @@
+"""Why a model is enough, in words."""
+
+from collections.abc import Sequence
+
+from codend.equilibrium.fidelity import Choice, Reason
+
+
+def reason_text(choice: Choice) -> str:
+    """Why the model was chosen, and what it costs in accuracy and time."""
+    g = choice.globalisation
+    weighed = (
+        f"wet weight {choice.weight_n:.3g} N, {100.0 * choice.weight_over_drag:.2g} % of the drag of the smallest catch"
+    )
+    match choice.reason:
+        case Reason.ASKED:
+            said = f"Asked for: {_model(choice)}"
+            if choice.weight_matters and choice.unseen_weight_n > 0.0:
+                said += f"; it leaves out the wet weight, which here matters ({weighed})"
+        case Reason.NO_WEIGHT:
+            light = "no twine density is given, so wet weight is left out"
+            said = f"The plan is the same all round and {light}: {_sector(choice)} is exact"
+        case Reason.LITTLE_WEIGHT:
+            said = f"The plan is the same all round and {weighed}, is negligible: {_sector(choice)} is exact"
+        case Reason.WEIGHT | Reason.TOO_HEAVY_TO_GLOBALISE:
+            model = f"the full net, {g} x {g} meshes merged into one" if g > 1 else "the full net"
+            cost = (
+                f"which costs {100.0 * choice.drag_error:.2g} % in drag where {100.0 * choice.accuracy:g} % is allowed"
+            )
+            if choice.reason is Reason.TOO_HEAVY_TO_GLOBALISE:
+                cost = "for merged meshes may bear so much of it otherwise"
+            said = f"Wet weight breaks the symmetry ({weighed}): {model}, {cost}"
+    return f"{said}.{_time(choice)}"
+
+
+def _model(choice: Choice) -> str:
+    g = choice.globalisation
+    match choice.fidelity:
+        case "sector":
+            return _sector(choice)
+        case "meridian":
+            return "the netting as a membrane, the same all round"
+        case "globalised":
+            return f"the full net, {g} x {g} real meshes merged into one"
+        case _:
+            return "every mesh of the real net"
+
+
+def _sector(choice: Choice) -> str:
+    """The narrowest sector: of how many, and how many meshes of each section make it if it is not a single one."""
+    if choice.order == 1:
+        return f"the full net (its mesh counts {_listed(choice.meshes_round)} have no common divisor)"
+    wide = [count // choice.order for count in choice.meshes_round]
+    meshes = "" if wide == [1] else f", {_listed(wide)} meshes wide,"
+    return f"one of {choice.order} equal sectors{meshes} of the real net"
+
+
+def _time(choice: Choice) -> str:
+    """What a large model costs in time; empty for others."""
+    if not choice.slow:
+        return ""
+    wide = choice.fidelity == "sector" and len(choice.meshes_round) > 1
+    narrower = "; meshes round with a larger common divisor make a narrower sector" if wide else ""
+    return f" Its {choice.knots} knots take seconds to minutes a case{narrower}."
+
+
+def _listed(counts: Sequence[int]) -> str:
+    *others, last = map(str, counts)
+    return f"{', '.join(others)} and {last}" if others else last
