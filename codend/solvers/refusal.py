@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.mechanics import possible
 from codend.mechanics.crossing import band_turns
@@ -46,18 +47,22 @@ def refusal(problem: Problem, position: Floats, share: Floats) -> Refusal | None
     return Refusal(outcome, seen.format(number))
 
 
-def passage(problem: Problem, position: Floats) -> Refusal | None:
-    """Where a net has passed through itself, or that it is wrung; None where it has not."""
+def passage(problem: Problem, position: Floats, gathered: bool = True) -> Refusal | None:
+    """Where a net has passed through itself, or that it is wrung; None where it has not.
+
+    ``gathered`` asks it of the band behind the last ring as well, whose twines are gathered at the codline.
+    """
     catch = problem.loading.catch
     touching = touching_m(problem)
     if catch.row_size.any():
         round_axis = _rings(problem, position, touching)
         if round_axis is not None:
             return round_axis
-    bar, facet = first_pierced(position, *_sheet(problem), touching)
+    bars, facets = (np.flatnonzero(of < problem.bands - (not gathered)) for of in (catch.bar_band, catch.facet_band))
+    bar, facet = first_pierced(position, *_sheet(problem, bars, facets), touching)
     if bar < 0:
         return None
-    band, met = catch.bar_band[bar] + 1, catch.facet_band[facet] + 1
+    band, met = catch.bar_band[bars[bar]] + 1, catch.facet_band[facets[facet]] + 1
     return Refusal(Outcome.PASSED_THROUGH, f"a bar of band {band} pierces band {met} of {problem.bands}")
 
 
@@ -95,7 +100,8 @@ def told(outcome: Outcome, refused: Refusal | None) -> str:
     return outcome.value if refused is None or refused.outcome is not outcome else f"{outcome.value} ({refused.where})"
 
 
-def _sheet(problem: Problem) -> tuple:
-    """Bars and facets as ``first_pierced`` takes them."""
+def _sheet(problem: Problem, bars: NDArray[np.integer], facets: NDArray[np.integer]) -> tuple:
+    """These bars and facets as ``first_pierced`` takes them."""
     s = problem.structure
-    return s.first, s.second, s.image, s.facets, s.facet_image, s.facet_weight, s.order
+    of_facets = s.facets[facets], s.facet_image[facets], s.facet_weight[facets]
+    return s.first[bars], s.second[bars], s.image[bars], *of_facets, s.order
