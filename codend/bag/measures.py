@@ -231,7 +231,7 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows) -> Measu
         max_bar_tension_n=float(np.delete(tension, straps).max()),
         max_strap_tension_n=float(tension[straps].max()) if len(straps) else float("nan"),
         folded_share=folded_share(bag, position, rows, share),
-        turn_deg=float(np.degrees(band_turns(position, structure, loading.catch)[0].sum())),
+        turn_deg=float(np.degrees(band_turns(position, structure, loading.catch, problem.rings)[0].sum())),
         sideways_imbalance=sideways_imbalance(bag, position, load, support),
     )
 

@@ -3,8 +3,9 @@
 A step is shortened until the move that the old tangent still asks for at its end is shorter than the step (natural
 monotonicity: Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3). Where pivots are negative far from
 an equilibrium, a banded tangent is shifted until they are positive, which leads away from unstable equilibria. It does
-not keep off them: a start may be one, and of wide nets the pivots are not known on the way. ``tangent_at`` tells
-afterwards. Twine that would be compressed goes slack on the way; an answer with bars in compression is refused.
+not keep off them: a start may be one, and of wide nets the pivots are not known on the way. The tangent there tells
+afterwards (``harmonics``, ``whole_tangent``). Twine that would be compressed goes slack on the way; an answer with
+bars in compression is refused.
 """
 
 from dataclasses import dataclass, replace
@@ -31,8 +32,8 @@ CLEAR_FALL = 0.1
 ROUND_OFF = 1e-9
 """Compression of a bar, over the reference tension, up to which it carries nothing but round-off."""
 NEUTRAL = 1e-6
-"""Shift, as ``NewtonSettings.first_shift``, under which pivots are counted: behind a neck that has closed the bag turns
-about its axis for nothing, and round-off would give that pivot either sign."""
+"""Shift, as ``NewtonSettings.first_shift``, under which stability is asked: behind a neck that has closed the bag turns
+about its axis for nothing, and round-off would give that eigenvalue either sign."""
 
 
 @dataclass(frozen=True)
@@ -158,13 +159,9 @@ class TangentAtEquilibrium:
     """The equilibrium."""
     prepared: Prepared
     """With the factors, until something else is solved with it."""
-    negative_pivots: int
-    """0 where the equilibrium is stable, -1 if the tangent is singular.
-
-    Of a symmetric tangent they are as many as its negative eigenvalues. Loads that follow the net make it unsymmetric:
-    then an odd number, a negative determinant, still proves the equilibrium unstable, and an even one is a sign. Those
-    of a sector tell of moves that are the same in all sectors.
-    """
+    fronted: bool
+    """Whether the catch's front follows the net, which adds a product to the tangent."""
+    singular: bool
 
 
 def tangent_at(problem: Problem, solution: Solution, prepared: Prepared) -> TangentAtEquilibrium:
@@ -175,12 +172,7 @@ def tangent_at(problem: Problem, solution: Solution, prepared: Prepared) -> Tang
     sides = newton_step.linearise(
         problem.structure, problem.loading, prepared.pattern, run.tension, NEUTRAL, 0.0, run.state, step
     )
-    if system.factorise(step.blocks) == -1:
-        return TangentAtEquilibrium(problem, solution, prepared, -1)
-    # a front that follows the net adds a product to the tangent, and with it the sign of one more factor
-    turned = newton_step.combine(system.solve(step.right[:sides]), step, step.move) <= 0.0
-    negative = system.negative_pivots()
-    return TangentAtEquilibrium(problem, solution, prepared, negative + int(turned) if negative >= 0 else -1)
+    return TangentAtEquilibrium(problem, solution, prepared, sides == 2, system.factorise(step.blocks) == -1)
 
 
 def solve_nearby(problem: Problem, tolerance: float, start: Solution, tangent: TangentAtEquilibrium) -> Solution:
