@@ -35,6 +35,10 @@ RESULT_COLUMNS = [
     "folded_share",
     "turn_deg",
     "sideways_imbalance",
+    "wrinkles",
+    "drag_spread_n",
+    "opening_spread_deg",
+    "folds",
 ]
 
 STRAP_COLUMNS = ["max_strap_tension_n"]

@@ -259,6 +259,11 @@ class Model(Table):
     """Largest nodal residual over the total load."""
     accuracy: Annotated[Number, Gt(0), Le(0.5)] = 0.01
     """What ``fidelity = "auto"`` may cost: in drag by merging meshes, in openings by leaving weight out; relative."""
+    opening_accuracy_deg: Annotated[Number, Gt(0), Le(90)] | None = None
+    """Error of the mean opening ahead of the catch from which what grows is followed, degrees; None: drag decides."""
+    wrinkles: Literal["auto"] | bool = "auto"
+    """Whether shapes that are not the same all round are followed where the symmetric one is unstable: ``auto`` where
+    the estimates would exceed the accuracy asked for."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -58,8 +58,8 @@ def follow(
     tolerance: float,
     start: Solution,
     prepared: Prepared,
-    steps_allowed: int = 400,
     progress: Progress | None = None,
+    steps_allowed: int = 400,
 ) -> Motion:
     """Move a net gently from a start to an equilibrium, polished by Newton's method.
 
@@ -68,8 +68,8 @@ def follow(
         tolerance: largest residual and axial imbalance of the equilibrium.
         start: positions and tensions to start from, with nothing passing through anything.
         prepared: what ``newton.prepare`` returned for this structure.
-        steps_allowed: before it is given up.
         progress: told the residual of every step.
+        steps_allowed: before it is given up.
     """
     structure, loading, system = problem.structure, problem.loading, prepared.system
     here, there, _ = prepared.states
@@ -87,9 +87,7 @@ def follow(
             if (negative == 0 and system.negative_pivots() == 0) or shift > MOST_SHIFT:
                 break
             shift *= RISE
-        moved, turned, _ = newton_step.finish_step(
-            structure, here, here, system.solve(step.right[:sides]), step
-        )
+        _, turned, _ = newton_step.finish_step(structure, here, here, system.solve(step.right[:sides]), step)
         farthest = float(np.sqrt(np.einsum("ij,ij->i", step.move, step.move).max()))
         size = min(1.0, LONGEST * bar / farthest) if farthest > 0.0 else 1.0
         size = min(size, LONGEST / turned) if turned > 0.0 else size
