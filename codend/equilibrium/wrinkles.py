@@ -1,7 +1,7 @@
 """What wrinkles may change of an equilibrium that is the same all round, by the strength of what grows there.
 
 The strength of a growth is the size of its eigenvalue over a bar's stiffness under tension. The law was found on nets
-that were shaken and followed gently (``python -m validation.wrinkles.law``): changes rise about as the root of the
+that were shaken and followed gently (``python -m validation.shaken``): changes rise about as the root of the
 strength, up to ``STRONGEST``, beyond which they do not rise any more. Openings ahead of the catch change where the
 growth moves the rows there, and with the drag.
 """
@@ -17,9 +17,9 @@ from codend.plan.plan import Case, Plan
 from codend.solvers.outcome import Solution
 
 STRONGEST = 50.0
-BY_STRENGTH = np.array([0.04, 0.2, 0.02, 0.004])
+BY_STRENGTH = np.array([0.04, 0.2, 0.03, 0.004])
 """Relative change of drag, volume, largest radius and opening ahead, over the root of the strength."""
-BY_REACH = np.array([0.0, 0.0, 0.2])
+BY_REACH = np.array([0.0, 0.0, 0.4])
 """Relative change of drag, volume and largest radius over the reach: the root of the strength times the largest move of
 a knot in the rows ahead, over the largest of all."""
 OPENING_BY_REACH_DEG = 40.0

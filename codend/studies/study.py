@@ -112,7 +112,7 @@ def solve(
         if progress is not None:
             progress(done, len(cases), f"case {case.number}")
         problem, solution = equilibrium.solve(model, case, known, report)
-        result = _measured(model.bag, case, problem, solution)
+        result = measured(model.bag, case, problem, solution)
         if result.converged:
             known.append((case, solution))
             result = _judged(model, result, choice.unseen_weight_n, report)
@@ -129,8 +129,9 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     plan, case, problem, solution = model.plan, result.case, result.problem, result.solution
     tangent = newton.tangent_at(problem, solution, model.prepared)
     stability = stability_of(model, tangent)
-    # limp and stiff diamond netting that is stable lies on itself nowhere
-    may_touch = stability.stable != "yes" or any(part.knot_across_m > 0.0 for part in plan.netting)
+    # sectors of diamond netting that are stable lie on themselves nowhere
+    turned = any(part.knot_across_m > 0.0 for part in plan.netting)
+    may_touch = stability.stable != "yes" or turned or result.net.order == 1
     touching = may_touch and layers_touch(problem, solution.positions)
     changed = changed_by_wrinkles(result.bag, case, solution, stability, result.measures, touching)
     errors = accuracy.estimate(model, case, tangent, result.measures, unseen_weight_n, changed)
@@ -149,14 +150,17 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
         attempts=(*solution.report.attempts, followed.reason, *shape.solution.report.attempts),
         solve_ms=solution.report.solve_ms + followed.spent_ms,
     )
-    found = _measured(shape.model.bag, case, shape.problem, replace(shape.solution, report=report))
+    found = measured(shape.model.bag, case, shape.problem, replace(shape.solution, report=report))
     tangent = newton.tangent_at(shape.problem, shape.solution, shape.model.prepared)
-    changed = followed.changed if shape.stability.stable == "yes" else np.maximum(changed, followed.changed)
+    followed = replace(followed, folds=layers_touch(shape.problem, shape.solution.positions))
+    lasts = shape.stability.stable == "yes" and not followed.folds
+    changed = followed.changed if lasts else np.maximum(changed, followed.changed)
     errors = accuracy.estimate(shape.model, case, tangent, found.measures, unseen_weight_n, changed)
     return replace(found, errors=errors, stability=shape.stability, followed=followed)
 
 
-def _measured(bag: Bag, case: Case, problem: Problem, solution: Solution) -> CaseResult:
+def measured(bag: Bag, case: Case, problem: Problem, solution: Solution) -> CaseResult:
+    """What was found of a case, with its measures but without errors; a case that failed has none."""
     if not solution.report.outcome.converged:
         nothing = Measures.unknown(), Errors.unknown()
         return CaseResult(case, bag, problem, solution, *nothing, None, NOT_FOLLOWED, None, None)
@@ -191,7 +195,7 @@ def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) 
         problem = problem_of(bag, plan, case)
         share = plan_case.share_of(shape, bag.bands)
         solution = Solution(bag.net.positions, plan_case.tensions_on(bag, shape), share, report)
-        result = _measured(bag, case, problem, solution)
+        result = measured(bag, case, problem, solution)
         if not result.converged:
             yield result
             continue
