@@ -150,6 +150,6 @@ def rings_figure(result: CaseResult, rings: int = 8) -> "Figure":
         )  # fmt: skip
     seen.set_aspect("equal")
     seen.set(xlabel="y (mm)", ylabel="z (mm)")
-    off.set(xlabel="azimuth (degrees)", ylabel="knots off the mean of their ring (mm)")
+    off.set(xlim=(0.0, 60.0), xlabel="azimuth (degrees)", ylabel="knots off the mean of their ring (mm)")
     off.legend(title="meshes from\nthe codline", frameon=False, loc="center left", bbox_to_anchor=(1.01, 0.5))
     return figure
