@@ -159,8 +159,8 @@ class TangentAtEquilibrium:
     """The equilibrium."""
     prepared: Prepared
     """With the factors, until something else is solved with it."""
-    fronted: bool
-    """Whether the catch's front follows the net, which adds a product to the tangent."""
+    products: int
+    """By how many products of two vectors a front that follows the net adds to the tangent."""
     singular: bool
 
 
@@ -172,7 +172,7 @@ def tangent_at(problem: Problem, solution: Solution, prepared: Prepared) -> Tang
     sides = newton_step.linearise(
         problem.structure, problem.loading, prepared.pattern, run.tension, NEUTRAL, 0.0, run.state, step
     )
-    return TangentAtEquilibrium(problem, solution, prepared, sides == 2, system.factorise(step.blocks) == -1)
+    return TangentAtEquilibrium(problem, solution, prepared, sides - 1, system.factorise(step.blocks) == -1)
 
 
 def solve_nearby(problem: Problem, tolerance: float, start: Solution, tangent: TangentAtEquilibrium) -> Solution:
