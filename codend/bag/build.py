@@ -41,7 +41,7 @@ def build_bag(
     _check_bending(plan)
     lattice = _lattice_of(plan, globalisation, sectors)
     x, radius = rows if rows is not None else crude_rows(plan, globalisation)
-    shape = RowShape(x, np.concatenate([[plan.entry.radius_m], radius[1:-1], [0.0]]), azimuth_rad)
+    shape = RowShape(x, np.concatenate([[plan.entry_radius_m], radius[1:-1], [0.0]]), azimuth_rad)
     knots = knots_of(lattice)
     positions, node_row = placed_knots(knots, shape)
     entry = np.arange(knots.fore_start[1])
@@ -95,9 +95,9 @@ def crude_rows(plan: Plan, globalisation: int = 1) -> tuple[Floats, Floats]:
     largest = np.array([s.stretched_radius_m for s in sections])
     from_entry = np.concatenate([[0.0], np.cumsum(side)])
     bound = np.minimum(np.concatenate([largest[:1], largest]), np.concatenate([largest, largest[-1:]]))
-    from_wide_entry = np.minimum(plan.entry.radius_m - 0.6 * from_entry, 0.9 * bound)
+    from_wide_entry = np.minimum(plan.entry_radius_m - 0.6 * from_entry, 0.9 * bound)
     wanted = np.maximum(0.55 * bound, from_wide_entry)
-    wanted[0], wanted[-1] = plan.entry.radius_m, 0.0
+    wanted[0], wanted[-1] = plan.entry_radius_m, 0.0
     for strap, rows in zip(plan.strap, plan.strap_rows, strict=True):
         row = len(sections) - rows // globalisation
         wanted[row] = min(wanted[row], 0.9 * strap.length_m / (2.0 * np.pi))

@@ -31,7 +31,7 @@ _STAND_INS: Final = {
     "drag": None,
     "model": None,
     "netting.twine_mm": 1e-6,
-    **{f"netting.{key}": None for key in ("name", "twines", "twine_density_kg_m3", "axial_stiffness_n")},
+    **{f"netting.{key}": None for key in ("name", "twines", "twine_density_kg_m3", "material", "axial_stiffness_n")},
     **{f"netting.{key}": None for key in ("bending_stiffness_n_m2", "rest_opening_deg")},
     "strap.length_m": 1.0,
     **{f"strap.{key}": None for key in ("axial_stiffness_n", "diameter_mm")},
@@ -73,11 +73,16 @@ class Plan(Table):
     def _contradictions(self) -> Iterator[Contradiction]:
         yield from self._names_given_twice()
         first = self.netting[0]
-        limit_m = first.stretched_radius_m
-        if self.entry.radius_m > limit_m or (self.entry.radius_m == limit_m and first.kind.opens):
-            yield Contradiction(
-                "entry.radius_m", f"below {limit_m:.4g} m, that of the first section's meshes pulled fully open"
-            )
+        limit_m, ratio = first.stretched_radius_m, self.entry.hanging_ratio
+        if ratio is not None and not first.kind.opens:
+            yield Contradiction("entry.hanging_ratio", f"radius_m, with {first.kind.words} mesh at the entry")
+        elif self.entry_radius_m > limit_m or (self.entry_radius_m == limit_m and first.kind.opens):
+            pulled_open = "that of the first section's meshes pulled fully open"
+            if ratio is None:
+                yield Contradiction("entry.radius_m", f"below {limit_m:.4g} m, {pulled_open}")
+            else:
+                most = ratio * limit_m / self.entry_radius_m
+                yield Contradiction("entry.hanging_ratio", f"below {most:.4g}, {pulled_open}")
         cases = len(self.tow.speed_m_s) * len(self.catch.sizes)
         if cases > MOST_CASES:
             key = "tow.speed_m_s" if len(self.tow.speed_m_s) > len(self.catch.sizes) else f"catch.{self.catch.kind}"
@@ -85,7 +90,7 @@ class Plan(Table):
         yield from self._catches_that_do_not_fit()
         yield from self._straps_out_of_place()
         # laid even flat across the entry
-        gap_m = least_radius_m(self.netting, self.entry.radius_m, 0)
+        gap_m = least_radius_m(self.netting, self.entry_radius_m, 0)
         if gap_m > 0.0:
             allowed = f"more: laid flat the netting ends {gap_m:.3g} m short of the axis, where the codline gathers it"
             yield Contradiction(f"netting.{len(self.netting) - 1}.meshes_long", allowed)
@@ -94,6 +99,15 @@ class Plan(Table):
             and_straps = ", and of the rows from every strap to the codline" if self.strap else ""
             reason = f"divisors of all meshes_round and meshes_long{and_straps}"
             yield Contradiction("model.globalisation", f"{allowed} ({reason})")
+
+    @property
+    def entry_radius_m(self) -> float:
+        """Radius of the hoop that holds the front row: its own, or by 2 pi r = E1 x meshes round x full mesh, m."""
+        first = self.netting[0]
+        if self.entry.radius_m is not None:
+            return self.entry.radius_m
+        assert self.entry.hanging_ratio is not None
+        return self.entry.hanging_ratio * first.meshes_round * first.full_mesh_m / (2 * math.pi)
 
     def _names_given_twice(self) -> Iterator[Contradiction]:
         """Names of sections that tables could not tell apart."""

@@ -142,7 +142,7 @@ def problem_for(plan: Plan, case: Case, front_row: float) -> MeridianProblem:
         meshes_round=section.meshes_round,
         half_mesh_rows=_rows(plan),
         bar_m=section.bar_m,
-        entry_radius_m=plan.entry.radius_m,
+        entry_radius_m=plan.entry_radius_m,
         front_row=max(front_row, 0.0),
         stagnation_pressure_pa=0.5 * plan.tow.water_density_kg_m3 * case.speed_m_s**2,
         pressure_law=pressure_law_of(plan),
