@@ -82,6 +82,8 @@ def assembled(
         facet_band=facets[:, 6].astype(np.int32),
         band_meshes=np.array([g / s.rows_per_mesh for s in lattice.sections]),
         band_kind=tuple(s.kind for s in lattice.sections),
+        band_bending_n=np.array([s.bending_n for s in lattice.sections]),
+        band_rest_rad=np.array([s.rest_half_angle_rad for s in lattice.sections]),
         mesh_sides=meshes[:, :8].reshape(-1, 4, 2).astype(np.int32),
         mesh_side_image=meshes[:, 8:16].reshape(-1, 4, 2).astype(np.int32),
         mesh_bars=_bars_of_sides(bars[:, :3], meshes[:, :8].reshape(-1, 2), meshes[:, 8:16].reshape(-1, 2)),

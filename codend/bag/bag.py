@@ -30,6 +30,10 @@ class Bag:
     """Meshes that a band is long, (bands,)."""
     band_kind: tuple[Kind, ...]
     """Kind of netting of each band, (bands,)."""
+    band_bending_n: Floats
+    """24 EI / b^2 of each band's real meshes, (bands,)."""
+    band_rest_rad: Floats
+    """Half the opening at which they are at rest, (bands,)."""
 
     mesh_sides: Ints
     """First and second node of the four twine sides of a mesh, walking round it: fore to right, right to aft, aft to

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
+from codend.cli.bow_wave import bow_wave
 from codend.cli.chart import chart
 from codend.cli.common import (
     BAD_INPUT,
@@ -308,7 +309,7 @@ def doctor(warm_up: bool) -> int:
     return 1 if failed or any(finding.missing for finding in findings) else 0
 
 
-for _command in (sweep, chart, force, selectivity, species, fit):
+for _command in (bow_wave, sweep, chart, force, selectivity, species, fit):
     main.add_command(_command)
 
 

@@ -85,9 +85,9 @@ def _position(container: Any, part: str, key: Sequence[str], file: str | Path) -
 
 
 def _rivals(key: Sequence[str]) -> tuple[str, ...]:
-    groups: dict[str, list[tuple[str, ...]]] = {
-        "catch": [CATCH_QUANTITIES],
-        "netting": [MESH_SIZES, TITRES],
-        "entry": [ENTRY_SIZES],
+    groups: dict[str, tuple[tuple[str, ...], ...]] = {
+        "catch": (CATCH_QUANTITIES,),
+        "netting": (MESH_SIZES, TITRES),
+        "entry": (ENTRY_SIZES,),
     }
-    return tuple(name for group in groups.get(key[0], []) if key[-1] in group for name in group if name != key[-1])
+    return tuple(name for group in groups.get(key[0], ()) if key[-1] in group for name in group if name != key[-1])

@@ -236,6 +236,11 @@ class Netting(Table):
         return math.radians(self.rest_opening_deg) / 2
 
     @property
+    def bending_n(self) -> float:
+        """24 EI / b^2, what the four clamped bars of a mesh resist opening with, over an angle, N."""
+        return 24.0 * self.bending_stiffness_n_m2 / self.bar_m**2
+
+    @property
     def stretched_radius_m(self) -> float:
         """Radius with meshes pulled fully open, m: N b / pi (diamond), N (b + l) / pi (T90), N b / 2 pi (square)."""
         return self.meshes_round * (self.kind.across_bars * self.bar_m + self.knot_across_m) / math.pi

@@ -136,8 +136,9 @@ def cautions(study: Study) -> list[str]:
     of_full_nets = [result for result in study.cases if result.unstable and result.net.order == 1]
     if unstable := _named(of_full_nets, study):
         found.append(
-            f"In balance, but not stable by the pivots of the tangent: {unstable}. At a touch such a net takes another "
-            "shape, often in folds, whose drag, volume and openings can be quite different: no estimate covers that."
+            f"In balance, but not stable by the eigenvalues of the tangent: {unstable}. At a touch such a net takes "
+            "another shape, often in folds, whose drag, volume and openings can be quite different: no estimate covers "
+            "that."
         )
     in_folds = [result for result in study.cases if result.measures.folded_share > FOLDS_WORTH_TELLING]
     if folded := _named(in_folds, study):
