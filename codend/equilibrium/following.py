@@ -86,6 +86,8 @@ def follow(
     progress: Progress | None = None,
 ) -> Followed:
     """Follow what grows of an equilibrium from a few starts."""
+    if len(model.bag.ropes):
+        return replace(NOT_FOLLOWED, reason="not followed: ropes along the netting have no place in wider sectors yet")
     with Clock() as clock:
         base, merged = (model, solution, stability, problem), ""
         if not list(_fitting(model, stability)):

@@ -26,13 +26,15 @@ DENSE = 600
 
 
 class WholeTangent:
-    """The tangent K of all free coordinates: a sparse matrix B, less u v^T where the catch's front follows the net."""
+    """The tangent K of all free coordinates: a sparse matrix B, less U^T V where the catch's front follows the net."""
 
-    def __init__(self, matrix: Any, front: tuple[Floats, Floats] | None = None) -> None:
+    def __init__(self, matrix: Any, load: Floats, gradient: Floats) -> None:
         self.matrix = matrix
         """B, a sparse array, (unknowns, unknowns)."""
-        self.front = front
-        """u and v, (unknowns,)."""
+        self.load = load
+        """U, the loads by what of the front follows the net, (products, unknowns)."""
+        self.gradient = gradient
+        """V, how that follows the net, (products, unknowns)."""
         self._symmetric = 0.5 * (matrix + matrix.T)
 
     @classmethod
@@ -49,7 +51,8 @@ class WholeTangent:
         used = (row >= 0) & (column >= 0)
         size = np.count_nonzero(free)
         matrix = csc_array((step.blocks[used], (row[used], column[used])), shape=(size, size))
-        return cls(matrix, (step.right[1][free], step.gradient[free]) if tangent.fronted else None)
+        gradient = step.gradient.reshape(-1, *free.shape)
+        return cls(matrix, step.right[1 : 1 + tangent.products, free], gradient[: tangent.products, free])
 
     @property
     def size(self) -> int:
@@ -58,8 +61,8 @@ class WholeTangent:
 
     def dense(self) -> Floats:
         """All entries, (unknowns, unknowns)."""
-        whole: Floats = self.matrix.toarray()
-        return whole if self.front is None else whole - np.outer(*self.front)
+        whole: Floats = self.matrix.toarray() - self.load.T @ self.gradient
+        return whole
 
     def growing(self, scale: float) -> tuple[Complex, Complex] | None:
         """Eigenvalues of K with negative real parts, those that were met first, and their vectors, (unknowns, k).
@@ -118,7 +121,7 @@ class WholeTangent:
             solved: Complex = factors.solve(sides.real.T.copy()).T + 1j * factors.solve(sides.imag.T.copy()).T
             return solved
 
-        return negative_beside(negative, solve, basis, self.front)
+        return negative_beside(negative, solve, basis, tuple(zip(self.load, self.gradient, strict=True)))
 
     def _nearest(self, centre: float, wanted: int) -> tuple[Complex, Complex] | None:
         """The eigenvalues nearest to a real number, and their vectors; None if they are not found."""
@@ -127,16 +130,12 @@ class WholeTangent:
         factors = _unpivoted(self.matrix, -centre)
         if factors is None:
             return None
-        if self.front is None:
-            solve = factors.solve
-        else:
-            load, gradient = self.front
-            by_load = factors.solve(load)
-            by_load /= 1.0 - gradient @ by_load
+        by_load = factors.solve(self.load.T)
+        by_load = by_load @ np.linalg.inv(np.eye(len(self.load)) - self.gradient @ by_load)
 
-            def solve(side: Floats) -> Floats:
-                solved: Floats = factors.solve(side)
-                return solved + (gradient @ solved) * by_load
+        def solve(side: Floats) -> Floats:
+            solved: Floats = factors.solve(side)
+            return solved + by_load @ (self.gradient @ solved)
 
         inverse = LinearOperator(self.matrix.shape, matvec=lambda side: solve(side.ravel()), dtype=float)
         start = np.random.default_rng(0).standard_normal(self.size)

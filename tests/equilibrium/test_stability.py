@@ -13,6 +13,8 @@ from codend.equilibrium.stability import Stability, stability_of_whole
 from codend.report.html import cautions, notes
 from codend.report.page_tables import solving_table
 from codend.solvers import newton, whole_tangent
+from codend.solvers.harmonics import stiffness_under_tension
+from codend.solvers.whole_tangent import WholeTangent
 from codend.studies.study import solve
 from tests.plans import make_plan
 from validation.stability.linear import tangent_of
@@ -56,6 +58,27 @@ def test_a_full_net_is_stable_where_the_dense_tangent_has_no_eigenvalue_in_the_l
     running_away = np.count_nonzero(np.linalg.eigvals(tangent_of(problem, solution)).real < 0.0)
     tangent = newton.tangent_at(problem, solution, model.prepared)
     assert stability_of_whole(tangent) == ("no" if running_away else "yes")
+
+
+@pytest.mark.parametrize("catch", [{"front_from_codline_m": 0.15}, {"volume_m3": 0.01}])
+@pytest.mark.parametrize(("mesh", "knot_mm"), [("diamond", 0.0), ("square", 0.0), ("t90", 10.0)])
+def test_so_it_is_where_the_front_follows_the_net(catch, mesh, knot_mm, monkeypatch):
+    """Its tangent is held to finite differences elsewhere; here the search for eigenvalues to all of them."""
+    plan = make_plan(24, 10, 0.6, mesh=mesh, netting={"knot_mm": knot_mm}, catch=catch, model={"fidelity": "full"})
+    model = model_of(plan, 1, None)
+    problem, solution = equilibrium.solve(model, plan.cases()[0], (), None)
+    assert solution.report.outcome.converged
+    tangent = newton.tangent_at(problem, solution, model.prepared)
+    assert tangent.products == 1
+    whole = WholeTangent.at(tangent)
+    monkeypatch.setattr(whole_tangent, "DENSE", 0)
+    assert whole.grows(stiffness_under_tension(problem, solution)) == (
+        np.linalg.eigvals(whole.dense()).real.min() < 0.0
+    )
+    symmetric = 0.5 * (whole.dense() + whole.dense().T)
+    factors = whole._factors(0.0)
+    counted = whole._negative_eigenvalues(factors, whole_tangent._negative_pivots(factors), None)
+    assert counted == np.count_nonzero(np.linalg.eigvalsh(symmetric) < 0.0)
 
 
 def test_a_run_says_on_its_page_and_in_the_end_which_net_in_balance_is_not_stable(tmp_path):
