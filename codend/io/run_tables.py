@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from codend.errors import InputError
-from codend.io.columns import MESH_COLUMNS, PLACE, PROFILE_COLUMNS, RESULT_COLUMNS, SECTION, ROPE_COLUMNS, STRAP_COLUMNS
+from codend.io.columns import MESH_COLUMNS, PLACE, PROFILE_COLUMNS, RESULT_COLUMNS, ROPE_COLUMNS, SECTION, STRAP_COLUMNS
 from codend.io.files import as_named
 from codend.io.input_table import InputTable, read_table
 

@@ -15,6 +15,9 @@ from codend.solvers.outcome import Outcome
 
 LARGEST_TURN = 0.5 * math.pi
 """Turn about its axis, from entry to codline, up to which a net is not wrung, rad."""
+GATHERED = 0.25
+"""Of the shortest bar: depth up to which the last mesh of a net with ropes touches itself. Ropes shorter than netting
+fold it where the codline gathers it."""
 DEEPEST = 0.1
 """Of the shortest bar; see ``touching_m``."""
 _IMPOSSIBLE = {
@@ -58,6 +61,11 @@ def passage(problem: Problem, position: Floats) -> Refusal | None:
     if bar < 0:
         return None
     band, met = catch.bar_band[bar] + 1, catch.facet_band[facet] + 1
+    if problem.structure.is_rope.any() and min(band, met) >= problem.bands - 1:
+        deeper = GATHERED * float(problem.structure.length.min())
+        ahead = first_pierced(position, *_sheet(problem, problem.bands - 2), touching)[0]
+        if ahead < 0 and first_pierced(position, *_sheet(problem), deeper)[0] < 0:
+            return None
     return Refusal(Outcome.PASSED_THROUGH, f"a bar of band {band} pierces band {met} of {problem.bands}")
 
 
@@ -95,7 +103,9 @@ def told(outcome: Outcome, refused: Refusal | None) -> str:
     return outcome.value if refused is None or refused.outcome is not outcome else f"{outcome.value} ({refused.where})"
 
 
-def _sheet(problem: Problem) -> tuple:
-    """Bars and facets as ``first_pierced`` takes them."""
-    s = problem.structure
-    return s.first, s.second, s.image, s.facets, s.facet_image, s.facet_weight, s.order
+def _sheet(problem: Problem, bands: int | None = None) -> tuple:
+    """Bars and facets as ``first_pierced`` takes them, of the first so many bands or of all."""
+    s, catch = problem.structure, problem.loading.catch
+    bars, facets = (slice(None) if bands is None else of < bands for of in (catch.bar_band, catch.facet_band))
+    sheet = s.facets[facets], s.facet_image[facets], s.facet_weight[facets]
+    return s.first[bars], s.second[bars], s.image[bars], *sheet, s.order

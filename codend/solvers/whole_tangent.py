@@ -64,7 +64,7 @@ class WholeTangent:
         whole: Floats = self.matrix.toarray() - self.load.T @ self.gradient
         return whole
 
-    def grows(self, scale: float) -> bool | None:
+    def grows(self, scale: float, most: int = MOST_EIGENVALUES) -> bool | None:
         """Whether an eigenvalue of K has a negative real part; None if that was not found out.
 
         Those nearest to a lower bound of the symmetric part's are found, more and more until one of them grows or what
@@ -72,6 +72,7 @@ class WholeTangent:
 
         Args:
             scale: a stiffness of the net's order of size, N/m.
+            most: eigenvalues found at a time before the answer is None.
         """
         if not np.isfinite(self.matrix.data).all():
             return None
@@ -85,7 +86,7 @@ class WholeTangent:
         if self.size <= DENSE:
             return bool(np.linalg.eigvals(self.dense()).real.min() < 0.0)
         centre, wanted = self._lower_bound(scale), min(expected, FIRST_EIGENVALUES)
-        while centre is not None and wanted <= MOST_EIGENVALUES:
+        while centre is not None and wanted <= most:
             found = self._nearest(centre, wanted)
             if found is None:
                 return None

@@ -64,6 +64,13 @@ class Study:
 
         return tables.mesh_table(self.plan, self.cases)
 
+    @cached_property
+    def ropes(self) -> "pd.DataFrame":
+        """``ropes.csv``: a row a rope along the netting of a case; empty of plans without."""
+        from codend.studies import tables
+
+        return tables.rope_table(self.plan, self.cases)
+
 
 def solve(
     plan: Plan,
