@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.special import expit, log_expit, xlogy
 
 from catch_models.fish import PARAMETERS, Species
-from codend.selectivity.escape.haul import Haul, shares_until
+from codend.selectivity.escape.haul import Haul, shares_until, trying_of
 from codend.selectivity.escape.retention import escape_terms, nodes_of
 from codend.selectivity.fits.fielddata import FieldData
 from codend.selectivity.fits.fit import LEAST_EXPECTED, dispersion_factor
@@ -76,6 +76,7 @@ class RetentionLikelihood:
     ) -> None:
         """Arguments as those of ``codend.selectivity.predicted_and_observed.calibrate.calibrate``, the names dotted."""
         self.haul, self.data, self.given, self.nodes = haul, data, species.values, nodes_of()
+        self.trying = trying_of(haul, species)
         self.columns = [PARAMETERS.index(name) for name in names]
         self.names = (*names, SPLIT) if estimate_split else names
         ends = [BOUNDS[name] for name in names] + [SPLIT_BOUNDS] * estimate_split
@@ -101,7 +102,7 @@ class RetentionLikelihood:
         values, numbers = self.given.copy(), self.natural(x)
         values[self.columns] = numbers[: len(self.columns)]
         catches = range(len(self.haul.catches))
-        terms = [escape_terms(self.haul.crowd, i, values, self.nodes) for i in catches]
+        terms = [escape_terms(self.haul.crowd, i, values, self.nodes, self.trying) for i in catches]
         of_catches = np.array([one.retention(self.length_cm) for one in terms])
         r = np.einsum("rc,cr->r", self.shares, of_catches[:, self.length])
         r = np.clip(r, LEAST_RETENTION, 1.0 - LEAST_RETENTION)
