@@ -59,9 +59,7 @@ def assembled(
         bar_flexibility=np.where(is_knot, 0.0, 1.0 / stiffness),  # a knot is a lump that does not stretch
         bar_drag_diameter=np.where(is_knot, 0.0, g * of_section("drag_width_m")),
         bar_solid_diameter=np.sqrt(g) * of_section("solid_diameter_m"),
-        bar_density=np.array(
-            [np.nan if s.twine_density_kg_m3 is None else s.twine_density_kg_m3 for s in lattice.sections]
-        )[band],
+        bar_density=np.array([np.nan if s.density_kg_m3 is None else s.density_kg_m3 for s in lattice.sections])[band],
         bar_diameter=of_section("twine_m"),
         bar_drag_law=np.full(len(bars), law, dtype=np.int32),
         bar_normal_drag=np.full(len(bars), normal),

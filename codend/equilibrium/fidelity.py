@@ -93,7 +93,7 @@ def choose(plan: Plan) -> Choice:
     drag = _least_drag(plan) if weight > 0.0 and asked in ("auto", "sector", "meridian") else math.inf
     # the sector of counts without a common divisor is the whole net, which bears its weight
     unseen = 0.0 if sector.order == 1 and asked != "meridian" else weight
-    dense = any(part.twine_density_kg_m3 is not None for part in plan.netting)
+    dense = any(part.density_kg_m3 is not None for part in plan.netting)
     knots, slow = _size(plan, sector, None)
     by_sector = Choice(
         fidelity="sector",
@@ -128,6 +128,8 @@ def choose(plan: Plan) -> Choice:
     match asked:
         case "sector":
             return replace(by_sector, reason=Reason.ASKED)
+        case "smeared":
+            return replace(by_sector, fidelity="smeared", reason=Reason.ASKED)
         case "meridian":
             return replace(by_sector, fidelity="meridian", reason=Reason.ASKED, drag_error=math.nan, slow=False)
         case "globalised":
@@ -147,7 +149,7 @@ def _least_drag(plan: Plan) -> float:
     """Drag of the smallest catch at the lowest speed, N; stagnation pressure on the entry's area if it is not found."""
     case = min(plan.cases(), key=lambda case: (case.speed_m_s, case.catch_value))
     drag = sector_measures(plan, case, 1).drag_n
-    area = math.pi * plan.entry.radius_m**2
+    area = math.pi * plan.entry_radius_m**2
     return drag if drag > 0.0 else 0.5 * plan.tow.water_density_kg_m3 * case.speed_m_s**2 * area
 
 

@@ -15,6 +15,7 @@ from codend.io.names import as_text
 from codend.plan.plan import Plan
 from codend.report.choice_words import reason_text
 from codend.report.page_tables import results_table, solving_table
+from codend.report.size_words import size_sentences
 from codend.studies.case_result import CaseResult
 from codend.studies.study import Study
 
@@ -93,6 +94,7 @@ def notes(study: Study) -> list[str]:
     found += cautions(study)
     if study.plan.water_is_assumed:
         found.append(f"{sea_water(study.plan)}.")
+    found += size_sentences(study.plan)
     catch = study.plan.catch
     if catch.pressure == "uniform":
         found.append(f"The catch presses with {catch.coefficient:g} times the stagnation pressure on all its netting.")
@@ -110,7 +112,7 @@ def notes(study: Study) -> list[str]:
         )
     if study.plan.catch_density_kg_m3 != study.plan.tow.water_density_kg_m3:
         found.append("The catch's density gives its mass; its own weight in water does not act on the net.")
-    if any(section.twine_density_kg_m3 is None for section in study.plan.netting):
+    if any(section.density_kg_m3 is None for section in study.plan.netting):
         found.append("Twine whose density the plan does not give is taken as neutrally buoyant.")
     return found
 
@@ -134,8 +136,9 @@ def cautions(study: Study) -> list[str]:
     of_full_nets = [result for result in study.cases if result.unstable and result.net.order == 1]
     if unstable := _named(of_full_nets, study):
         found.append(
-            f"In balance, but not stable by the pivots of the tangent: {unstable}. At a touch such a net takes another "
-            "shape, often in folds, whose drag, volume and openings can be quite different: no estimate covers that."
+            f"In balance, but not stable by the eigenvalues of the tangent: {unstable}. At a touch such a net takes "
+            "another shape, often in folds, whose drag, volume and openings can be quite different: no estimate covers "
+            "that."
         )
     in_folds = [result for result in study.cases if result.measures.folded_share > FOLDS_WORTH_TELLING]
     if folded := _named(in_folds, study):

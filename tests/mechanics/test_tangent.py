@@ -238,9 +238,7 @@ def test_newtons_linearisation_is_the_derivative_of_all_that_is_out_of_balance(m
     found = dense(pattern, step.blocks, len(position))
     if sides == 2:
         load = np.zeros_like(position)
-        load_by_share(
-            position, structure, loading.water, loading.catch, front_band(loading.catch, state.share), load
-        )
+        load_by_share(position, structure, loading.water, loading.catch, front_band(loading.catch, state.share), load)
         assert_same(step.right[1], load)
         found -= np.outer(load.ravel(), step.gradient.ravel())
     assert_same(found, -derivative(out_of_balance, position))

@@ -114,16 +114,6 @@ def read_run(folder: str | Path) -> Run:
     )
 
 
-def inside_mesh_m(section: Netting) -> float:
-    """Stretched inside opening of a mesh: full mesh less one knot, or 2 (b - w) where the plan gives no knot, m."""
-    return 2.0 * clear_bar_m(section) + section.knot_m
-
-
-def clear_bar_m(section: Netting) -> float:
-    """Length of a bar that no twine crosses, m; see ``codend.selectivity.escape.penetration``."""
-    return section.bar_m if section.knot_m > 0.0 else section.bar_m - section.drag_width_m
-
-
 def catches_of(run: Run, most_rows: float) -> list[Catch]:
     """Solved cases of a study, with the meshes up to ``most_rows`` + 1 rows ahead of the front.
 
@@ -219,7 +209,7 @@ def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, mer
 def _holes(sections: list[Netting], meshes: pd.DataFrame, radius_m: Floats) -> Holes:
     row = meshes["row"].to_numpy(dtype=int)
     half = 0.5 * np.radians(meshes["opening_deg"].to_numpy(dtype=float))
-    bar = np.array([clear_bar_m(s) for s in sections])
+    bar = np.array([s.clear_bar_m for s in sections])
     width = np.array([s.drag_width_m for s in sections])
     around = np.array([s.meshes_round for s in sections])
     # the chord between two meridional bars, which a bar across them bounds
