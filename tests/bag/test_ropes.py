@@ -53,7 +53,7 @@ def test_a_rope_longer_than_the_netting_or_without_stiffness_changes_nothing(num
 
 @pytest.mark.parametrize(
     ("number", "netting"),
-    [(2, {}), (4, {}), (3, {"knot_mm": 2.0}), (3, KNOTTED | {"mesh": "t90"}), (5, {"meshes_round": 50})],
+    [(2, {}), (4, {}), (3, KNOTTED | {"mesh": "t90"}), (5, {"meshes_round": 50})],
 )
 def test_equal_ropes_in_a_sector_are_those_of_the_full_net(number, netting):
     """The sector's equilibrium set all round is the full net's, and its load across any cut the drag behind it."""
