@@ -12,6 +12,7 @@ from codend.equilibrium.following import meshes_wide
 from codend.equilibrium.stability import ranges_text
 from codend.io.columns import (
     MESH_COLUMNS,
+    OF_ROPES,
     OPENING_FORCE_COLUMNS,
     PROFILE_COLUMNS,
     RESULT_COLUMNS,
@@ -84,6 +85,32 @@ def _sizes(plan: Plan, names: NDArray[np.object_]) -> dict[str, NDArray[np.float
     number = {name: i for i, name in enumerate(plan.section_names)}
     found = 1000.0 * np.array([(part.inside_mesh_m, part.full_mesh_m) for part in plan.netting])
     return dict(zip(SIZES, found[[number[name] for name in names]].T, strict=True))
+
+
+def rope_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
+    """``ropes.csv``: a row a rope of a solved case; those of other sectors are as these."""
+    rows: list[dict[str, object]] = []
+    for result in cases:
+        bag, tension = result.bag, result.bar_tension_n
+        ahead = result.solution.share[bag.bar_band[bag.ropes]] == 0.0
+        for name in np.unique(bag.rope_name) if result.converged else ():
+            own = bag.rope_name == name
+            bars = bag.ropes[own]
+            y, z = result.net.positions[result.net.bars[bars[0], 0], 1:]
+            pulls = tension[bars][ahead[own]]
+            rows.append(
+                {
+                    "case": result.case.number,
+                    "rope": int(name) // 1000 + 1,
+                    "number": int(name) % 1000 + 1,
+                    "place_deg": float(np.degrees(np.arctan2(z, y)) % 360.0),
+                    "length_m": float(result.net.bar_length[bars].sum()),
+                    "max_tension_n": float(tension[bars].max()),
+                    "tension_ahead_n": float(pulls[-1]) if len(pulls) else float("nan"),
+                    "slack_share": float(np.mean(tension[bars] <= 0.0)),
+                }
+            )
+    return pd.DataFrame(rows, columns=OF_ROPES)
 
 
 def profile_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
