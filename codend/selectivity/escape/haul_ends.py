@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from catch_models.fish import Species
 from codend.selectivity.escape.catches import Catch
-from codend.selectivity.escape.haul import Haul, haul_of, shares_until, terms_of_catches, terms_of_haul
+from codend.selectivity.escape.haul import Haul, haul_of, terms_of_catches, terms_of_haul
+from codend.selectivity.escape.haul_kernels import time_shares
 from codend.selectivity.escape.retention import EscapeTerms, nodes_of
 
 Floats = NDArray[np.float64]
 
-BIN: Final = 0.002
+BIN: Final = 0.004
 """Width, in ln L, of the bins in which the terms of many catches are gathered, each split between two."""
 MOST_CATCHES: Final = 6
 UNKNOWN: Final = (np.nan, np.nan)
@@ -25,7 +26,11 @@ ROUGH: Final = nodes_of(shapes=3, rotations=8, steps=8)
 
 def shares_of_ends(haul: Haul, species: Species) -> Floats:
     """Share of the time for which each catch stands in hauls that end with each of them, (c ends, c)."""
-    return np.array([shares_until(haul, species, float(volume)) for volume in haul.volume_m3])
+    time = haul.time(species)
+    shares = np.zeros((len(time), len(time)))
+    for end in range(len(time)):
+        shares[end, : end + 1] = time_shares(time[: end + 1] / time[end])
+    return shares
 
 
 def l50_sr_of_ends(terms: Sequence[EscapeTerms], shares: Floats) -> Floats:
