@@ -42,6 +42,11 @@ RESULT_COLUMNS = [
 STRAP_COLUMNS = ["max_strap_tension_n"]
 """Further columns of plans with straps."""
 
+REASON = "reason"
+"""Column of a study's table that says why a case was not solved."""
+TEXT_COLUMNS = ("design", "fidelity", "method", "stable", "growing_harmonics", REASON)
+"""Those of a study's table that hold text, also where no row has one."""
+
 SECTION = "section"
 PLACE = [SECTION, "meshes_from_entry"]
 """Name or number of the section, and the place in real meshes, however many are merged: of a row of knots in

@@ -6,6 +6,8 @@ from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from codend.bag.bag import Bag
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
@@ -14,7 +16,7 @@ from codend.bag.meridian import plan_case
 from codend.equilibrium import accuracy, fidelity
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.accuracy import Errors
-from codend.equilibrium.bag_model import model_of
+from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
 from codend.equilibrium.stability import Stability, stability_of
 from codend.mechanics.problem import Problem
@@ -70,6 +72,7 @@ def solve(
     progress: StudyProgress | None = None,
     choice: Choice | None = None,
     keep: Callable[[CaseResult], None] | None = None,
+    near: Study | None = None,
 ) -> Study:
     """Solve every case of a plan.
 
@@ -78,6 +81,7 @@ def solve(
         progress: called before and during every case.
         choice: the model, where ``fidelity.choose`` has been asked already.
         keep: called with every case as it is done, in the order they are solved in.
+        near: a study of a plan much like this one: where its net has the same bars, its equilibria lead to the first.
 
     Returns:
         A study; a case that failed is in it, not converged, its numbers nan.
@@ -96,6 +100,7 @@ def solve(
     model = model_of(plan, choice.globalisation, choice.sectors)
     cases = plan.cases()
     known: list[tuple[Case, Solution]] = []
+    neighbours = _equilibria_of(near, model)
     results: dict[int, CaseResult] = {}
     # by growing catch, whatever the plan's order: each equilibrium leads to the next
     for done, case in enumerate(sorted(cases, key=lambda case: (case.speed_m_s, case.catch_value))):
@@ -106,7 +111,7 @@ def solve(
 
         if progress is not None:
             progress(done, len(cases), f"case {case.number}")
-        problem, solution = equilibrium.solve(model, case, known, report)
+        problem, solution = equilibrium.solve(model, case, known or neighbours, report)
         result = _measured(model.bag, case, problem, solution)
         if result.converged:
             known.append((case, solution))
@@ -120,6 +125,17 @@ def solve(
     if progress is not None:
         progress(len(cases), len(cases), "done")
     return Study(plan, choice, tuple(results[case.number] for case in cases))
+
+
+def _equilibria_of(near: Study | None, model: BagModel) -> list[tuple[Case, Solution]]:
+    """Equilibria of another study, where a model has the same bars between as many nodes."""
+    if near is None or near.choice.fidelity == "meridian":
+        return []
+    mine, solved = model.bag.net, [result for result in near.cases if result.converged]
+    same = bool(solved) and np.array_equal(solved[0].net.bars, mine.bars)
+    if not same or solved[0].positions.shape != mine.positions.shape:
+        return []
+    return [(result.case, result.solution) for result in solved if result.case.catch_kind == model.plan.catch.kind]
 
 
 def _measured(bag: Bag, case: Case, problem: Problem, solution: Solution) -> CaseResult:

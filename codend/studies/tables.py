@@ -30,10 +30,11 @@ def opening_force_table(pulls: Sequence[Pull]) -> pd.DataFrame:
 def results_table(plan: Plan, fidelity: str, cases: Sequence[CaseResult]) -> pd.DataFrame:
     """A row a case; nan where a case was not solved, but for what the case asked for."""
     columns = RESULT_COLUMNS + (STRAP_COLUMNS if plan.strap else [])
-    return pd.DataFrame([_result_row(plan, fidelity, result) for result in cases], columns=columns)
+    return pd.DataFrame([result_row(plan, fidelity, result) for result in cases], columns=columns)
 
 
-def _result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, object]:
+def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, object]:
+    """A row of ``results.csv``, by column."""
     measures = asdict(result.measures)
     density = plan.catch_density_kg_m3
     measures["catch_mass_kg"] = density * measures["catch_volume_m3"]
