@@ -41,6 +41,10 @@ RESULT_COLUMNS = [
 
 STRAP_COLUMNS = ["max_strap_tension_n"]
 """Further columns of plans with straps."""
+ROPE_COLUMNS = ["max_rope_tension_n"]
+"""Further columns of plans with ropes along the netting."""
+OF_ROPES = ["case", "rope", "number", "place_deg", "length_m", "max_tension_n", "tension_ahead_n", "slack_share"]
+"""Columns of ``ropes.csv``."""
 
 REASON = "reason"
 """Column of a study's table that says why a case was not solved."""

@@ -57,6 +57,7 @@ RESULT_HEADS = {
     "opening_force_ahead_n": Head("Opening force ahead", "N"),
     "max_bar_tension_n": Head("Largest bar tension", "N"),
     "max_strap_tension_n": Head("Largest strap tension", "N"),
+    "max_rope_tension_n": Head("Largest rope tension", "N"),
     "inside_mesh_mm": Head("Inside mesh ahead", "mm"),
     "full_mesh_mm": Head("Full mesh ahead", "mm"),
 }

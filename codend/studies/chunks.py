@@ -10,7 +10,7 @@ import pandas as pd
 from catch_models.fish import PARAMETERS, Species
 from codend.equilibrium.fidelity import choose
 from codend.errors import InputError
-from codend.io.columns import REASON, STRAP_COLUMNS, TEXT_COLUMNS
+from codend.io.columns import REASON, TEXT_COLUMNS
 from codend.plan.copy import toml_value
 from codend.plan.plan import Plan
 from codend.selectivity.escape.catches import catches_of, run_of
@@ -97,10 +97,8 @@ def _studies_of(plan: Plan, near: Study | None) -> Iterator[tuple[Study | None, 
 def _rows_of(study: Study, species: Sequence[Species]) -> Iterator[dict[str, Any]]:
     selected = _selectivity(study, species) if species else {}
     for result in study.cases:
-        row = tables.result_row(study.plan, study.choice.fidelity, result)
-        if not study.plan.strap:
-            for name in STRAP_COLUMNS:
-                row.pop(name, None)
+        found = tables.result_row(study.plan, study.choice.fidelity, result)
+        row = {name: found[name] for name in tables.result_columns(study.plan)}
         reason = None if result.converged else result.report.outcome.value
         yield {**row, **selected.get(result.case.number, {}), REASON: reason}
 

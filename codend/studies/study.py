@@ -97,7 +97,7 @@ def solve(
             if keep is not None:
                 keep(result)
         return Study(plan, choice, tuple(done_cases))
-    model = model_of(plan, choice.globalisation, choice.sectors)
+    model = model_of(plan, choice.globalisation, choice.sectors, choice.fidelity == "smeared")
     cases = plan.cases()
     known: list[tuple[Case, Solution]] = []
     neighbours = _equilibria_of(near, model)
