@@ -34,6 +34,16 @@ meshes: they may be off by as much."""
 
 
 NO_WRINKLES = np.zeros(4)
+SMEARED = np.array([[0.015, 12.0], [0.03, 18.0], [0.02, 8.0], [2.0, 700.0]])
+"""Change by smearing ropes of drag, volume, largest radius (relative) and opening ahead (degrees), at most: what
+there is in any case, and by the square of the shortening over the number of ropes
+(``python -m validation.smeared_ropes``)."""
+
+
+def smeared_errors(plan: Plan) -> np.ndarray:
+    """How far smeared ropes may be off: relative in drag, volume and largest radius, degrees in opening, (4,)."""
+    most = max(max(rope.shortening, 0.0) ** 2 / rope.number for rope in plan.rope)
+    return np.asarray(SMEARED @ [1.0, most])
 
 
 @dataclass(frozen=True)
@@ -88,6 +98,8 @@ def estimate(
     share = (unseen_weight_n + borne_by_globalised_n) / measures.drag_n
     weight = WEIGHT_LEFT_OUT @ [share, share**2]
     errors = SAFETY * (solver + globalised) + (NOISE + weight) * sizes + by_wrinkles
+    if model.smeared and model.plan.rope:
+        errors += smeared_errors(model.plan) * [*sizes[:3], 1.0]
     if any(share > kind.folds_over_from for kind in set(model.bag.band_kind)):
         errors = np.full(len(_QUANTITIES), np.nan)
     drag, volume, radius, opening = map(float, errors)

@@ -7,7 +7,7 @@ from enum import Enum, auto
 import numpy as np
 
 from codend.bag.build import build_bag
-from codend.equilibrium.accuracy import WEIGHT_LEFT_OUT, sector_measures
+from codend.equilibrium.accuracy import WEIGHT_LEFT_OUT, sector_measures, smeared_errors
 from codend.mechanics.weight import wet_weight
 from codend.net.net import Net
 from codend.plan.plan import Plan
@@ -27,6 +27,10 @@ class Reason(Enum):
 
     ASKED = auto()
     """The plan names it."""
+    ROPES = auto()
+    """The plan is the same all round but for its equal ropes, and sectors as wide as they are apart are exact."""
+    SMEARED = auto()
+    """Ropes smeared over all meshes are near enough for the accuracy in opening that was asked for."""
     NO_WEIGHT = auto()
     """The plan is the same all round, and no density of twine is given."""
     LITTLE_WEIGHT = auto()
@@ -93,13 +97,14 @@ def choose(plan: Plan) -> Choice:
     drag = _least_drag(plan) if weight > 0.0 and asked in ("auto", "sector", "meridian") else math.inf
     # the sector of counts without a common divisor is the whole net, which bears its weight
     unseen = 0.0 if sector.order == 1 and asked != "meridian" else weight
-    dense = any(part.density_kg_m3 is not None for part in plan.netting)
+    densities = [*(part.density_kg_m3 for part in plan.netting), *(rope.density_kg_m3 for rope in plan.rope)]
+    dense = any(density is not None for density in densities)
     knots, slow = _size(plan, sector, None)
     by_sector = Choice(
         fidelity="sector",
         globalisation=1,
         sectors=1,
-        reason=Reason.LITTLE_WEIGHT if dense else Reason.NO_WEIGHT,
+        reason=Reason.ROPES if plan.rope else Reason.LITTLE_WEIGHT if dense else Reason.NO_WEIGHT,
         drag_error=float(WEIGHT_LEFT_OUT[0] @ [unseen / drag, (unseen / drag) ** 2]),
         unseen_weight_n=unseen,
         order=sector.order,
@@ -129,7 +134,7 @@ def choose(plan: Plan) -> Choice:
         case "sector":
             return replace(by_sector, reason=Reason.ASKED)
         case "smeared":
-            return replace(by_sector, fidelity="smeared", reason=Reason.ASKED)
+            return replace(by_sector, fidelity="smeared", reason=Reason.ASKED, slow=False)
         case "meridian":
             return replace(by_sector, fidelity="meridian", reason=Reason.ASKED, drag_error=math.nan, slow=False)
         case "globalised":
@@ -138,6 +143,11 @@ def choose(plan: Plan) -> Choice:
         case "full":
             return all_round(1, Reason.ASKED, 0.0)
     if not by_sector.weight_matters:
+        asked_deg = plan.model.opening_accuracy_deg
+        if plan.rope and asked_deg is not None and smeared_errors(plan)[3] <= asked_deg:
+            return replace(
+                by_sector, fidelity="smeared", reason=Reason.SMEARED, drag_error=float(smeared_errors(plan)[0])
+            )
         return by_sector
     if by_sector.weight_over_drag <= min(HEAVIEST_GLOBALISED, *(part.kind.folds_over_from for part in plan.netting)):
         globalisation, error = _largest_globalisation(plan)

@@ -16,6 +16,13 @@ def reason_text(choice: Choice) -> str:
             said = f"Asked for: {_model(choice)}"
             if choice.weight_matters and choice.unseen_weight_n > 0.0:
                 said += f"; it leaves out the wet weight, which here matters ({weighed})"
+        case Reason.ROPES:
+            said = f"The plan is the same all round but for equal ropes: {_sector(choice)}, as they repeat, is exact"
+        case Reason.SMEARED:
+            said = (
+                "Ropes smeared over all meshes round are near enough for the accuracy in opening that is asked for: "
+                f"one mesh is a sector, which costs {100.0 * choice.drag_error:.2g} % in drag"
+            )
         case Reason.NO_WEIGHT:
             light = "no twine density is given, so wet weight is left out"
             said = f"The plan is the same all round and {light}: {_sector(choice)} is exact"
@@ -37,6 +44,8 @@ def _model(choice: Choice) -> str:
     match choice.fidelity:
         case "sector":
             return _sector(choice)
+        case "smeared":
+            return "a sector one mesh wide with its share of the ropes"
         case "meridian":
             return "the netting as a membrane, the same all round"
         case "globalised":
