@@ -11,7 +11,7 @@ from catch_models.filling import enclosed_volume
 from catch_models.pressure import PressureLaw
 from codend.bag.bag import Bag, mesh_corners, real_tensions
 from codend.bag.supports import held_by_the_entry, loads_and_supports, sideways_imbalance
-from codend.mechanics import drag, pressure
+from codend.mechanics import catch_weight, drag, pressure
 from codend.mechanics.catch_front import band_geometry
 from codend.mechanics.crossing import band_turns
 from codend.mechanics.problem import Problem
@@ -187,13 +187,14 @@ def measure_rows(bag: Bag, problem: Problem, solution: Solution, meshes: Meshes)
 
 
 def current_loads(problem: Problem, solution: Solution) -> tuple[Floats, Floats]:
-    """Forces of the current on the nodes, N: its drag on the twine, and the catch's pressure, each (n, 3)."""
+    """Forces on the nodes, N: the current's drag on the twine, and the pressure of the catch, each (n, 3)."""
     position = np.ascontiguousarray(solution.positions)
     on_twine, by_catch = np.zeros_like(position), np.zeros_like(position)
     structure, loading = problem.structure, problem.loading
     at_rest = np.zeros((0, 3))
     drag.add_force(position, at_rest, structure, loading.water, loading.catch, solution.share, on_twine)
     pressure.add_force(position, structure, loading.catch, solution.share, by_catch)
+    catch_weight.add_force(position, structure, loading.catch, solution.share, by_catch)
     return on_twine, by_catch
 
 

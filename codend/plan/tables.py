@@ -160,8 +160,7 @@ class Netting(Table):
 class Strap(Table):
     """A round strap: a rope ring on a row of knots that bounds its radius and is slack where the net is narrower.
 
-    It is laid through the knots and does not slide. Its drag is that of its whole length, slack or tight; its weight is
-    left out.
+    It is laid through the knots and does not slide. Its drag is that of its whole length, slack or tight.
     """
 
     meshes_from_codline: Annotated[Number, Gt(0)]
@@ -172,6 +171,14 @@ class Strap(Table):
     """EA of the rope, N; None: inextensible."""
     diameter_mm: Annotated[Number, Gt(0), Le(500)] | None = None
     """None: its drag is left out."""
+    density_kg_m3: Annotated[Number, Ge(100), Le(20_000)] | None = None
+    """Of its material; None: that of the water."""
+
+    @model_validator(mode="after")
+    def _has_a_size(self) -> Self:
+        if self.density_kg_m3 is not None and self.diameter_mm is None:
+            raise Contradiction("density_kg_m3", "only with diameter_mm, without which the strap has no weight")
+        return self
 
     @property
     def diameter_m(self) -> float:

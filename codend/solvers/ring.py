@@ -143,7 +143,7 @@ class Ring:
             np.add.at(band, (half + row - column, column), value)
         front = None
         if harmonic == 0 and self.fronted:
-            front = self._of_harmonic_0(self.step.right[1]), self._of_harmonic_0(self.step.gradient)
+            front = self._of_harmonic_0(self.step.right[1]), self._of_harmonic_0(self.step.gradient[0])
         return HarmonicTangent(band, front)
 
     @property
