@@ -142,8 +142,10 @@ def main(write: Path | None, against: Path | None, plans: int, within: float) ->
     print(f"{len(now)} values, {len(moved)} moved by more than {within:g}")
     for column, rows in moved.groupby("column"):
         worst = rows.loc[rows.relative.idxmax()]
-        print(f"  {column}: {len(rows)} moved, most {worst.relative:.2e} in {worst.solved}, line {worst.line}:"
-              f" {worst.value_old} -> {worst.value_new}")
+        print(
+            f"  {column}: {len(rows)} moved, most {worst.relative:.2e} in {worst.solved}, line {worst.line}:"
+            f" {worst.value_old} -> {worst.value_new}"
+        )
     sys.exit(bool(len(moved)))
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from codend.bag.loads import catch_weight_density
 from codend.bag.measures import Measures, current_loads, measure_all
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
@@ -63,7 +64,8 @@ def estimate(
 
     The solver's part is the distance to an answer that Newton's method finds from the result at a far smaller residual.
     With measures of the meridian method beside the solution of a sector, that distance is the membrane's error.
-    ``unseen_weight_n`` is the wet weight that the model leaves out. Netting so heavy that it can fold over has none.
+    ``unseen_weight_n`` is the wet weight of net and straps that the model leaves out; that of the catch is found here.
+    Netting so heavy that it can fold over has none.
     The part of a globalised net is the distance between a sector of it and one of the real net, under the loads that
     are the same all round.
     """
@@ -78,8 +80,12 @@ def estimate(
     if model.globalisation > 1:
         globalised = _distance(*(sector_measures(model.plan, case, g) for g in (1, model.globalisation)))
     sizes = np.abs([getattr(measures, name) for name in _QUANTITIES])
-    borne_by_globalised_n = float(np.abs(problem.loading.dead).sum()) if model.globalisation > 1 else 0.0
-    share = (unseen_weight_n + borne_by_globalised_n) / measures.drag_n
+    # N per m3 of the catch, in all and as the model bears it
+    of_catch, borne = catch_weight_density(model.plan), problem.loading.catch.weight_density
+    weight_n = unseen_weight_n + abs(of_catch - borne) * measures.catch_volume_m3
+    if model.globalisation > 1:
+        weight_n += float(np.abs(problem.loading.dead).sum()) + abs(borne) * measures.catch_volume_m3
+    share = weight_n / measures.drag_n
     weight = WEIGHT_LEFT_OUT @ [share, share**2]
     errors = SAFETY * (solver + globalised) + (NOISE + weight) * sizes
     if any(share > kind.folds_over_from for kind in set(model.bag.band_kind)):

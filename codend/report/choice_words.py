@@ -8,16 +8,14 @@ from codend.equilibrium.fidelity import Choice, Reason
 def reason_text(choice: Choice) -> str:
     """Why the model was chosen, and what it costs in accuracy and time."""
     g = choice.globalisation
-    weighed = (
-        f"wet weight {choice.weight_n:.3g} N, {100.0 * choice.weight_over_drag:.2g} % of the drag of the smallest catch"
-    )
+    weighed = _weighed(choice)
     match choice.reason:
         case Reason.ASKED:
             said = f"Asked for: {_model(choice)}"
-            if choice.weight_matters and choice.unseen_weight_n > 0.0:
+            if choice.weight_matters and not choice.sees_weight:
                 said += f"; it leaves out the wet weight, which here matters ({weighed})"
         case Reason.NO_WEIGHT:
-            light = "no twine density is given, so wet weight is left out"
+            light = "no twine density is given, so wet weight is left out, and the catch is as dense as the water"
             said = f"The plan is the same all round and {light}: {_sector(choice)} is exact"
         case Reason.LITTLE_WEIGHT:
             said = f"The plan is the same all round and {weighed}, is negligible: {_sector(choice)} is exact"
@@ -30,6 +28,15 @@ def reason_text(choice: Choice) -> str:
                 cost = "for merged meshes may bear so much of it otherwise"
             said = f"Wet weight breaks the symmetry ({weighed}): {model}, {cost}"
     return f"{said}.{_time(choice)}"
+
+
+def _weighed(choice: Choice) -> str:
+    """What net and catch weigh in water, over the drag."""
+    share = f"{100.0 * choice.weight_over_drag:.2g} % of the drag"
+    if choice.catch_weight_n == 0.0:
+        return f"wet weight {choice.weight_n:.3g} N, {share} of the smallest catch"
+    net = f" and of the net {choice.weight_n:.3g} N" if choice.weight_n > 0.0 else ""
+    return f"wet weight of the catch {choice.catch_weight_n:.3g} N{net}, {share} at the lowest speed"
 
 
 def _model(choice: Choice) -> str:

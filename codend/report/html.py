@@ -109,7 +109,8 @@ def notes(study: Study) -> list[str]:
             "without slack: the joint is no wider than the fewer meshes, with the shorter bar, pulled fully open."
         )
     if study.plan.catch_density_kg_m3 != study.plan.tow.water_density_kg_m3:
-        found.append("The catch's density gives its mass; its own weight in water does not act on the net.")
+        acts = "presses on the netting" if study.choice.sees_weight else "is left out of this model, as its errors tell"
+        found.append(f"The catch is not as dense as the water: its own weight in water {acts}.")
     if any(section.twine_density_kg_m3 is None for section in study.plan.netting):
         found.append("Twine whose density the plan does not give is taken as neutrally buoyant.")
     return found
