@@ -37,10 +37,11 @@ def model_of(plan: Plan, globalisation: int, sectors: int | None) -> BagModel:
     """Build the net of a plan.
 
     Raises:
-        InputError: the plan asks for rigid bars and gives elastic twine.
+        InputError: the plan asks for rigid bars and gives elastic twine or knots.
     """
-    stretching = [s.axial_stiffness_n for s in plan.netting if s.axial_stiffness_n is not None]
-    if plan.model.method == "rigid-bars" and stretching:
-        allowed = 'left out with model.method = "rigid-bars": rigid bars do not stretch'
-        raise InputError(file=plan.source, key="netting.axial_stiffness_n", value=stretching[0], allowed=allowed)
+    if plan.model.method == "rigid-bars":
+        for key in ("axial_stiffness_n", "knot_axial_stiffness_n"):
+            for value in filter(None, (getattr(s, key) for s in plan.netting)):
+                allowed = 'left out with model.method = "rigid-bars": rigid bars do not stretch'
+                raise InputError(file=plan.source, key=f"netting.{key}", value=value, allowed=allowed)
     return BagModel(plan, build_bag(plan, globalisation=globalisation, sectors=sectors), sectors, globalisation)

@@ -32,7 +32,7 @@ _STAND_INS: Final = {
     "model": None,
     "netting.twine_mm": 1e-6,
     **{f"netting.{key}": None for key in ("name", "twines", "twine_density_kg_m3", "axial_stiffness_n")},
-    **{f"netting.{key}": None for key in ("bending_stiffness_n_m2", "rest_opening_deg")},
+    **{f"netting.{key}": None for key in ("knot_axial_stiffness_n", "bending_stiffness_n_m2", "rest_opening_deg")},
     "strap.length_m": 1.0,
     **{f"strap.{key}": None for key in ("axial_stiffness_n", "diameter_mm", "density_kg_m3")},
     **{f"catch.{key}": None for key in ("coefficient", "sphere_cp_csv")},

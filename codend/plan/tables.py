@@ -67,6 +67,8 @@ class Netting(Table):
     """None: the twine is taken as neutrally buoyant and wet weight is left out."""
     axial_stiffness_n: Annotated[Number, Gt(0), Le(1e9)] | None = None
     """EA of one bar, N; None: inextensible."""
+    knot_axial_stiffness_n: Annotated[Number, Gt(0), Le(1e9)] | None = None
+    """EA of a knot, N; None: knots do not stretch, however soft the twine."""
     bending_stiffness_n_m2: Annotated[Number, Ge(0), Le(100)] = 0.0
     """EI of one bar, N m^2."""
     rest_opening_deg: Annotated[Number, Ge(0), Lt(180)] = 20.0
@@ -79,6 +81,8 @@ class Netting(Table):
             raise Contradiction("name", "a text of one line that neither begins nor ends with a blank")
         if self.kind.knots == "none" and self.knot_mm > 0:
             raise Contradiction("knot_mm", f"0 for {self.kind.words} mesh")
+        if self.knot_axial_stiffness_n is not None and self.knot_mm == 0:
+            raise Contradiction("knot_axial_stiffness_n", "only with knot_mm above 0, without which there is no knot")
         if self.bar_m <= 0:
             raise Contradiction("mesh_mm", f"more than two knots, {2 * self.knot_mm:g} mm")
         if self.knot_m > self.bar_m:
@@ -105,6 +109,11 @@ class Netting(Table):
     def knot_m(self) -> float:
         """Knot length l along the netting's N-direction, m."""
         return self.knot_mm / 1000
+
+    @property
+    def stretches(self) -> bool:
+        """Whether its twine or its knots do."""
+        return self.axial_stiffness_n is not None or self.knot_axial_stiffness_n is not None
 
     @property
     def knot_along_m(self) -> float:

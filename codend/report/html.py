@@ -113,6 +113,9 @@ def notes(study: Study) -> list[str]:
         found.append(f"The catch is not as dense as the water: its own weight in water {acts}.")
     if any(section.twine_density_kg_m3 is None for section in study.plan.netting):
         found.append("Twine whose density the plan does not give is taken as neutrally buoyant.")
+    rigid = [s for s in study.plan.netting if s.knot_m > 0.0 and s.knot_axial_stiffness_n is None]
+    if any(section.axial_stiffness_n is not None for section in rigid):
+        found.append("Knots do not stretch where the plan gives no knot_axial_stiffness_n, however soft the twine.")
     return found
 
 
