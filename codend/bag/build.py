@@ -4,6 +4,7 @@ import numpy as np
 
 from codend.bag.assemble import assembled
 from codend.bag.bag import Bag, with_hinges
+from codend.bag.near_ratio import NearRatio
 from codend.bag.straps import with_straps
 from codend.errors import InputError
 from codend.mechanics.drag_laws import drag
@@ -21,6 +22,7 @@ def build_bag(
     sectors: int | None = None,
     rows: tuple[Floats, Floats] | None = None,
     azimuth_rad: float = 0.0,
+    near: NearRatio | None = None,
 ) -> Bag:
     """Bag of a plan, in the shape in which a solver starts.
 
@@ -33,13 +35,14 @@ def build_bag(
             divided into: each is one (merged) mesh wide where they have the same; None gives the full net.
         rows: positions along the axis and radii of the rows, each (rows + 1,); a crude bag by default.
         azimuth_rad: turns the whole net about the axis.
+        near: a sector of nearly the ratio of the sections' counts, in place of an exact one.
 
     Raises:
         InputError: the globalisation does not divide the mesh counts, a strap is too short for its row, or bending
             stiffness has no place in the model.
     """
     _check_bending(plan)
-    lattice = _lattice_of(plan, globalisation, sectors)
+    lattice = _lattice_of(plan, globalisation, sectors, near)
     x, radius = rows if rows is not None else crude_rows(plan, globalisation)
     shape = RowShape(x, np.concatenate([[plan.entry.radius_m], radius[1:-1], [0.0]]), azimuth_rad)
     knots = knots_of(lattice)
@@ -52,7 +55,7 @@ def build_bag(
     return with_straps(bag, plan, knots, drag_law)
 
 
-def _lattice_of(plan: Plan, globalisation: int, sectors: int | None) -> Lattice:
+def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, near: NearRatio | None) -> Lattice:
     if globalisation not in plan.globalisations:
         raise InputError(
             file=plan.source,
@@ -61,6 +64,9 @@ def _lattice_of(plan: Plan, globalisation: int, sectors: int | None) -> Lattice:
             allowed="a common divisor of all mesh counts: " + ", ".join(map(str, plan.globalisations)),
         )
     sections = rows_of(plan, globalisation)
+    if near is not None:
+        columns = np.array(near.columns)[list(plan.sections_of_bands(globalisation))]
+        return Lattice(sections, columns, 1, near.order, globalisation)
     meshes_round = np.array([s.meshes_round // globalisation for s in sections])
     most = int(np.gcd.reduce(meshes_round))
     abreast = most if sectors is None else sectors

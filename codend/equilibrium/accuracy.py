@@ -10,6 +10,7 @@ import numpy as np
 
 from codend.bag.loads import catch_weight_density
 from codend.bag.measures import Measures, current_loads, measure_all
+from codend.bag.near_ratio import narrower, near_enough
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.plan.plan import Case, Plan
@@ -80,9 +81,9 @@ def estimate(
         return Errors.unknown()
     exact = measure_all(model.bag, problem, polished)[2]
     solver = _distance(measures, exact)
-    globalised = np.zeros(len(_QUANTITIES))
+    globalised = by_ratio(model, case, exact)
     if model.globalisation > 1:
-        globalised = _distance(*(sector_measures(model.plan, case, g) for g in (1, model.globalisation)))
+        globalised += _distance(*(sector_measures(model.plan, case, g) for g in (1, model.globalisation)))
     sizes = np.abs([getattr(measures, name) for name in _QUANTITIES])
     # N per m3 of the catch, in all and as the model bears it
     of_catch, borne = catch_weight_density(model.plan), problem.loading.catch.weight_density
@@ -100,13 +101,38 @@ def estimate(
 def sector_measures(plan: Plan, case: Case, globalisation: int) -> Measures:
     """Measures of one sector of the merged net, under the loads that are the same all round; nan if it is not solved.
 
-    The difference that merging makes there stands for the difference it makes in the full net. Mesh counts without a
-    common divisor make a sector of the whole net, which bears its weight and cannot be merged.
+    The difference that merging makes there stands for the difference it makes in the full net. Sections whose counts
+    share little have a sector of nearly their ratio. Counts of a small net without a common divisor make a sector of
+    the whole net, which bears its weight and cannot be merged.
     """
-    quickly = plan.model_copy(update={"model": plan.model.model_copy(update={"method": "auto"})})
-    model = model_of(quickly, globalisation, 1)
+    near = near_enough(plan) if globalisation == 1 else None
+    return _solved(model_of(_quick(plan), globalisation, 1, near), case)
+
+
+def _quick(plan: Plan) -> Plan:
+    """The same plan, solved by whichever method finds its equilibria."""
+    return plan.model_copy(update={"model": plan.model.model_copy(update={"method": "auto"})})
+
+
+def _solved(model: BagModel, case: Case) -> Measures:
     problem, solution = equilibrium.solve(model, case, (), None)
     return measure_all(model.bag, problem, solution)[2] if solution.report.outcome.converged else Measures.unknown()
+
+
+def by_ratio(model: BagModel, case: Case, measures: Measures) -> np.ndarray:
+    """What a sector of nearly the ratio of the counts is off by: the distance to a narrower one, which is further off.
+
+    Answers are linear in the mismatch of the counts, as far as that is small.
+    """
+    near = model.near
+    if near is None:
+        return np.zeros(len(_QUANTITIES))
+    other = narrower(model.plan, near)
+    if other is None:
+        return np.full(len(_QUANTITIES), np.nan)
+    here, there = np.array(near.mismatch), np.array(other.mismatch)
+    part = np.linalg.norm(here) / np.linalg.norm(here - there)
+    return np.asarray(part * _distance(measures, _solved(model_of(_quick(model.plan), 1, 1, other), case)))
 
 
 def _distance(first: Measures, second: Measures) -> np.ndarray:

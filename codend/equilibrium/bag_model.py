@@ -5,6 +5,7 @@ from functools import cached_property
 
 from codend.bag.bag import Bag
 from codend.bag.build import build_bag
+from codend.bag.near_ratio import NearRatio
 from codend.errors import InputError
 from codend.mechanics.structure import structure_of
 from codend.plan.plan import Plan
@@ -21,6 +22,8 @@ class BagModel:
     sectors: int | None
     """Equal sectors that are modelled side by side, None for all."""
     globalisation: int
+    near: NearRatio | None = None
+    """Nearly the ratio of the sections' counts, where a sector of it is modelled."""
 
     @cached_property
     def prepared(self) -> newton.Prepared:
@@ -33,7 +36,7 @@ class BagModel:
         return Ring(structure_of(self.bag.net), self.bag.bands)
 
 
-def model_of(plan: Plan, globalisation: int, sectors: int | None) -> BagModel:
+def model_of(plan: Plan, globalisation: int, sectors: int | None, near: NearRatio | None = None) -> BagModel:
     """Build the net of a plan.
 
     Raises:
@@ -44,4 +47,5 @@ def model_of(plan: Plan, globalisation: int, sectors: int | None) -> BagModel:
             for value in filter(None, (getattr(s, key) for s in plan.netting)):
                 allowed = 'left out with model.method = "rigid-bars": rigid bars do not stretch'
                 raise InputError(file=plan.source, key=f"netting.{key}", value=value, allowed=allowed)
-    return BagModel(plan, build_bag(plan, globalisation=globalisation, sectors=sectors), sectors, globalisation)
+    bag = build_bag(plan, globalisation=globalisation, sectors=sectors, near=near)
+    return BagModel(plan, bag, sectors, globalisation, near)

@@ -8,14 +8,12 @@ import numpy as np
 
 from codend.bag.build import build_bag
 from codend.bag.loads import catch_weight_density
+from codend.bag.near_ratio import DRAG_BY_MISMATCH, SLOW_KNOTS, SLOW_MESHES, NearRatio, near_enough
 from codend.equilibrium.accuracy import WEIGHT_LEFT_OUT, sector_measures
 from codend.mechanics.weight import wet_weight
 from codend.net.net import Net
 from codend.plan.plan import Plan
 
-SLOW_KNOTS, SLOW_MESHES = 3000, 10
-"""Knots of a model, and meshes round it, from which a case takes seconds or more: full nets of joined sections took 2 s
-with 3 800 knots and 23 s with 15 000. Narrow sectors, however long, take milliseconds."""
 HEAVIEST_GLOBALISED = 0.5
 """Weight over the drag of the smallest catch up to which diamond and T90 meshes are merged: there they were off by no
 more than weightless sectors are; at a weight like the drag by ten times that."""
@@ -69,6 +67,8 @@ class Choice:
     """Of the model."""
     slow: bool
     """Whether a case takes seconds to minutes."""
+    near: NearRatio | None = None
+    """The sector of nearly the ratio of the counts that stands for one too wide."""
 
     @property
     def weight_over_drag(self) -> float:
@@ -78,7 +78,7 @@ class Choice:
     @property
     def sees_weight(self) -> bool:
         """Whether wet weight acts on the model: on a full net, and on the sector of one that has no narrower."""
-        return self.sectors is None or (self.order == 1 and self.fidelity != "meridian")
+        return self.sectors is None or (self.order == 1 and self.fidelity != "meridian" and self.near is None)
 
     @property
     def weight_matters(self) -> bool:
@@ -116,7 +116,7 @@ def choose(plan: Plan) -> Choice:
         reason=Reason.LITTLE_WEIGHT if dense else Reason.NO_WEIGHT,
         drag_error=float(WEIGHT_LEFT_OUT[0] @ [left_out, left_out**2]),
         unseen_weight_n=unseen,
-        order=sector.order,
+        order=sector.sectors,
         meshes_round=tuple(dict.fromkeys(part.meshes_round for part in plan.netting)),
         weight_n=weight,
         catch_weight_n=of_catch,
@@ -151,11 +151,24 @@ def choose(plan: Plan) -> Choice:
         case "full":
             return all_round(1, Reason.ASKED, 0.0)
     if not by_sector.weight_matters:
-        return by_sector
+        near = near_enough(plan)
+        return by_sector if near is None else _in_its_place(by_sector, plan, near, (weight + of_catch) / drag)
     if by_sector.weight_over_drag <= min(HEAVIEST_GLOBALISED, *(part.kind.folds_over_from for part in plan.netting)):
         globalisation, error = _largest_globalisation(plan)
         return all_round(globalisation, Reason.WEIGHT, error)
     return all_round(1, Reason.TOO_HEAVY_TO_GLOBALISE, 0.0)
+
+
+def _in_its_place(exact: Choice, plan: Plan, near: NearRatio, left_out: float) -> Choice:
+    """A sector of nearly the ratio of the counts in place of the exact one; it sees no weight."""
+    return replace(
+        exact,
+        near=near,
+        drag_error=float(DRAG_BY_MISMATCH * near.largest + WEIGHT_LEFT_OUT[0] @ [left_out, left_out**2]),
+        unseen_weight_n=exact.weight_n,
+        knots=len(build_bag(plan, near=near).net.positions),
+        slow=False,
+    )
 
 
 def _heaviest(plan: Plan, weight_n: float) -> tuple[float, float]:
@@ -179,11 +192,11 @@ def _heaviest(plan: Plan, weight_n: float) -> tuple[float, float]:
 
 def _size(plan: Plan, sector: Net, globalisation: int | None) -> tuple[int, bool]:
     """Knots of a model, and whether it is slow: of the full net with so many meshes merged, or of the sector."""
-    sectors, g = (1, 1) if globalisation is None else (sector.order, globalisation)
+    sectors, g = (1, 1) if globalisation is None else (sector.sectors, globalisation)
     # all knots but the codline, which every sector has
     knots = 1 + (len(sector.positions) - 1) * sectors // g**2
     widest = max(part.meshes_round for part in plan.netting)
-    return knots, knots >= SLOW_KNOTS and widest * sectors // sector.order >= SLOW_MESHES * g
+    return knots, knots >= SLOW_KNOTS and widest * sectors // sector.sectors >= SLOW_MESHES * g
 
 
 def _largest_globalisation(plan: Plan) -> tuple[int, float]:

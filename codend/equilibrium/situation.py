@@ -97,7 +97,7 @@ class Situation:
         found = self.solve(sector, self.case)
         if not found.report.outcome.converged:
             return None
-        start = all_round_start(sector.bag, found.positions, found.bar_tension, sector.bag.net.order)
+        start = all_round_start(sector.bag, found.positions, found.bar_tension, sector.bag.net.sectors)
         return replace(start, report=found.report)
 
     @property

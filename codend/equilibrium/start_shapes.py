@@ -30,4 +30,4 @@ def laid_out(model: BagModel, shape: MeridianShape) -> Solution:
     g = model.globalisation
     sector = build_bag(model.plan, globalisation=g, sectors=1, rows=(shape.x_m[::g], shape.radius_m[::g]))
     tension = g * tensions_on(sector, shape, g)
-    return all_round_start(sector, sector.net.positions, tension, sector.net.order // model.bag.net.order)
+    return all_round_start(sector, sector.net.positions, tension, sector.net.sectors // model.bag.net.sectors)

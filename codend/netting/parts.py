@@ -23,7 +23,7 @@ class Lattice:
     """Modelled (merged) meshes round of each band, (bands,)."""
     abreast: int
     """Equal sectors that are modelled side by side."""
-    order: int
+    order: float
     globalisation: int
 
     @property

@@ -16,9 +16,9 @@ def reason_text(choice: Choice) -> str:
                 said += f"; it leaves out the wet weight, which here matters ({weighed})"
         case Reason.NO_WEIGHT:
             light = "no twine density is given, so wet weight is left out, and the catch is as dense as the water"
-            said = f"The plan is the same all round and {light}: {_sector(choice)} is exact"
+            said = f"The plan is the same all round and {light}: {_sector_enough(choice)}"
         case Reason.LITTLE_WEIGHT:
-            said = f"The plan is the same all round and {weighed}, is negligible: {_sector(choice)} is exact"
+            said = f"The plan is the same all round and {weighed}, is negligible: {_sector_enough(choice)}"
         case Reason.WEIGHT | Reason.TOO_HEAVY_TO_GLOBALISE:
             model = f"the full net, {g} x {g} meshes merged into one" if g > 1 else "the full net"
             cost = (
@@ -61,6 +61,20 @@ def _sector(choice: Choice) -> str:
     return f"one of {choice.order} equal sectors{meshes} of the real net"
 
 
+def _sector_enough(choice: Choice) -> str:
+    """That the sector is exact, or why another stands for it and what that costs."""
+    near = choice.near
+    if near is None:
+        return f"{_sector(choice)} is exact"
+    stands_for = [near.order * columns for columns in dict.fromkeys(near.columns)]
+    round_ = _listed([f"{count:.1f}" for count in stands_for])
+    return (
+        f"{_sector(choice)} would be exact, but take minutes; in its place stands one {_listed(near.columns)} meshes "
+        f"wide, as of {round_} meshes round, which takes seconds and costs about {100.0 * choice.drag_error:.2g} % "
+        f"in drag where {100.0 * choice.accuracy:g} % is allowed"
+    )
+
+
 def _time(choice: Choice) -> str:
     """What a large model costs in time; empty for others."""
     if not choice.slow:
@@ -70,6 +84,6 @@ def _time(choice: Choice) -> str:
     return f" Its {choice.knots} knots take seconds to minutes a case{narrower}."
 
 
-def _listed(counts: Sequence[int]) -> str:
-    *others, last = map(str, counts)
+def _listed(counts: Sequence[object]) -> str:
+    *others, last = map(str, dict.fromkeys(counts))
     return f"{', '.join(others)} and {last}" if others else last

@@ -34,7 +34,8 @@ class Ring:
     """
 
     def __init__(self, structure: Structure, bands: int) -> None:
-        self.order = int(structure.order)
+        whole = structure.order.is_integer()
+        self.order = int(structure.order) if whole else structure.order
         self.pattern = pattern_of(structure, by_image=True)
         self.state, self.step = empty_state(structure, bands), empty_step(structure, self.pattern)
         self._gathered: Floats | None = None

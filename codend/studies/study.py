@@ -16,10 +16,12 @@ from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.accuracy import Errors
 from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.fidelity import Choice
+from codend.equilibrium.room import check_room, too_little
 from codend.equilibrium.stability import Stability, stability_of
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
 from codend.solvers import newton
+from codend.solvers.memory import free_bytes
 from codend.solvers.outcome import Solution, SolverReport
 from codend.studies.case_result import CaseResult
 
@@ -84,6 +86,7 @@ def solve(
 
     Raises:
         InputError: the plan asks for what its netting does not allow.
+        TooLittleMemory: the model does not fit into memory; which merged net would is told.
     """
     choice = fidelity.choose(plan) if choice is None else choice
     if choice.fidelity == "meridian":
@@ -93,7 +96,8 @@ def solve(
             if keep is not None:
                 keep(result)
         return Study(plan, choice, tuple(done_cases))
-    model = model_of(plan, choice.globalisation, choice.sectors)
+    check_room(plan, choice)
+    model = model_of(plan, choice.globalisation, choice.sectors, choice.near)
     cases = plan.cases()
     known: list[tuple[Case, Solution]] = []
     results: dict[int, CaseResult] = {}
@@ -106,10 +110,15 @@ def solve(
 
         if progress is not None:
             progress(done, len(cases), f"case {case.number}")
-        problem, solution = equilibrium.solve(model, case, known, report)
+        try:
+            problem, solution = equilibrium.solve(model, case, known, report)
+        except MemoryError:
+            raise too_little(plan, choice, free_bytes()) from None
         result = _measured(model.bag, case, problem, solution)
         if result.converged:
             known.append((case, solution))
+            if progress is not None:
+                progress(done, len(cases), f"case {case.number}: its stability and errors")
             tangent = newton.tangent_at(problem, solution, model.prepared)
             stability = stability_of(model, tangent)
             errors = accuracy.estimate(model, case, tangent, result.measures, choice.unseen_weight_n)

@@ -53,7 +53,7 @@ def _result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, obje
         "stable": "unknown" if result.stability is None else result.stability.stable,
         "growing_harmonics": (result.stability and ranges_text(result.stability.growing)) or float("nan"),
         "sector_order": result.net.order,
-        "sector_meshes": max(section.meshes_round for section in plan.netting) // result.net.order,
+        "sector_meshes": round(max(section.meshes_round for section in plan.netting) / result.net.order),
     }
 
 
