@@ -82,7 +82,14 @@ class Behaviour(_Table):
     rotation_deg: Sourced[Annotated[Number, Ge(0), Le(45)]]
     """Standard deviation of the angle, about the fish's axis, between the fish and its best orientation in the mesh."""
     push_force_n: Sourced[Annotated[Number, Ge(0), Le(1000)]] | None = None
-    """Largest force with which a fish deforms a mesh; left out, 0: the mesh keeps its shape."""
+    """Largest force F1 with which a fish of length L1 deforms a mesh; left out, 0: every mesh keeps its shape.
+
+    One of length L pushes with F1 (L / L1)^n.
+    """
+    push_length_cm: Sourced[Annotated[Number, Gt(0), Le(500)]] | None = None
+    """L1; left out, 30 cm."""
+    push_exponent: Sourced[Annotated[Number, Ge(0), Le(4)]] | None = None
+    """n; left out, 2: as the section of a muscle, which is assumed."""
 
 
 class HaulNumbers(_Table):
@@ -102,8 +109,16 @@ class LengthClasses(_Table):
     step_cm: Annotated[Number, Gt(0), Le(50)]
 
 
-DEFAULTS = {"section.exponent": 2.0, "behaviour.push_force_n": 0.0, "haul.catch_growth": 1.0}
-"""Numbers a species may leave out: they then stand for no effect, not for a measurement."""
+DEFAULTS = {
+    "section.exponent": 2.0,
+    "behaviour.push_force_n": 0.0,
+    "behaviour.push_exponent": 2.0,
+    "behaviour.push_length_cm": 30.0,
+    "haul.catch_growth": 1.0,
+}
+"""Numbers a species may leave out: they then stand for no effect or for the form of a law, not for a measurement."""
+LAW_OF_PUSH = ("behaviour.push_exponent", "behaviour.push_length_cm")
+"""Numbers that are assumed where a species that pushes leaves them out."""
 
 
 class Species(_Table):
@@ -125,7 +140,7 @@ class Species(_Table):
 
     @property
     def values(self) -> Floats:
-        """Values of ``PARAMETERS``, (13,)."""
+        """Values of ``PARAMETERS``, (15,)."""
         found = ((name, self.number(name)) for name in PARAMETERS)
         return np.array([DEFAULTS[name] if number is None else number.value for name, number in found])
 
@@ -143,7 +158,14 @@ class Species(_Table):
     def assumed(self) -> tuple[str, ...]:
         """Names of the numbers whose source says that they are assumed."""
         numbers = {name: self.number(name) for name in (*PARAMETERS, "haul.fish")}
-        return tuple(name for name, number in numbers.items() if number is not None and number.assumed)
+        left_out = LAW_OF_PUSH if self.pushes else ()
+        return tuple(name for name, n in numbers.items() if (n.assumed if n is not None else name in left_out))
+
+    @property
+    def pushes(self) -> bool:
+        """Whether meshes yield to the fish, by its own number or at an end of the number's range."""
+        push = self.behaviour.push_force_n
+        return push is not None and max(push.value, push.high or 0.0) > 0.0
 
     @property
     def length_cm(self) -> Floats:

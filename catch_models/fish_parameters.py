@@ -13,6 +13,8 @@ PARAMETERS = (
     "behaviour.rows_ahead",
     "behaviour.rotation_deg",
     "behaviour.push_force_n",
+    "behaviour.push_exponent",
+    "behaviour.push_length_cm",
     "haul.catch_growth",
 )
 """Numbers that retention depends on, in the order of ``Species.values``."""

@@ -49,7 +49,7 @@ def section(quick: bool) -> Section:
     plan = load_plan(CASE)
     solved = study.solve(plan)
     (speed,) = plan.tow.speed_m_s
-    hoop, *of_range = (Hoop(plan.entry.radius_m, rod, plan.tow.water_density_kg_m3) for rod in (ROD_M, *ROD_RANGE_M))
+    hoop, *of_range = (Hoop(plan.entry_radius_m, rod, plan.tow.water_density_kg_m3) for rod in (ROD_M, *ROD_RANGE_M))
     drag = solved.table[
         ["filled_meshes", "catch_volume_m3", "catch_mass_kg", *(column for column, *_ in PARTS)]
     ].assign(hoop_drag_assumed_rod_n=hoop.drag_n(np.full(len(solved.cases), speed)))

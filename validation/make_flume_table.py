@@ -33,7 +33,7 @@ def meridian_problem(plan: Plan, filled_meshes: float, speed_m_s: float) -> Meri
         meshes_round=netting.meshes_round,
         half_mesh_rows=2 * netting.meshes_long,
         bar_m=netting.bar_m,
-        entry_radius_m=plan.entry.radius_m,
+        entry_radius_m=plan.entry_radius_m,
         front_row=2.0 * (netting.meshes_long - filled_meshes),
         stagnation_pressure_pa=0.5 * plan.tow.water_density_kg_m3 * speed_m_s**2,
         pressure_law=pressure_law_of(plan),

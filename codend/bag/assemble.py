@@ -61,9 +61,7 @@ def assembled(
         bar_flexibility=np.where(is_knot, softness("knot_axial_stiffness_n"), softness("axial_stiffness_n")),
         bar_drag_diameter=np.where(is_knot, 0.0, g * of_section("drag_width_m")),
         bar_solid_diameter=np.sqrt(g) * of_section("solid_diameter_m"),
-        bar_density=np.array(
-            [np.nan if s.twine_density_kg_m3 is None else s.twine_density_kg_m3 for s in lattice.sections]
-        )[band],
+        bar_density=np.array([np.nan if s.density_kg_m3 is None else s.density_kg_m3 for s in lattice.sections])[band],
         bar_diameter=of_section("twine_m"),
         bar_drag_law=np.full(len(bars), law, dtype=np.int32),
         bar_normal_drag=np.full(len(bars), normal),
@@ -86,6 +84,8 @@ def assembled(
         facet_band=facets[:, 6].astype(np.int32),
         band_meshes=np.array([g / s.rows_per_mesh for s in lattice.sections]),
         band_kind=tuple(s.kind for s in lattice.sections),
+        band_bending_n=np.array([s.bending_n for s in lattice.sections]),
+        band_rest_rad=np.array([s.rest_half_angle_rad for s in lattice.sections]),
         mesh_sides=meshes[:, :8].reshape(-1, 4, 2).astype(np.int32),
         mesh_side_image=meshes[:, 8:16].reshape(-1, 4, 2).astype(np.int32),
         mesh_bars=_bars_of_sides(bars[:, :3], meshes[:, :8].reshape(-1, 2), meshes[:, 8:16].reshape(-1, 2)),

@@ -5,6 +5,7 @@ import numpy as np
 from codend.bag.assemble import assembled
 from codend.bag.bag import Bag, with_hinges
 from codend.bag.near_ratio import NearRatio
+from codend.bag.ropes import with_ropes
 from codend.bag.straps import with_straps
 from codend.errors import InputError
 from codend.mechanics.drag_laws import drag
@@ -20,6 +21,7 @@ def build_bag(
     *,
     globalisation: int = 1,
     sectors: int | None = None,
+    smeared: bool = False,
     rows: tuple[Floats, Floats] | None = None,
     azimuth_rad: float = 0.0,
     near: NearRatio | None = None,
@@ -32,7 +34,9 @@ def build_bag(
             diameter by its square root, axial stiffness by this factor (Le Bris et al. 1999, section 3.1; Bessonneau
             and Marichal 1997, section 4), so that mass, wet weight and drag area stay the same.
         sectors: equal sectors that are modelled side by side, of as many as the meshes round of all sections can be
-            divided into: each is one (merged) mesh wide where they have the same; None gives the full net.
+            divided into: each is one (merged) mesh wide where they have the same, and wide enough that every rope
+            has its place in one; None gives the full net.
+        smeared: ropes spread evenly over all columns of knots, which leaves the sectors as narrow as without ropes.
         rows: positions along the axis and radii of the rows, each (rows + 1,); a crude bag by default.
         azimuth_rad: turns the whole net about the axis.
         near: a sector of nearly the ratio of the sections' counts, in place of an exact one.
@@ -42,9 +46,9 @@ def build_bag(
             stiffness has no place in the model.
     """
     _check_bending(plan)
-    lattice = _lattice_of(plan, globalisation, sectors, near)
+    lattice = _lattice_of(plan, globalisation, sectors, smeared, near)
     x, radius = rows if rows is not None else crude_rows(plan, globalisation)
-    shape = RowShape(x, np.concatenate([[plan.entry.radius_m], radius[1:-1], [0.0]]), azimuth_rad)
+    shape = RowShape(x, np.concatenate([[plan.entry_radius_m], radius[1:-1], [0.0]]), azimuth_rad)
     knots = knots_of(lattice)
     positions, node_row = placed_knots(knots, shape)
     entry = np.arange(knots.fore_start[1])
@@ -52,10 +56,12 @@ def build_bag(
     bag = assembled(parts_of(knots), lattice, positions, node_row, entry, drag_law)
     if plan.model.bars_per_side == 2:
         bag = with_hinges(bag)
-    return with_straps(bag, plan, knots, drag_law)
+    return with_ropes(with_straps(bag, plan, knots, drag_law), plan, knots, drag_law, smeared)
 
 
-def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, near: NearRatio | None) -> Lattice:
+def _lattice_of(
+    plan: Plan, globalisation: int, sectors: int | None, smeared: bool, near: NearRatio | None
+) -> Lattice:
     if globalisation not in plan.globalisations:
         raise InputError(
             file=plan.source,
@@ -69,9 +75,11 @@ def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, near: NearR
         return Lattice(sections, columns, 1, near.order, globalisation)
     meshes_round = np.array([s.meshes_round // globalisation for s in sections])
     most = int(np.gcd.reduce(meshes_round))
-    abreast = most if sectors is None else sectors
-    if most % abreast:
-        raise ValueError(f"sectors must divide {most}, the equal ones all round, not be {abreast}")
+    # n equal ropes leave n equal sectors
+    equal = most if smeared else int(np.gcd.reduce([most, *(rope.number for rope in plan.rope)]))
+    if sectors is not None and equal % sectors:
+        raise ValueError(f"sectors must divide {equal}, the equal ones all round, not be {sectors}")
+    abreast = most if sectors is None else most // equal * sectors
     order = most // abreast
     return Lattice(sections, meshes_round // order, abreast, order, globalisation)
 
@@ -101,9 +109,9 @@ def crude_rows(plan: Plan, globalisation: int = 1) -> tuple[Floats, Floats]:
     largest = np.array([s.stretched_radius_m for s in sections])
     from_entry = np.concatenate([[0.0], np.cumsum(side)])
     bound = np.minimum(np.concatenate([largest[:1], largest]), np.concatenate([largest, largest[-1:]]))
-    from_wide_entry = np.minimum(plan.entry.radius_m - 0.6 * from_entry, 0.9 * bound)
+    from_wide_entry = np.minimum(plan.entry_radius_m - 0.6 * from_entry, 0.9 * bound)
     wanted = np.maximum(0.55 * bound, from_wide_entry)
-    wanted[0], wanted[-1] = plan.entry.radius_m, 0.0
+    wanted[0], wanted[-1] = plan.entry_radius_m, 0.0
     for strap, rows in zip(plan.strap, plan.strap_rows, strict=True):
         row = len(sections) - rows // globalisation
         wanted[row] = min(wanted[row], 0.9 * strap.length_m / (2.0 * np.pi))

@@ -43,6 +43,8 @@ class Measures:
     max_bar_tension_n: float
     max_strap_tension_n: float
     """nan where there is no strap."""
+    max_rope_tension_n: float
+    """nan where there is no rope along the netting."""
     folded_share: float
     """Share of the netting on the catch that lies in folds, facing inward; see ``folded_share``."""
     turn_deg: float
@@ -80,15 +82,32 @@ class Meshes:
     pressure_pa: Floats
 
 
-def opening_force(bar_tension_n: Floats, opening_deg: Floats, wanted_deg: float = WANTED_OPENING_DEG) -> Floats:
+def opening_force(
+    bar_tension_n: Floats,
+    opening_deg: Floats,
+    wanted_deg: float = WANTED_OPENING_DEG,
+    bending_n: Floats | float = 0.0,
+    rest_rad: Floats | float = 0.0,
+) -> Floats:
     """Extra pull across the short diagonal that brings an isolated mesh to the wanted opening, N.
 
-    F = P (tan(OA*/2) - tan phi), P = 2 T cos phi the load along the netting that a mesh carries and phi half its
-    opening: derived from the equilibrium of a rhombus of four bars. Zero or less once the mesh is open that far.
+    F = P (tan phi' - tan phi) + B ((phi' - phi0) / cos phi' - (phi - phi0) / cos phi), P = 2 T cos phi - B (phi - phi0)
+    sin phi the load along the netting that a mesh carries, phi half its opening, phi' half the wanted one, phi0 half
+    that at rest and B = 24 EI / b^2: derived from the equilibrium of a rhombus of four clamped bars. Zero or less once
+    the mesh is open that far.
     """
-    half = np.radians(opening_deg) / 2.0
-    along = 2.0 * bar_tension_n * np.cos(half)
-    return np.asarray(along * (np.tan(np.radians(wanted_deg) / 2.0) - np.tan(half)))
+    half, wanted, bending = np.radians(opening_deg) / 2.0, np.radians(wanted_deg) / 2.0, np.asarray(bending_n)
+    along = 2.0 * bar_tension_n * np.cos(half) - bending * (half - rest_rad) * np.sin(half)
+    bent = (wanted - rest_rad) / np.cos(wanted) - (half - rest_rad) / np.cos(half)
+    return np.asarray(along * (np.tan(wanted) - np.tan(half)) + bending * bent)
+
+
+def mesh_opening_force(
+    bag: Bag, bar_tension_n: Floats, opening_deg: Floats, wanted_deg: float = WANTED_OPENING_DEG
+) -> Floats:
+    """``opening_force`` of the meshes of a bag, whose real tensions and openings are given, (k,)."""
+    bending, rest = bag.band_bending_n[bag.mesh_row], bag.band_rest_rad[bag.mesh_row]
+    return opening_force(bar_tension_n, opening_deg, wanted_deg, bending, rest)
 
 
 def mesh_openings(bag: Bag, corners: Floats) -> tuple[Floats, Floats]:
@@ -128,7 +147,7 @@ def measure_meshes(bag: Bag, problem: Problem, solution: Solution) -> Meshes:
         centre_m=centre,
         opening_deg=opening,
         bar_tension_n=tension,
-        opening_force_n=np.where(bag.mesh_opens, opening_force(tension, opening), np.nan),
+        opening_force_n=np.where(bag.mesh_opens, mesh_opening_force(bag, tension, opening), np.nan),
         pressure_pa=filled * (by_water + _pressure_by_weight(problem, solution, centre[:, 2])),
     )
 
@@ -233,10 +252,11 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows) -> Measu
         entry_reaction_n=float(-support[held_by_the_entry(bag), 0].sum() * net.order),
         opening_ahead_deg=float(np.mean(openings)) if len(ahead) else float("nan"),
         opening_force_ahead_n=float(np.mean(forces)) if len(ahead) else float("nan"),
-        max_bar_tension_n=float(np.delete(tension, straps).max()),
+        max_bar_tension_n=float(np.delete(tension, np.append(straps, bag.ropes)).max()),
         max_strap_tension_n=float(tension[straps].max()) if len(straps) else float("nan"),
+        max_rope_tension_n=float(tension[bag.ropes].max()) if len(bag.ropes) else float("nan"),
         folded_share=folded_share(bag, position, rows, share),
-        turn_deg=float(np.degrees(band_turns(position, structure, loading.catch)[0].sum())),
+        turn_deg=float(np.degrees(band_turns(position, structure, loading.catch, problem.rings)[0].sum())),
         sideways_imbalance=sideways_imbalance(bag, position, load, support),
     )
 

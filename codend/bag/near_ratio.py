@@ -62,11 +62,11 @@ def near_ratios(plan: Plan) -> Iterator[NearRatio]:
 def near_enough(plan: Plan) -> NearRatio | None:
     """The narrowest sector that is near enough for the accuracy in drag that the plan asks for.
 
-    None where the exact sector is narrow itself, or no narrower one is near enough.
+    None where the exact sector is narrow itself, no narrower one is near enough, or ropes have their places in it.
     """
     widest = max(part.meshes_round for part in plan.netting) // math.gcd(*(part.meshes_round for part in plan.netting))
     rows = len(plan.sections_of_bands())
-    if widest < SLOW_MESHES or rows * widest < SLOW_KNOTS:
+    if plan.rope or widest < SLOW_MESHES or rows * widest < SLOW_KNOTS:
         return None
     allowed = plan.model.accuracy / DRAG_BY_MISMATCH
     return next(

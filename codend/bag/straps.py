@@ -48,7 +48,7 @@ def _check_length(plan: Plan, index: int, knots: Knots, row: int, across_m: floa
     # the circle round the sections of the twines that pass through the ring, two from a knot or in square mesh one
     bundle_m = np.pi * section.solid_diameter_m * np.sqrt(section.rows_per_mesh * real)
     bounds = [(real * across_m, "the knots of its row laid side by side"), (bundle_m, "round the twines of its row")]
-    radius = least_radius_m(plan.netting, plan.entry.radius_m, plan.strap_rows[index])
+    radius = least_radius_m(plan.netting, plan.entry_radius_m, plan.strap_rows[index])
     if strap.axial_stiffness_n is None and radius > across_m:
         side = _side_and_slope(radius, real, across_m)[0]
         bounds.append((real * (side + across_m), "as far as the netting from the entry reaches inwards"))

@@ -73,7 +73,7 @@ def force(plan: str, folder: Path, places: tuple[float, ...], wanted_deg: float,
     with written_into(folder):
         write_table(table, folder / "opening_force.csv")
     click.echo(text_table(list(COLUMNS.values()), table[list(COLUMNS)].itertuples(index=False)))
-    if any(section.twine_density_kg_m3 is not None for section in checked.netting):
+    if any(section.density_kg_m3 is not None for section in checked.netting):
         click.echo("Wet weight is left out.")
     if any(section.axial_stiffness_n is None for section in checked.netting):
         click.echo("Twine without axial_stiffness_n does not stretch: in the net it opens far harder than real twine.")

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
+from codend.cli.bow_wave import bow_wave
 from codend.cli.chart import chart
 from codend.cli.common import (
     BAD_INPUT,
@@ -152,6 +153,7 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     from codend.report.choice_words import reason_text
     from codend.report.html import cautions, sea_water
     from codend.report.page import files_of, write_report
+    from codend.report.size_words import derived_sizes
     from codend.studies.kept_cases import KeptCases
     from codend.studies.run_record import unfinished
     from codend.studies.study import solve
@@ -165,6 +167,8 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     click.echo(reason_text(choice))
     if checked.water_is_assumed:
         click.echo(sea_water(checked))
+    for sentence in derived_sizes(checked):
+        click.echo(sentence)
     if (before := unfinished(folder)) is not None:
         click.echo(f"{folder} held {before} of a run that did not end; this one takes its place", err=True)
     with shown_progress() as progress, written_into(folder), KeptCases(checked, choice, folder) as kept:
@@ -257,7 +261,7 @@ def compare(folder: Path, table: Path, hoop_rod_mm: float | None, form: "TableFo
     hoop = None
     if hoop_rod_mm is not None:
         plan = load_plan(folder / "plan.toml")
-        hoop = Hoop(plan.entry.radius_m, hoop_rod_mm / 1000.0, plan.tow.water_density_kg_m3)
+        hoop = Hoop(plan.entry_radius_m, hoop_rod_mm / 1000.0, plan.tow.water_density_kg_m3)
     comparison = compare_with(read_run_table(results), read_flume_table(table, form), results, hoop)
     with written_into(folder, COMPARISON_FILES):
         points, summary, picture = (folder / name for name in COMPARISON_FILES)
@@ -308,7 +312,7 @@ def doctor(warm_up: bool) -> int:
     return 1 if failed or any(finding.missing for finding in findings) else 0
 
 
-for _command in (sweep, chart, force, selectivity, species, fit):
+for _command in (bow_wave, sweep, chart, force, selectivity, species, fit):
     main.add_command(_command)
 
 

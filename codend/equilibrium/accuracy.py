@@ -106,7 +106,7 @@ def sector_measures(plan: Plan, case: Case, globalisation: int) -> Measures:
     the whole net, which bears its weight and cannot be merged.
     """
     near = near_enough(plan) if globalisation == 1 else None
-    return _solved(model_of(_quick(plan), globalisation, 1, near), case)
+    return _solved(model_of(_quick(plan), globalisation, 1, near=near), case)
 
 
 def _quick(plan: Plan) -> Plan:
@@ -132,7 +132,7 @@ def by_ratio(model: BagModel, case: Case, measures: Measures) -> np.ndarray:
         return np.full(len(_QUANTITIES), np.nan)
     here, there = np.array(near.mismatch), np.array(other.mismatch)
     part = np.linalg.norm(here) / np.linalg.norm(here - there)
-    return np.asarray(part * _distance(measures, _solved(model_of(_quick(model.plan), 1, 1, other), case)))
+    return np.asarray(part * _distance(measures, _solved(model_of(_quick(model.plan), 1, 1, near=other), case)))
 
 
 def _distance(first: Measures, second: Measures) -> np.ndarray:

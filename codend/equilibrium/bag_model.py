@@ -22,6 +22,8 @@ class BagModel:
     sectors: int | None
     """Equal sectors that are modelled side by side, None for all."""
     globalisation: int
+    smeared: bool = False
+    """Whether ropes are spread over all columns of knots."""
     near: NearRatio | None = None
     """Nearly the ratio of the sections' counts, where a sector of it is modelled."""
 
@@ -36,7 +38,9 @@ class BagModel:
         return Ring(structure_of(self.bag.net), self.bag.bands)
 
 
-def model_of(plan: Plan, globalisation: int, sectors: int | None, near: NearRatio | None = None) -> BagModel:
+def model_of(
+    plan: Plan, globalisation: int, sectors: int | None, smeared: bool = False, near: NearRatio | None = None
+) -> BagModel:
     """Build the net of a plan.
 
     Raises:
@@ -47,5 +51,5 @@ def model_of(plan: Plan, globalisation: int, sectors: int | None, near: NearRati
             for value in filter(None, (getattr(s, key) for s in plan.netting)):
                 allowed = 'left out with model.method = "rigid-bars": rigid bars do not stretch'
                 raise InputError(file=plan.source, key=f"netting.{key}", value=value, allowed=allowed)
-    bag = build_bag(plan, globalisation=globalisation, sectors=sectors, near=near)
-    return BagModel(plan, bag, sectors, globalisation, near)
+    bag = build_bag(plan, globalisation=globalisation, sectors=sectors, smeared=smeared, near=near)
+    return BagModel(plan, bag, sectors, globalisation, smeared, near)

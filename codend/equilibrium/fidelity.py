@@ -143,6 +143,8 @@ def choose(plan: Plan) -> Choice:
     match asked:
         case "sector":
             return replace(by_sector, reason=Reason.ASKED)
+        case "smeared":
+            return replace(by_sector, fidelity="smeared", reason=Reason.ASKED)
         case "meridian":
             return replace(by_sector, fidelity="meridian", reason=Reason.ASKED, drag_error=math.nan, slow=False)
         case "globalised":
@@ -179,7 +181,7 @@ def _heaviest(plan: Plan, weight_n: float) -> tuple[float, float]:
     """
     slowest = min(plan.tow.speed_m_s)
     cases = sorted((case for case in plan.cases() if case.speed_m_s == slowest), key=lambda case: case.catch_value)
-    stand_in_n = 0.5 * plan.tow.water_density_kg_m3 * slowest**2 * math.pi * plan.entry.radius_m**2
+    stand_in_n = 0.5 * plan.tow.water_density_kg_m3 * slowest**2 * math.pi * plan.entry_radius_m**2
     density = abs(catch_weight_density(plan))
     found: list[tuple[float, float]] = []
     # a net alone weighs most over the drag of its smallest catch

@@ -1,10 +1,11 @@
-"""Whether an equilibrium is stable: of a sector by all its harmonics, of a full net by the pivots of its tangent."""
+"""Whether an equilibrium is stable: of a sector by all its harmonics, of a full net by its tangent's eigenvalues."""
 
 from dataclasses import dataclass
 
 from codend.equilibrium.bag_model import BagModel
-from codend.solvers.harmonics import Growth, harmonics_of
+from codend.solvers.harmonics import Growth, harmonics_of, stiffness_under_tension
 from codend.solvers.newton import TangentAtEquilibrium
+from codend.solvers.whole_tangent import WholeTangent
 
 
 @dataclass(frozen=True)
@@ -20,14 +21,21 @@ class Stability:
 
 
 def stability_of(model: BagModel, tangent: TangentAtEquilibrium) -> Stability:
-    """Stability of an equilibrium."""
-    pivots = tangent.negative_pivots
+    """Stability of an equilibrium; of a sector every harmonic is asked, of a full net its whole tangent."""
     if tangent.problem.net.order == 1:
-        return Stability("yes" if pivots == 0 else "no" if pivots > 0 else "unknown")
+        return Stability(stability_of_whole(tangent))
     harmonics = harmonics_of(tangent.problem, tangent.solution, model.ring)
     growing = tuple(growth.harmonic for growth in harmonics.growing)
     stable = "no" if growing else "unknown" if harmonics.undecided else "yes"
     return Stability(stable, growing, harmonics.strongest)
+
+
+def stability_of_whole(tangent: TangentAtEquilibrium) -> str:
+    """Stability of a full net, or of moves that are the same in all sectors: ``yes``, ``no`` or ``unknown``."""
+    if tangent.singular:
+        return "unknown"
+    grows = WholeTangent.at(tangent).grows(stiffness_under_tension(tangent.problem, tangent.solution))
+    return {True: "no", False: "yes", None: "unknown"}[grows]
 
 
 def ranges_text(numbers: tuple[int, ...]) -> str:

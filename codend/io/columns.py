@@ -35,18 +35,26 @@ RESULT_COLUMNS = [
     "folded_share",
     "turn_deg",
     "sideways_imbalance",
+    "inside_mesh_mm",
+    "full_mesh_mm",
 ]
 
 STRAP_COLUMNS = ["max_strap_tension_n"]
 """Further columns of plans with straps."""
+ROPE_COLUMNS = ["max_rope_tension_n"]
+"""Further columns of plans with ropes along the netting."""
+OF_ROPES = ["case", "rope", "number", "place_deg", "length_m", "max_tension_n", "tension_ahead_n", "slack_share"]
+"""Columns of ``ropes.csv``."""
 
 SECTION = "section"
 PLACE = [SECTION, "meshes_from_entry"]
 """Name or number of the section, and the place in real meshes, however many are merged: of a row of knots in
 ``profile.csv``, of the middle of a mesh in ``meshes.csv``."""
 OF_MESHES = ["opening_deg", "bar_tension_n", "opening_force_n", "pressure_pa"]
-PROFILE_COLUMNS = ["case", "row", *PLACE, "x_m", "radius_m", *OF_MESHES]
-MESH_COLUMNS = ["case", "row", "mesh", *PLACE, "x_m", "y_m", "z_m", *OF_MESHES]
+SIZES = ["inside_mesh_mm", "full_mesh_mm"]
+"""What a gauge measures, and knot centre to knot centre: in ``results.csv`` of the meshes just ahead of the catch."""
+PROFILE_COLUMNS = ["case", "row", *PLACE, "x_m", "radius_m", *OF_MESHES, *SIZES]
+MESH_COLUMNS = ["case", "row", "mesh", *PLACE, "x_m", "y_m", "z_m", *OF_MESHES, *SIZES]
 
 OPENING_FORCE_COLUMNS = [
     "case",

@@ -3,14 +3,17 @@
 A net of hinged bars can pass through itself where it is narrow, and balance on the other side of its axis; twine
 cannot. A band has passed through when the ends of its bars lie on opposite sides of their rings' middles, on the mean
 of the band: when the rings of knots at its ends are turned against each other by more than a right angle. Turned by
-less in every band but by as much over several, a net is wrung: it has crossed its axis little by little.
+less in every band but by as much over several, a net is wrung: it has crossed its axis little by little. Where a ring
+is drawn together to a point no azimuth tells its turn: there the rings on either side are held to each other.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.compiled import njit
 from codend.mechanics.images import turned
 from codend.mechanics.pressure import Catch
+from codend.mechanics.rings import Rings, turn_as_built
 from codend.mechanics.structure import Structure
 from codend.net.net import Floats
 
@@ -19,10 +22,11 @@ THROUGH = 1e-6
 
 
 @njit(cache=True)
-def band_turns(position: Floats, structure: Structure, catch: Catch) -> tuple[Floats, int]:
+def band_turns(position: Floats, structure: Structure, catch: Catch, rings: Rings) -> tuple[Floats, int]:
     """Turn of every band about the axis, rad, (bands,), and the first band that has passed through itself, -1 for none.
 
-    Bars that lie in a ring do not count. The rings of a sector have their middles on the axis, those of a full net
+    That of bands between a ring drawn together and the next is told by the rings beyond, and stands at the first. Bars
+    that lie in a ring do not count. The rings of a sector have their middles on the axis, those of a full net
     where their knots have theirs. Twine that ends in nodes between two rings and what leads on from there are told
     apart: their turns add up.
     """
@@ -72,7 +76,7 @@ def band_turns(position: Floats, structure: Structure, catch: Catch) -> tuple[Fl
                 for part in range(3):
                     for i in range(4):
                         middles[band, part, i] /= max(bars[band, part], 1.0)
-    turns = np.zeros(count)
+    turns, drawn_together = np.zeros(count), np.zeros(count, dtype=np.bool_)
     through = -1
     for band in range(count - 1, -1, -1):
         for part in range(3):
@@ -81,4 +85,24 @@ def band_turns(position: Floats, structure: Structure, catch: Catch) -> tuple[Fl
                 through = band
             if abs(along[band, part]) + abs(across[band, part]) > least:
                 turns[band] += np.arctan2(across[band, part], along[band, part])
+            elif bars[band, part] > 0.0:
+                drawn_together[band] = True
+    if drawn_together[:-1].any():
+        _across_necks(position, drawn_together, rings, structure.order, np.sqrt(THROUGH) * shortest, turns)
     return turns, through
+
+
+@njit(cache=True)
+def _across_necks(
+    position: Floats, drawn_together: NDArray[np.bool_], rings: Rings, order: float, narrow: float, turns: Floats
+) -> None:
+    """Write the turns of bands drawn together, by the nearest rings on either side that are wider than ``narrow``."""
+    ahead, turn_ahead = -1, 0.0
+    for row in range(len(turns) + 1):
+        radius, turn = turn_as_built(position, rings, row, order)
+        if radius <= narrow:
+            continue
+        if ahead >= 0 and drawn_together[ahead:row].any():
+            turns[ahead:row] = 0.0
+            turns[ahead] = np.arctan2(np.sin(turn - turn_ahead), np.cos(turn - turn_ahead))
+        ahead, turn_ahead = row, turn

@@ -40,6 +40,32 @@ def rings_of(built: Floats, node_row: Ints, order: float) -> Rings:
 
 
 @njit(cache=True)
+def turn_as_built(position: Floats, rings: Rings, row: int, order: float) -> tuple[float, float]:
+    """Mean radius of a ring, m, and its turn about the axis from knots spread evenly in their order, rad.
+
+    Rings whose meshes are shifted by a part of one are turned by it; a ring of two knots or less has no radius.
+    """
+    first, width = rings.start[row], rings.start[row + 1] - rings.start[row]
+    count = width * int(order)
+    if count <= 2:
+        return 0.0, 0.0
+    middle_y, middle_z = 0.0, 0.0
+    if order == 1.0:
+        for i in range(width):
+            middle_y += position[rings.node[first + i], 1] / width
+            middle_z += position[rings.node[first + i], 2] / width
+    radius, along, across = 0.0, 0.0, 0.0
+    for i in range(width):
+        node = rings.node[first + i]
+        y, z = position[node, 1] - middle_y, position[node, 2] - middle_z
+        angle = 2.0 * math.pi * (rings.image[first + i] / order - i / count)
+        radius += math.hypot(y, z) / width
+        along += y * math.cos(angle) - z * math.sin(angle)
+        across += y * math.sin(angle) + z * math.cos(angle)
+    return radius, math.atan2(across, along)
+
+
+@njit(cache=True)
 def first_crossed_ring(
     position: Floats, start: Ints, node: Ints, image: Ints, order: float, touching: float
 ) -> tuple[int, int]:

@@ -11,8 +11,12 @@ from codend.errors import InputError
 CatchKind = Literal["filled_meshes", "volume_m3", "mass_kg", "front_from_codline_m"]
 CATCH_QUANTITIES: tuple[CatchKind, ...] = get_args(CatchKind)
 """Keys of which a plan's catch has exactly one."""
-MESH_SIZES: tuple[str, ...] = ("bar_mm", "mesh_mm")
+MESH_SIZES: tuple[str, ...] = ("bar_mm", "mesh_mm", "inside_mesh_mm")
 """Keys of which each section of netting has exactly one."""
+TITRES: tuple[str, ...] = ("rtex", "runnage_m_kg", "twine_number")
+"""Keys of which each section of netting has at most one."""
+ENTRY_SIZES: tuple[str, ...] = ("radius_m", "hanging_ratio")
+"""Keys of which the entry has exactly one."""
 
 _SHAPE = "KEY=VALUE, such as netting.0.bar_mm=25 or tow.speed_m_s=[1.0, 1.5]"
 
@@ -21,7 +25,7 @@ def apply_overrides(data: Mapping[str, Any], overrides: Sequence[str], file: str
     """A copy of ``data`` with each ``dotted.key=value`` set, in order; nothing is validated here.
 
     A value is read as a TOML value; what is not TOML is taken as a bare text, so ``catch.pressure=uniform`` works.
-    Tables that are missing are made. Of keys that exclude each other (``CATCH_QUANTITIES``, ``MESH_SIZES``) the
+    Tables that are missing are made. Of keys that exclude each other (``CATCH_QUANTITIES``, ``MESH_SIZES``, ...) the
     override takes the place of the one in the file: ``catch.volume_m3=0.1`` drops ``filled_meshes``. Two overrides
     that exclude each other are both kept, so that validation refuses them.
 
@@ -81,5 +85,9 @@ def _position(container: Any, part: str, key: Sequence[str], file: str | Path) -
 
 
 def _rivals(key: Sequence[str]) -> tuple[str, ...]:
-    group: tuple[str, ...] = {"catch": CATCH_QUANTITIES, "netting": MESH_SIZES}.get(key[0], ())
-    return tuple(name for name in group if name != key[-1]) if key[-1] in group else ()
+    groups: dict[str, tuple[tuple[str, ...], ...]] = {
+        "catch": (CATCH_QUANTITIES,),
+        "netting": (MESH_SIZES, TITRES),
+        "entry": (ENTRY_SIZES,),
+    }
+    return tuple(name for group in groups.get(key[0], ()) if key[-1] in group for name in group if name != key[-1])

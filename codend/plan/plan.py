@@ -21,6 +21,7 @@ from codend.plan.messages import Contradiction
 from codend.plan.mistakes import checked
 from codend.plan.overrides import CatchKind, apply_overrides
 from codend.plan.reach import least_radius_m
+from codend.plan.ropes import Rope
 from codend.plan.tables import Catch, Drag, Entry, Model, Netting, Strap, Table, Text, Tow
 
 MOST_CASES: Final = 10_000
@@ -31,7 +32,7 @@ _STAND_INS: Final = {
     "drag": None,
     "model": None,
     "netting.twine_mm": 1e-6,
-    **{f"netting.{key}": None for key in ("name", "twines", "twine_density_kg_m3", "axial_stiffness_n")},
+    **{f"netting.{key}": None for key in ("name", "twines", "twine_density_kg_m3", "material", "axial_stiffness_n")},
     **{f"netting.{key}": None for key in ("knot_axial_stiffness_n", "bending_stiffness_n_m2", "rest_opening_deg")},
     "strap.length_m": 1.0,
     **{f"strap.{key}": None for key in ("axial_stiffness_n", "diameter_mm", "density_kg_m3")},
@@ -60,6 +61,7 @@ class Plan(Table):
     entry: Entry
     netting: Annotated[tuple[Netting, ...], MinLen(1)]
     strap: tuple[Strap, ...] = ()
+    rope: tuple[Rope, ...] = ()
     catch: Catch
     drag: Drag = Drag.model_validate({})
     model: Model = Model()
@@ -73,19 +75,25 @@ class Plan(Table):
     def _contradictions(self) -> Iterator[Contradiction]:
         yield from self._names_given_twice()
         first = self.netting[0]
-        limit_m = first.stretched_radius_m
-        if self.entry.radius_m > limit_m or (self.entry.radius_m == limit_m and first.kind.opens):
-            yield Contradiction(
-                "entry.radius_m", f"below {limit_m:.4g} m, that of the first section's meshes pulled fully open"
-            )
+        limit_m, ratio = first.stretched_radius_m, self.entry.hanging_ratio
+        if ratio is not None and not first.kind.opens:
+            yield Contradiction("entry.hanging_ratio", f"radius_m, with {first.kind.words} mesh at the entry")
+        elif self.entry_radius_m > limit_m or (self.entry_radius_m == limit_m and first.kind.opens):
+            pulled_open = "that of the first section's meshes pulled fully open"
+            if ratio is None:
+                yield Contradiction("entry.radius_m", f"below {limit_m:.4g} m, {pulled_open}")
+            else:
+                most = ratio * limit_m / self.entry_radius_m
+                yield Contradiction("entry.hanging_ratio", f"below {most:.4g}, {pulled_open}")
         cases = len(self.tow.speed_m_s) * len(self.catch.sizes)
         if cases > MOST_CASES:
             key = "tow.speed_m_s" if len(self.tow.speed_m_s) > len(self.catch.sizes) else f"catch.{self.catch.kind}"
             yield Contradiction(key, f"at most {MOST_CASES} cases, speeds times catches", f"makes {cases} cases")
         yield from self._catches_that_do_not_fit()
         yield from self._straps_out_of_place()
+        yield from self._ropes_out_of_place()
         # laid even flat across the entry
-        gap_m = least_radius_m(self.netting, self.entry.radius_m, 0)
+        gap_m = least_radius_m(self.netting, self.entry_radius_m, 0)
         if gap_m > 0.0:
             allowed = f"more: laid flat the netting ends {gap_m:.3g} m short of the axis, where the codline gathers it"
             yield Contradiction(f"netting.{len(self.netting) - 1}.meshes_long", allowed)
@@ -94,6 +102,15 @@ class Plan(Table):
             and_straps = ", and of the rows from every strap to the codline" if self.strap else ""
             reason = f"divisors of all meshes_round and meshes_long{and_straps}"
             yield Contradiction("model.globalisation", f"{allowed} ({reason})")
+
+    @property
+    def entry_radius_m(self) -> float:
+        """Radius of the hoop that holds the front row: its own, or by 2 pi r = E1 x meshes round x full mesh, m."""
+        first = self.netting[0]
+        if self.entry.radius_m is not None:
+            return self.entry.radius_m
+        assert self.entry.hanging_ratio is not None
+        return self.entry.hanging_ratio * first.meshes_round * first.full_mesh_m / (2 * math.pi)
 
     def _names_given_twice(self) -> Iterator[Contradiction]:
         """Names of sections that tables could not tell apart."""
@@ -133,6 +150,20 @@ class Plan(Table):
             elif strap.meshes_from_codline in [other.meshes_from_codline for other in self.strap[:index]]:
                 yield Contradiction(key, "a row that has no other strap")
 
+    def _ropes_out_of_place(self) -> Iterator[Contradiction]:
+        """Ropes that end at no row of knots, or more of them than there are meshes round."""
+        meshes_long = sum(part.meshes_long for part in self.netting)
+        fewest = min(part.meshes_round for part in self.netting)
+        for index, rope in enumerate(self.rope):
+            if rope.number > fewest:
+                yield Contradiction(f"rope.{index}.number", f"at most {fewest}, the fewest meshes round")
+            for place, meshes in enumerate(rope.meshes_from_codline or ()):
+                key = f"rope.{index}.meshes_from_codline.{place}"
+                if meshes > meshes_long:
+                    yield Contradiction(key, f"at most {meshes_long}, the sum of meshes_long")
+                elif self.rows_to_codline(meshes) is None:
+                    yield Contradiction(key, "a row of knots")
+
     def rows_to_codline(self, meshes: float) -> int | None:
         """Rows from the codline to a place that many meshes ahead of it; None where no row of knots lies there."""
         rows = 0
@@ -148,6 +179,12 @@ class Plan(Table):
     def strap_rows(self) -> tuple[int, ...]:
         """Rows from every strap to the codline."""
         rows = (self.rows_to_codline(strap.meshes_from_codline) for strap in self.strap)
+        return tuple(count for count in rows if count is not None)
+
+    @property
+    def rope_rows(self) -> tuple[int, ...]:
+        """Rows from every end of a rope to the codline, where the plan says where it ends."""
+        rows = (self.rows_to_codline(meshes) for rope in self.rope for meshes in rope.meshes_from_codline or ())
         return tuple(count for count in rows if count is not None)
 
     @property
@@ -187,7 +224,7 @@ class Plan(Table):
         Rows that carry a strap stay rows.
         """
         counts = [count for part in self.netting for count in (part.meshes_round, part.meshes_long)]
-        common = math.gcd(*counts, *self.strap_rows)
+        common = math.gcd(*counts, *self.strap_rows, *self.rope_rows)
         most = min(part.meshes_round for part in self.netting) // 3
         return tuple(g for g in range(1, min(common, most) + 1) if common % g == 0)
 

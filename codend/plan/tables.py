@@ -12,7 +12,8 @@ from pydantic import AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Strict
 
 from codend.plan.kinds import KINDS, Kind, MeshName
 from codend.plan.messages import Contradiction
-from codend.plan.overrides import CATCH_QUANTITIES, MESH_SIZES, CatchKind
+from codend.plan.overrides import CATCH_QUANTITIES, ENTRY_SIZES, MESH_SIZES, TITRES, CatchKind
+from codend.plan.twines import DENSITY_KG_M3, THICKNESS_MM, MaterialName, rtex_of_number, solid_diameter_m, thickness_mm
 
 Number = Annotated[float, Strict(), AllowInfNan(False)]
 Whole = Annotated[int, Strict()]
@@ -43,7 +44,15 @@ class Tow(Table):
 class Entry(Table):
     """The rigid hoop, or the end of the section ahead, that holds the front row of meshes."""
 
-    radius_m: Annotated[Number, Gt(0), Le(100)]
+    radius_m: Annotated[Number, Gt(0), Le(100)] | None = None
+    """See ``Plan.entry_radius_m``, which holds however the entry is given."""
+    hanging_ratio: Annotated[Number, Gt(0), Lt(1)] | None = None
+    """E1 of the front row: the way round the entry over the stretched meshes of the row."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        _exactly_one(self, ENTRY_SIZES)
+        return self
 
 
 class Netting(Table):
@@ -60,11 +69,21 @@ class Netting(Table):
     """What tables call the section; None: its number."""
     bar_mm: Annotated[Number, Gt(0), Le(10_000)] | None = None
     mesh_mm: Annotated[Number, Gt(0), Le(20_000)] | None = None
+    inside_mesh_mm: Annotated[Number, Gt(0), Le(20_000)] | None = None
+    """What a gauge measures: the full mesh less one knot."""
     knot_mm: Annotated[Number, Ge(0), Le(1000)] = 0.0
-    twine_mm: Annotated[Number, Gt(0), Le(100)]
+    """0: knots are points, and the knot that a gauge does not measure is taken as two twines wide."""
+    twine_mm: Annotated[Number, Gt(0), Le(100)] | None = None
+    """None: by Rtex and material."""
+    rtex: Annotated[Number, Gt(0), Le(1e6)] | None = None
+    """Of one twine, g/km."""
+    runnage_m_kg: Annotated[Number, Gt(0), Le(1e6)] | None = None
+    twine_number: Text | None = None
+    """Denier of a yarn and number of yarns, as in 210/24."""
+    material: MaterialName | None = None
     twines: Annotated[Whole, Ge(1), Le(2)] = 1
     twine_density_kg_m3: Annotated[Number, Ge(500), Le(10_000)] | None = None
-    """None: the twine is taken as neutrally buoyant and wet weight is left out."""
+    """None: that of the material; without one, the twine is taken as neutrally buoyant and wet weight is left out."""
     axial_stiffness_n: Annotated[Number, Gt(0), Le(1e9)] | None = None
     """EA of one bar, N; None: inextensible."""
     knot_axial_stiffness_n: Annotated[Number, Gt(0), Le(1e9)] | None = None
@@ -79,18 +98,39 @@ class Netting(Table):
         _exactly_one(self, MESH_SIZES)
         if self.name is not None and not (self.name.isprintable() and self.name == self.name.strip()):
             raise Contradiction("name", "a text of one line that neither begins nor ends with a blank")
-        if self.kind.knots == "none" and self.knot_mm > 0:
+        self._check_twine()
+        if self.kind.knots == "none" and self.knot_m > 0:
             raise Contradiction("knot_mm", f"0 for {self.kind.words} mesh")
         if self.knot_axial_stiffness_n is not None and self.knot_mm == 0:
             raise Contradiction("knot_axial_stiffness_n", "only with knot_mm above 0, without which there is no knot")
         if self.bar_m <= 0:
-            raise Contradiction("mesh_mm", f"more than two knots, {2 * self.knot_mm:g} mm")
+            size, knots, many = ("mesh_mm", 2, "two knots") if self.mesh_mm else ("inside_mesh_mm", 1, "a knot")
+            raise Contradiction(size, f"more than {many}, {1000 * knots * self.knot_m:g} mm")
         if self.knot_m > self.bar_m:
             raise Contradiction("knot_mm", f"at most the length of a bar, {1000 * self.bar_m:g} mm")
         if self.drag_width_m >= self.bar_m:
             side_by_side = ", both twines together" if self.twines == 2 else ""
             raise Contradiction("twine_mm", f"thinner than a bar is long, {1000 * self.bar_m:g} mm{side_by_side}")
         return self
+
+    def _check_twine(self) -> None:
+        """Refuse twine of no thickness, of two titres, or of a titre without what makes a weight in water of it."""
+        titres = [key for key in TITRES if getattr(self, key) is not None]
+        if len(titres) > 1:
+            raise Contradiction(titres[1], f"at most one of {', '.join(TITRES)}", f"contradicts {titres[0]}")
+        if self.twine_number is not None and not self.rtex_g_km:
+            raise Contradiction("twine_number", 'the denier of a yarn and the number of yarns, such as "210/24"')
+        if titres and self.density_kg_m3 is None:
+            allowed = f"one of {', '.join(DENSITY_KG_M3)}, or twine_density_kg_m3, beside {titres[0]}"
+            raise Contradiction("material", allowed, "is missing")
+        if self.twine_mm is not None:
+            return
+        if not titres:
+            allowed = f"twine_mm, or one of {', '.join(TITRES)} with a material"
+            raise Contradiction("twine_mm", allowed, "is missing")
+        if thickness_mm(1.0, self.material) is None:
+            allowed = f"twine_mm beside {titres[0]}: thickness follows from it only for {', '.join(THICKNESS_MM)}"
+            raise Contradiction("twine_mm", allowed, "is missing")
 
     @property
     def kind(self) -> Kind:
@@ -102,8 +142,10 @@ class Netting(Table):
         """Bar length b: twine between two knots, m."""
         if self.bar_mm is not None:
             return self.bar_mm / 1000
+        if self.inside_mesh_mm is not None:
+            return self.inside_mesh_mm / 2000 - self.knot_m / 2 + self.crossing_m
         assert self.mesh_mm is not None
-        return (self.mesh_mm / 2 - self.knot_mm) / 1000
+        return self.mesh_mm / 2000 - self.knot_m
 
     @property
     def knot_m(self) -> float:
@@ -114,6 +156,48 @@ class Netting(Table):
     def stretches(self) -> bool:
         """Whether its twine or its knots do."""
         return self.axial_stiffness_n is not None or self.knot_axial_stiffness_n is not None
+
+    @property
+    def crossing_m(self) -> float:
+        """Length that knots of which the plan says nothing take of a bar, at both its ends together, m.
+
+        Bars then run from crossing to crossing and lose half a bar's width at either end: exact for a square of
+        crossing twines.
+        """
+        return self.drag_width_m if self.knot_mm == 0.0 else 0.0
+
+    @property
+    def inside_mesh_m(self) -> float:
+        """Stretched inside length of a mesh, as a gauge measures it: the full mesh less one knot, 2 b + l, m."""
+        return 2 * self.clear_bar_m + self.knot_m
+
+    @property
+    def clear_bar_m(self) -> float:
+        """Length of a bar that no twine crosses, m."""
+        return self.bar_m - self.crossing_m
+
+    @property
+    def rtex_g_km(self) -> float | None:
+        """Mass of a kilometre of one twine, g; None where the plan has none of ``TITRES``."""
+        if self.runnage_m_kg is not None:
+            return 1e6 / self.runnage_m_kg
+        return self.rtex if self.twine_number is None else rtex_of_number(self.twine_number)
+
+    @property
+    def density_kg_m3(self) -> float | None:
+        """Density of the twine's fibres; None where the plan gives none."""
+        if self.twine_density_kg_m3 is None and self.material is not None:
+            return DENSITY_KG_M3[self.material]
+        return self.twine_density_kg_m3
+
+    @property
+    def mass_kg_m(self) -> float | None:
+        """Mass of a metre of bar, all its twines together; None where the plan gives neither titre nor density."""
+        if self.rtex_g_km is not None:
+            return 1e-6 * self.twines * self.rtex_g_km
+        if self.density_kg_m3 is None:
+            return None
+        return self.density_kg_m3 * math.pi / 4 * self.solid_diameter_m**2
 
     @property
     def knot_along_m(self) -> float:
@@ -131,9 +215,17 @@ class Netting(Table):
         return 2 * (self.bar_m + self.knot_m)
 
     @property
+    def mean_meshes_round(self) -> float:
+        """Meshes round, mean over the length."""
+        return float(self.meshes_round)
+
+    @property
     def twine_m(self) -> float:
         """Diameter of one twine, m."""
-        return self.twine_mm / 1000
+        thickness = self.twine_mm
+        if thickness is None and self.rtex_g_km is not None:
+            thickness = thickness_mm(self.rtex_g_km, self.material)
+        return 0.0 if thickness is None else thickness / 1000
 
     @property
     def drag_width_m(self) -> float:
@@ -142,13 +234,20 @@ class Netting(Table):
 
     @property
     def solid_diameter_m(self) -> float:
-        """Diameter of the one round bar with the volume of all twines, m."""
+        """Diameter of the one round bar with the volume of all twines, m: of their fibres where a titre is given."""
+        if self.rtex_g_km is not None and self.density_kg_m3 is not None:
+            return math.sqrt(self.twines) * solid_diameter_m(1e-6 * self.rtex_g_km, self.density_kg_m3)
         return math.sqrt(self.twines) * self.twine_m
 
     @property
     def rest_half_angle_rad(self) -> float:
         """Half opening angle phi0 at which bending is at rest, rad."""
         return math.radians(self.rest_opening_deg) / 2
+
+    @property
+    def bending_n(self) -> float:
+        """24 EI / b^2, what the four clamped bars of a mesh resist opening with, over an angle, N."""
+        return 24.0 * self.bending_stiffness_n_m2 / self.bar_m**2
 
     @property
     def stretched_radius_m(self) -> float:
@@ -264,7 +363,7 @@ class Drag(Table):
 class Model(Table):
     """How the plan is to be modelled and solved."""
 
-    fidelity: Literal["auto", "meridian", "sector", "globalised", "full"] = "auto"
+    fidelity: Literal["auto", "meridian", "smeared", "sector", "globalised", "full"] = "auto"
     globalisation: Annotated[Whole, Ge(1), Le(1000)] = 1
     """Real meshes merged into one model mesh, each way."""
     bars_per_side: Annotated[Whole, Ge(1), Le(2)] = 1
@@ -275,6 +374,8 @@ class Model(Table):
     """Largest nodal residual over the total load."""
     accuracy: Annotated[Number, Gt(0), Le(0.5)] = 0.01
     """What ``fidelity = "auto"`` may cost: in drag by merging meshes, in openings by leaving weight out; relative."""
+    opening_accuracy_deg: Annotated[Number, Gt(0), Le(90)] | None = None
+    """What it may cost in the mean opening ahead of the catch, where that is what counts: lets ropes be smeared."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -15,6 +15,7 @@ from codend.io.names import as_text
 from codend.plan.plan import Plan
 from codend.report.choice_words import reason_text
 from codend.report.page_tables import results_table, solving_table
+from codend.report.size_words import size_sentences
 from codend.studies.case_result import CaseResult
 from codend.studies.study import Study
 
@@ -93,6 +94,7 @@ def notes(study: Study) -> list[str]:
     found += cautions(study)
     if study.plan.water_is_assumed:
         found.append(f"{sea_water(study.plan)}.")
+    found += size_sentences(study.plan)
     catch = study.plan.catch
     if catch.pressure == "uniform":
         found.append(f"The catch presses with {catch.coefficient:g} times the stagnation pressure on all its netting.")
@@ -111,7 +113,7 @@ def notes(study: Study) -> list[str]:
     if study.plan.catch_density_kg_m3 != study.plan.tow.water_density_kg_m3:
         acts = "presses on the netting" if study.choice.sees_weight else "is left out of this model, as its errors tell"
         found.append(f"The catch is not as dense as the water: its own weight in water {acts}.")
-    if any(section.twine_density_kg_m3 is None for section in study.plan.netting):
+    if any(section.density_kg_m3 is None for section in study.plan.netting):
         found.append("Twine whose density the plan does not give is taken as neutrally buoyant.")
     rigid = [s for s in study.plan.netting if s.knot_m > 0.0 and s.knot_axial_stiffness_n is None]
     if any(section.axial_stiffness_n is not None for section in rigid):
@@ -138,8 +140,9 @@ def cautions(study: Study) -> list[str]:
     of_full_nets = [result for result in study.cases if result.unstable and result.net.order == 1]
     if unstable := _named(of_full_nets, study):
         found.append(
-            f"In balance, but not stable by the pivots of the tangent: {unstable}. At a touch such a net takes another "
-            "shape, often in folds, whose drag, volume and openings can be quite different: no estimate covers that."
+            f"In balance, but not stable by the eigenvalues of the tangent: {unstable}. At a touch such a net takes "
+            "another shape, often in folds, whose drag, volume and openings can be quite different: no estimate covers "
+            "that."
         )
     in_folds = [result for result in study.cases if result.measures.folded_share > FOLDS_WORTH_TELLING]
     if folded := _named(in_folds, study):

@@ -1,6 +1,6 @@
 """Tables of the report page: numbers rounded for reading, each column with its name and unit."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -57,6 +57,9 @@ RESULT_HEADS = {
     "opening_force_ahead_n": Head("Opening force ahead", "N"),
     "max_bar_tension_n": Head("Largest bar tension", "N"),
     "max_strap_tension_n": Head("Largest strap tension", "N"),
+    "max_rope_tension_n": Head("Largest rope tension", "N"),
+    "inside_mesh_mm": Head("Inside mesh ahead", "mm"),
+    "full_mesh_mm": Head("Full mesh ahead", "mm"),
 }
 
 DIGITS = {"speed_m_s": 3, "filled_meshes": 3}
@@ -69,7 +72,9 @@ def results_table(study: Study) -> PageTable:
     told = [name for name in RESULT_HEADS if name in table]
     shown = [name for name in told if table[name].notna().any()]
     cells = [[_case_text(result) for result in study.cases]]
-    cells += [column_text(table[name].to_numpy(dtype=float), digits=DIGITS.get(name, 4)) for name in shown]
+    values = {name: table[name].to_numpy(dtype=float) for name in shown}
+    scale = {name: _in_thousands(name, values[name]) for name in shown}
+    cells += [column_text(values[name] / scale[name][0], digits=DIGITS.get(name, 4)) for name in shown]
     remarks = [
         f"Ahead: mean over the {ROWS_AHEAD} rows of meshes just ahead of the catch. Opening force: the extra pull "
         f"across the short diagonal that brings a mesh, taken as isolated, to an opening of {WANTED_OPENING_DEG:g}°; "
@@ -81,8 +86,14 @@ def results_table(study: Study) -> PageTable:
     missing = [RESULT_HEADS[name].name.lower() for name in told if name not in shown]
     if missing:
         remarks.append(f"Not computed: {'; '.join(missing)}.")
-    heads = (Head("Case"), *(RESULT_HEADS[name] for name in shown))
+    heads = (Head("Case"), *(replace(RESULT_HEADS[name], unit=scale[name][1]) for name in shown))
     return PageTable(heads, _rows(study, cells), tuple(remarks))
+
+
+def _in_thousands(name: str, values: np.ndarray) -> tuple[float, str]:
+    """What a column is divided by, and its unit then: masses from a tonne on are told in tonnes."""
+    unit = RESULT_HEADS[name].unit
+    return (1000.0, "t") if unit == "kg" and np.nanmax(values) >= 1000.0 else (1.0, unit)
 
 
 def solving_table(study: Study) -> PageTable:

@@ -1,5 +1,7 @@
 """The tangent that one harmonic of a sector's net sees: a band, less a product where the front follows the net."""
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
 from codend.mechanics.harmonics import Complex, arnoldi, factorise_complex_band, solve_complex_band
@@ -106,17 +108,45 @@ class HarmonicTangent:
             negative: negative eigenvalues of H.
             basis: Y, (unknowns, moves).
         """
-        sides = [] if basis is None else [*basis.T]
-        held = len(sides)
-        if self.front is not None:
-            sides += self.front
-        corner = np.zeros((len(sides), len(sides)))
-        if self.front is not None:
-            corner[-1, -2] = corner[-2, -1] = 2.0
-        whole = np.array(sides, dtype=complex)
-        factors, solved = HarmonicTangent(0.5 * (self.band + self._adjoint()))._factors(0.0), whole.copy()
-        for side in solved:
-            solve_complex_band(factors, side)
-        schur = corner - np.einsum("ji,ki->jk", whole.conj(), solved)
-        below_0 = np.count_nonzero(np.linalg.eigvalsh(0.5 * (schur + schur.conj().T)) < 0.0)
-        return negative + int(below_0) - held - (0 if self.front is None else 1)
+        factors = HarmonicTangent(0.5 * (self.band + self._adjoint()))._factors(0.0)
+
+        def solve(sides: Complex) -> Complex:
+            solved = sides.copy()
+            for side in solved:
+                solve_complex_band(factors, side)
+            return solved
+
+        return negative_beside(negative, solve, basis, () if self.front is None else (self.front,))
+
+
+def negative_beside(
+    negative: int,
+    solve: Callable[[Complex], Complex],
+    basis: Complex | None,
+    products: Sequence[tuple[Floats, Floats]],
+) -> int:
+    """Number of negative eigenvalues of the Hermitian part of a tangent, by those of its part without some products.
+
+    With H the Hermitian part of B, U = (Y, u, v, ...) of the orthonormal basis Y and the products, and C zero but for 2
+    between each u and v, (H, U; U^H, C) has as many negative eigenvalues as are sought, and one more a column of Y and
+    a product. They are those of H and of C - U^H H^-1 U (Haynsworth 1968, Linear Algebra Appl. 1, 73-81).
+
+    Args:
+        negative: negative eigenvalues of H.
+        solve: H^-1 times the rows of a matrix, (sides, unknowns).
+        basis: Y, (unknowns, moves); only moves at right angles to it are asked.
+        products: u and v of each u v^T that the tangent is less than B, (unknowns,).
+    """
+    sides = [] if basis is None else [*basis.T]
+    held = len(sides)
+    if not sides and not products:
+        return negative
+    corner = np.zeros((held + 2 * len(products),) * 2)
+    for number, pair in enumerate(products):
+        u = held + 2 * number
+        corner[u, u + 1] = corner[u + 1, u] = 2.0
+        sides += pair
+    whole = np.array(sides, dtype=complex)
+    schur = corner - np.einsum("ji,ki->jk", whole.conj(), solve(whole))
+    below_0 = np.count_nonzero(np.linalg.eigvalsh(0.5 * (schur + schur.conj().T)) < 0.0)
+    return negative + int(below_0) - held - len(products)

@@ -80,8 +80,12 @@ def harmonics_of(problem: Problem, solution: Solution, ring: Ring) -> Harmonics:
     left half-plane are found.
     """
     _linearise(problem, solution, ring)
-    scale = float(solution.bar_tension.mean()) / float(problem.structure.length.mean())
-    return growing_harmonics(ring, scale)
+    return growing_harmonics(ring, stiffness_under_tension(problem, solution))
+
+
+def stiffness_under_tension(problem: Problem, solution: Solution) -> float:
+    """Stiffness of a bar against moves across it, N/m, in the mean."""
+    return float(solution.bar_tension.mean()) / float(problem.structure.length.mean())
 
 
 def growing_harmonics(ring: Ring, scale: float) -> Harmonics:

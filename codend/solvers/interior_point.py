@@ -17,7 +17,7 @@ from codend.mechanics.problem import Problem
 from codend.solvers import newton
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import reference_tension
-from codend.solvers.newton import DIRECT, Prepared
+from codend.solvers.newton import DIRECT, FIRST_SHIFT, LARGEST_SHIFT, Prepared
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
 METHOD = "interior point"
@@ -135,7 +135,7 @@ def _lower_the_barrier(
         if size > 0.5 and shift == 0.0:
             lowered = steps
             barrier = max((LOWERED if size > 0.9 else LOWERED_WARILY) * barrier, last_barrier)
-        shift = 0.1 * shift if shift > DIRECT.first_shift else 0.0
+        shift = 0.1 * shift if shift > FIRST_SHIFT else 0.0
         newton_step.take(structure, loading, tension, 1.0, barrier, size, state, state, step, new)
         state, new = new, state
     close = barrier <= last_barrier and state.residual <= tolerance
@@ -158,6 +158,6 @@ def _step(
             solved = system.solve(step.right[:sides])
             _, asked, determinant = newton_step.finish_step(structure, state, state, solved, step)
             turn = float(asked) if determinant > 0.0 else np.inf
-        if turn <= FARTHEST_TURN or shift >= DIRECT.largest_shift:
+        if turn <= FARTHEST_TURN or shift >= LARGEST_SHIFT:
             return turn, shift
-        shift = max(10.0 * shift, DIRECT.first_shift)
+        shift = max(10.0 * shift, FIRST_SHIFT)

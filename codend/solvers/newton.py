@@ -3,8 +3,9 @@
 A step is shortened until the move that the old tangent still asks for at its end is shorter than the step (natural
 monotonicity: Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3). Where pivots are negative far from
 an equilibrium, a banded tangent is shifted until they are positive, which leads away from unstable equilibria. It does
-not keep off them: a start may be one, and of wide nets the pivots are not known on the way. ``tangent_at`` tells
-afterwards. Twine that would be compressed goes slack on the way; an answer with bars in compression is refused.
+not keep off them: a start may be one, and of wide nets the pivots are not known on the way. The tangent there tells
+afterwards (``harmonics``, ``whole_tangent``). Twine that would be compressed goes slack on the way; an answer with
+bars in compression is refused.
 """
 
 from dataclasses import dataclass, replace
@@ -30,9 +31,17 @@ CLEAR_FALL = 0.1
 """Fall of the merit at which a step is taken without the test of monotonicity."""
 ROUND_OFF = 1e-9
 """Compression of a bar, over the reference tension, up to which it carries nothing but round-off."""
+LARGEST_TURN = 1.0
+"""Largest change of a taut bar's vector in one step, over its length."""
+SHORTEST_STEP = 0.01
+"""Fraction of a step below which the tangent is shifted instead."""
+FIRST_SHIFT, LARGEST_SHIFT = 1e-4, 1e3
+"""In units of the stiffness that the reference tension gives the nodes; each next one is ten times as large."""
+ROUGH_STEPS = 20_000
+"""Steps of a relaxation to start from."""
 NEUTRAL = 1e-6
-"""Shift, as ``NewtonSettings.first_shift``, under which pivots are counted: behind a neck that has closed the bag turns
-about its axis for nothing, and round-off would give that pivot either sign."""
+"""Shift, as ``FIRST_SHIFT``, under which stability is asked: behind a neck that has closed the bag turns
+about its axis for nothing, and round-off would give that eigenvalue either sign."""
 
 
 @dataclass(frozen=True)
@@ -48,17 +57,9 @@ class NewtonSettings:
     """Made even from a start within the tolerance, which is one of single nodes: a small load on all hides below it."""
     refuses: bool = True
     """Whether an answer is held to what answers are refused for; needless a step from one that was."""
-    largest_turn: float = 1.0
-    """Largest change of a taut bar's vector in one step, over its length."""
-    shortest_step: float = 0.01
-    """Fraction of a step below which the tangent is shifted instead."""
-    first_shift: float = 1e-4
-    """In units of the stiffness that the reference tension gives the nodes; each next one is ten times as large."""
-    largest_shift: float = 1e3
     rough_starts: tuple[tuple[float, float], ...] = ((2.5e-3, 30.0), (2.5e-4, 100.0), (2.5e-5, 1000.0))
     """Relaxations to start from, in order, where no start is given or it leads nowhere: the residual, and the axial
     stiffness that stands in for inextensible bars, in units of the reference tension."""
-    rough_steps: int = 20_000
 
 
 DIRECT = NewtonSettings(rough_starts=())
@@ -127,7 +128,7 @@ def _solve(run: "_Iterations", tolerance: float, start: Solution | None) -> Solu
     with Clock() as clock:
         while True:
             if start is None:
-                start, note = rough_shape(run.problem, *waiting.pop(0), settings.rough_steps)
+                start, note = rough_shape(run.problem, *waiting.pop(0), ROUGH_STEPS)
                 attempts.append(note)
             outcome = run.from_start(start, tolerance, switches, attempts)
             if outcome.balanced or not waiting:
@@ -158,13 +159,9 @@ class TangentAtEquilibrium:
     """The equilibrium."""
     prepared: Prepared
     """With the factors, until something else is solved with it."""
-    negative_pivots: int
-    """0 where the equilibrium is stable, -1 if the tangent is singular.
-
-    Of a symmetric tangent they are as many as its negative eigenvalues. Loads that follow the net make it unsymmetric:
-    then an odd number, a negative determinant, still proves the equilibrium unstable, and an even one is a sign. Those
-    of a sector tell of moves that are the same in all sectors.
-    """
+    products: int
+    """By how many products of two vectors a front that follows the net adds to the tangent."""
+    singular: bool
 
 
 def tangent_at(problem: Problem, solution: Solution, prepared: Prepared) -> TangentAtEquilibrium:
@@ -175,12 +172,7 @@ def tangent_at(problem: Problem, solution: Solution, prepared: Prepared) -> Tang
     sides = newton_step.linearise(
         problem.structure, problem.loading, prepared.pattern, run.tension, NEUTRAL, 0.0, run.state, step
     )
-    if system.factorise(step.blocks) == -1:
-        return TangentAtEquilibrium(problem, solution, prepared, -1)
-    # a front that follows the net adds a product to the tangent, and with it the sign of one more factor
-    turned = newton_step.combine(system.solve(step.right[:sides]), step, step.move) <= 0.0
-    negative = system.negative_pivots()
-    return TangentAtEquilibrium(problem, solution, prepared, negative + int(turned) if negative >= 0 else -1)
+    return TangentAtEquilibrium(problem, solution, prepared, sides - 1, system.factorise(step.blocks) == -1)
 
 
 def solve_nearby(problem: Problem, tolerance: float, start: Solution, tangent: TangentAtEquilibrium) -> Solution:
@@ -265,10 +257,10 @@ class _Iterations:
                 if self._advance(0.0, tolerance, fresh=False):
                     continue
             while not self._advance(shift, tolerance):
-                shift = max(10.0 * shift, settings.first_shift)
-                if shift > settings.largest_shift:
+                shift = max(10.0 * shift, FIRST_SHIFT)
+                if shift > LARGEST_SHIFT:
                     return Outcome.SINGULAR if self.singular else Outcome.NOT_IMPROVING
-            shift = 0.1 * shift if shift > settings.first_shift else 0.0
+            shift = 0.1 * shift if shift > FIRST_SHIFT else 0.0
 
     def _set_start(self, start: Solution | None, switch: float) -> None:
         state, structure = self.state, self.structure
@@ -292,7 +284,7 @@ class _Iterations:
 
     def _advance(self, shift: float, tolerance: float, fresh: bool = True) -> bool:
         """Take one step with the tangent shifted; False if no good one was found."""
-        system, settings = self.prepared.system, self.settings
+        system = self.prepared.system
         iteration = Iteration(
             structure=self.structure,
             loading=self.loading,
@@ -300,8 +292,8 @@ class _Iterations:
             tension=self.tension,
             switch=self.switch,
             limits=Limits(
-                settings.largest_turn,
-                settings.shortest_step,
+                LARGEST_TURN,
+                SHORTEST_STEP,
                 CLEAR_FALL,
                 system.worthwhile_fall,
                 tolerance,

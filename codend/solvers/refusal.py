@@ -74,7 +74,7 @@ def touching_m(problem: Problem) -> float:
 def _rings(problem: Problem, position: Floats, touching: float) -> Refusal | None:
     """What the rings of knots of a bag tell: turned against each other, or crossing themselves."""
     structure, catch = problem.structure, problem.loading.catch
-    turns, band = band_turns(position, structure, catch)
+    turns, band = band_turns(position, structure, catch, problem.rings)
     if band >= 0:
         return Refusal(Outcome.PASSED_THROUGH, f"band {band + 1} of {problem.bands} at the axis")
     turn = float(turns.sum())

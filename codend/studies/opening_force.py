@@ -16,7 +16,7 @@ import numpy as np
 from codend.bag.bag import Bag, around, mesh_corners
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
-from codend.bag.measures import WANTED_OPENING_DEG, measure_meshes, mesh_openings, opening_force
+from codend.bag.measures import WANTED_OPENING_DEG, measure_meshes, mesh_opening_force, mesh_openings
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.accuracy import SAFETY
 from codend.equilibrium.bag_model import model_of
@@ -128,7 +128,7 @@ def pull_mesh(
     if not solution.report.outcome.converged:
         return pull
     meshes = measure_meshes(bag, problem, solution)
-    alone = opening_force(meshes.bar_tension_n, meshes.opening_deg, wanted_deg)
+    alone = mesh_opening_force(bag, meshes.bar_tension_n, meshes.opening_deg, wanted_deg)
     place = bag.mesh_place[bag.mesh_row]
     ahead = place <= float((1.0 - solution.share) @ bag.band_meshes)
     if meshes_from_entry is not None:

@@ -97,7 +97,8 @@ def solve(
                 keep(result)
         return Study(plan, choice, tuple(done_cases))
     check_room(plan, choice)
-    model = model_of(plan, choice.globalisation, choice.sectors, choice.near)
+    smeared = choice.fidelity == "smeared"
+    model = model_of(plan, choice.globalisation, choice.sectors, smeared, choice.near)
     cases = plan.cases()
     known: list[tuple[Case, Solution]] = []
     results: dict[int, CaseResult] = {}

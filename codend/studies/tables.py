@@ -13,6 +13,8 @@ from codend.io.columns import (
     OPENING_FORCE_COLUMNS,
     PROFILE_COLUMNS,
     RESULT_COLUMNS,
+    ROPE_COLUMNS,
+    SIZES,
     STRAP_COLUMNS,
 )
 from codend.plan.plan import Plan
@@ -28,7 +30,7 @@ def opening_force_table(pulls: Sequence[Pull]) -> pd.DataFrame:
 
 def results_table(plan: Plan, fidelity: str, cases: Sequence[CaseResult]) -> pd.DataFrame:
     """A row a case; nan where a case was not solved, but for what the case asked for."""
-    columns = RESULT_COLUMNS + (STRAP_COLUMNS if plan.strap else [])
+    columns = RESULT_COLUMNS + (STRAP_COLUMNS if plan.strap else []) + (ROPE_COLUMNS if plan.rope else [])
     return pd.DataFrame([_result_row(plan, fidelity, result) for result in cases], columns=columns)
 
 
@@ -54,7 +56,24 @@ def _result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, obje
         "growing_harmonics": (result.stability and ranges_text(result.stability.growing)) or float("nan"),
         "sector_order": result.net.order,
         "sector_meshes": round(max(section.meshes_round for section in plan.netting) / result.net.order),
+        **_sizes_ahead(plan, float(measures["filled_meshes"])),
     }
+
+
+def _sizes_ahead(plan: Plan, filled_meshes: float) -> dict[str, float]:
+    """Size of the meshes just ahead of the front, or of the foremost ones; nan where the front is not known."""
+    if not np.isfinite(filled_meshes):
+        return dict.fromkeys(SIZES, float("nan"))
+    ends = np.cumsum([part.meshes_long for part in plan.netting])
+    section = plan.netting[int(np.searchsorted(ends, max(ends[-1] - filled_meshes, 0.5)))]
+    return dict(zip(SIZES, (1000.0 * section.inside_mesh_m, 1000.0 * section.full_mesh_m), strict=True))
+
+
+def _sizes(plan: Plan, names: NDArray[np.object_]) -> dict[str, NDArray[np.float64]]:
+    """Size of the meshes of sections, by the sections' names."""
+    number = {name: i for i, name in enumerate(plan.section_names)}
+    found = 1000.0 * np.array([(part.inside_mesh_m, part.full_mesh_m) for part in plan.netting])
+    return dict(zip(SIZES, found[[number[name] for name in names]].T, strict=True))
 
 
 def profile_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
@@ -67,6 +86,7 @@ def profile_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
                 "section": sections_of_rows(plan, r.bag.globalisation),
                 "meshes_from_entry": r.bag.row_place,
                 **asdict(r.rows),
+                **_sizes(plan, sections_of_rows(plan, r.bag.globalisation)),
             }
         )
         for r in cases
@@ -97,6 +117,7 @@ def mesh_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
                     "bar_tension_n": result.meshes.bar_tension_n,
                     "opening_force_n": result.meshes.opening_force_n,
                     "pressure_pa": result.meshes.pressure_pa,
+                    **_sizes(plan, sections_of_rows(plan, result.bag.globalisation)[row]),
                 }
             )
         )

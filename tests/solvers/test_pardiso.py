@@ -32,7 +32,7 @@ def test_wide_nets_fall_back_on_superlu(problem, monkeypatch):
 
 
 @needs_pardiso
-def test_it_solves_what_superlu_solves_and_counts_its_pivots_for_one_pattern_and_many_values(problem):
+def test_it_solves_what_superlu_solves_for_one_pattern_and_many_values(problem):
     structure, pattern = problem.structure, pattern_of(problem.structure)
     unknown = _band_numbering(structure, pattern)
     row, column = _scalar_places(pattern, unknown)
@@ -44,8 +44,6 @@ def test_it_solves_what_superlu_solves_and_counts_its_pivots_for_one_pattern_and
         blocks[pattern.diagonal] += shift * np.eye(3)
         assert ours.factorise(blocks) == theirs.factorise(blocks) == 0
         expected = theirs.solve(right)
-        np.testing.assert_allclose(ours.solve(right), expected, atol=1e-9 * np.abs(expected).max())
-        assert ours.negative_pivots() == theirs.negative_pivots()
         np.testing.assert_allclose(ours.solve(right), expected, atol=1e-9 * np.abs(expected).max())
     blocks[:] = 0.0
     assert ours.factorise(blocks) == -1

@@ -128,11 +128,32 @@ def test_the_turns_of_the_bands_add_up_to_that_of_the_net(mesh, netting, sectors
     turn, share = 2.5, np.clip(solution.positions[:, 0] / solution.positions[:, 0].max() / 0.9, 0.0, 1.0)
     across = (solution.positions[:, 1] + 1j * solution.positions[:, 2]) * np.exp(1j * turn * share)
     wrung = np.stack([solution.positions[:, 0], across.real, across.imag], axis=1)
-    turns, through = band_turns(wrung, problem.structure, problem.loading.catch)
+    turns, through = band_turns(wrung, problem.structure, problem.loading.catch, problem.rings)
     assert through == -1
     assert turns.sum() == pytest.approx(turn, rel=0.05)
     assert passage(problem, wrung).outcome is Outcome.WRUNG
-    assert abs(band_turns(solution.positions, problem.structure, problem.loading.catch)[0].sum()) < 1e-6
+    turns, _ = band_turns(solution.positions, problem.structure, problem.loading.catch, problem.rings)
+    assert abs(turns.sum()) < 1e-6
+
+
+@pytest.mark.parametrize(("mesh", "netting"), KINDS)
+@pytest.mark.parametrize("sectors", [1, 2, None])
+@pytest.mark.parametrize("turn", [0.0, 40.0, 180.0])
+def test_beyond_a_ring_drawn_together_to_a_point_a_net_is_as_it_was_or_has_gone_through_its_axis(
+    mesh, netting, sectors, turn
+):
+    """A full net was once called sound whose knots had met in one point and gone on beyond."""
+    bag, problem, solution = solved(mesh, netting, sectors)
+    rows = bag.node_row
+    across = solution.positions[:, 1] + 1j * solution.positions[:, 2]
+    across[rows == 4] *= 1e-10 * np.exp(2j * np.pi * np.random.default_rng(1).random(np.count_nonzero(rows == 4)))
+    across[solution.positions[:, 0] > solution.positions[rows == 4, 0].mean() + 1e-3] *= np.exp(1j * np.radians(turn))
+    drawn = np.stack([solution.positions[:, 0], across.real, across.imag], axis=1)
+    turns, through = band_turns(drawn, problem.structure, problem.loading.catch, problem.rings)
+    assert through == -1
+    assert np.degrees(abs(turns.sum())) == pytest.approx(turn, abs=0.01)
+    refused = passage(problem, drawn)
+    assert (refused is not None and refused.outcome is Outcome.WRUNG) == (turn == 180.0)
 
 
 def full_net(mesh, **entries):

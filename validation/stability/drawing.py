@@ -16,6 +16,7 @@ COLOURS = {
     Finding.RIGHT: "#0072b2",
     Finding.RESCUED: "#8cc5e3",
     Finding.ANOTHER: "#f0c94c",
+    Finding.UNSTABLE: "#b59ad6",
     Finding.FAILED: "#ece7d8",
     Finding.WRONG: "#d55e00",
 }
@@ -24,6 +25,7 @@ NAMES = {
     Finding.RIGHT: "right at once",
     Finding.RESCUED: "right after a fall-back",
     Finding.ANOTHER: "another equilibrium",
+    Finding.UNSTABLE: "told unstable",
     Finding.FAILED: "honest failure",
     Finding.WRONG: "WRONG ANSWER",
 }

@@ -13,6 +13,7 @@ import numpy as np
 
 from codend.bag.bag import Bag
 from codend.bag.measures import measure_all
+from codend.equilibrium.stability import stability_of_whole
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
 from codend.solvers import dynamic_relaxation, newton
@@ -33,6 +34,7 @@ class Finding(Enum):
     RIGHT = "Right at once: the equations hold, and drag, volume and shape are those of the reference."
     RESCUED = "Right after a fall-back: an attempt failed and said so, a later one found the answer."
     ANOTHER = "Another equilibrium: exact, stable and sound, but not that of the reference; the plan has two."
+    UNSTABLE = "Unstable, and told so: exact and sound, but no net stays there, and its row says `stable = no`."
     FAILED = "Honest failure: it says that it did not converge, why, and gives no numbers."
     WRONG = "WRONG ANSWER: it says converged, but the equations or the reference contradict it."
 
@@ -140,12 +142,17 @@ def judge(reference: Reference, solution: Solution, tolerance: float) -> Judgeme
         if there
     ]
     away = not ratio.max() <= 1.0
-    if away and not faults and not all(is_stable(problem, s) for s in (solution, reference.solution)):
-        faults.append("off the reference, and one of the two is unstable")
+    stays = not away or is_stable(problem, solution)
+    if away and not faults and not is_stable(problem, reference.solution):
+        faults.append("off the reference, which is unstable")
+    if not stays and not faults and not _told_unstable(problem, solution):
+        faults.append("off the reference, unstable, and not told so")
     failed = [o.value for o in Outcome if not o.converged]
     rescued = any(sentence in line for line in report.attempts[:-1] for sentence in failed)
     if faults:
         finding = Finding.WRONG
+    elif not stays:
+        finding = Finding.UNSTABLE
     elif away:
         finding = Finding.ANOTHER
     else:
@@ -158,6 +165,12 @@ def judge_alone(solution: Solution, why: str) -> Judgement:
     numbers = np.isfinite(solution.positions).any() or np.isfinite(solution.bar_tension).any()
     finding = Finding.WRONG if numbers else Finding.FAILED
     return Judgement(finding, np.nan, np.nan, float(solution.report.residual), why if numbers else "")
+
+
+def _told_unstable(problem: Problem, solution: Solution) -> bool:
+    """Whether the product says of a net in balance that it is not stable."""
+    tangent = newton.tangent_at(problem, solution, newton.prepare(problem.structure, problem.bands))
+    return stability_of_whole(tangent) == "no"
 
 
 def _same_catch(problem: Problem, share: Floats) -> bool:

@@ -34,6 +34,8 @@ def why_not_exactly(plan: Plan) -> str:
         return reason
     if plan.netting[0].bending_stiffness_n_m2 > 0.0:
         return "it knows no bending stiffness"
+    if plan.rope:
+        return "it knows no ropes"
     return "it knows no straps" if plan.strap else ""
 
 
@@ -121,7 +123,7 @@ def tensions_on(bag: Bag, shape: MeridianShape, globalisation: int = 1) -> Float
     across = bag.node_row[bag.net.bars[:, 0]] == bag.node_row[bag.net.bars[:, 1]]
     knot_tension = 2.0 * tension * np.where(across, np.sin(phi), np.cos(phi))
     tension = np.where(bag.bar_is_twine, tension, knot_tension)
-    tension[bag.straps] = 0.0
+    tension[bag.straps] = tension[bag.ropes] = 0.0
     return tension
 
 
@@ -142,7 +144,7 @@ def problem_for(plan: Plan, case: Case, front_row: float) -> MeridianProblem:
         meshes_round=section.meshes_round,
         half_mesh_rows=_rows(plan),
         bar_m=section.bar_m,
-        entry_radius_m=plan.entry.radius_m,
+        entry_radius_m=plan.entry_radius_m,
         front_row=max(front_row, 0.0),
         stagnation_pressure_pa=0.5 * plan.tow.water_density_kg_m3 * case.speed_m_s**2,
         pressure_law=pressure_law_of(plan),

@@ -16,6 +16,7 @@ from codend.io.input_table import InputTable
 from codend.io.run_tables import read_run_table, solved_cases
 from codend.plan.plan import Netting, Plan, load_plan
 from codend.selectivity.escape.penetration import SHAPES, Holes
+from codend.selectivity.escape.yielding import held_by_neighbours, load_along
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -99,16 +100,6 @@ def read_run(folder: str | Path) -> Run:
         read_run_table(folder / "profile.csv", OF_ROWS),
         read_run_table(meshes, OF_MESHES) if meshes.exists() else pd.DataFrame(columns=list(OF_MESHES)),
     )
-
-
-def inside_mesh_m(section: Netting) -> float:
-    """Stretched inside opening of a mesh: full mesh less one knot, or 2 (b - w) where the plan gives no knot, m."""
-    return 2.0 * clear_bar_m(section) + section.knot_m
-
-
-def clear_bar_m(section: Netting) -> float:
-    """Length of a bar that no twine crosses, m; see ``codend.selectivity.escape.penetration``."""
-    return section.bar_m if section.knot_m > 0.0 else section.bar_m - section.drag_width_m
 
 
 def catches_of(run: Run, most_rows: float) -> list[Catch]:
@@ -201,7 +192,7 @@ def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, mer
 def _holes(sections: list[Netting], meshes: pd.DataFrame, radius_m: Floats) -> Holes:
     row = meshes["row"].to_numpy(dtype=int)
     half = 0.5 * np.radians(meshes["opening_deg"].to_numpy(dtype=float))
-    bar = np.array([clear_bar_m(s) for s in sections])
+    bar = np.array([s.clear_bar_m for s in sections])
     width = np.array([s.drag_width_m for s in sections])
     around = np.array([s.meshes_round for s in sections])
     # the chord between two meridional bars, which a bar across them bounds
@@ -209,7 +200,18 @@ def _holes(sections: list[Netting], meshes: pd.DataFrame, radius_m: Floats) -> H
     shape = np.array([SHAPES[s.kind.hole] for s in sections], dtype=np.int64)
     rectangle = shape == SHAPES["rectangle"]
     across = np.where(rectangle, np.clip(between - width, 0.0, bar), bar)
-    # half of a square mesh's bars run along the netting, and bear nearly all there is
-    along = np.where(rectangle, 1.0, np.cos(half))
-    load = 2.0 * meshes["bar_tension_n"].to_numpy(dtype=float) * along
-    return Holes(shape, bar, np.array([s.knot_m for s in sections]), half, across, load)
+    bending, rest = np.array([s.bending_n for s in sections]), np.array([s.rest_half_angle_rad for s in sections])
+    stretch = np.array([np.inf if s.axial_stiffness_n is None else s.axial_stiffness_n for s in sections])
+    tension = meshes["bar_tension_n"].to_numpy(dtype=float)
+    load = load_along(tension, half, bending, rest)
+    knot = np.array([s.knot_m for s in sections])
+    held = held_by_neighbours(
+        tension,
+        half,
+        np.where(rectangle, np.inf, stretch),
+        bending,
+        rest,
+        knot / np.array([s.bar_m for s in sections]),
+        shape == SHAPES["rhombus, knots across"],
+    )
+    return Holes(shape, bar, knot, half, across, load, bending, rest, *held)

@@ -18,8 +18,8 @@ RHOMBUS_KNOTS_ALONG, RHOMBUS_KNOTS_ACROSS, RECTANGLE = range(3)
 GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)
 FINE: Final = 40
 """Steps of bisection and of golden-section search by which a single answer is refined."""
-ROTATIONS, OPENINGS = 15, 30
-"""Intervals in which the best rotation and the ideal openings are looked for before they are refined."""
+ROTATIONS, OPENINGS = 5, 30
+"""Intervals in which the best rotation, between turning points, and the ideal openings are looked for."""
 IDEALS: Final = 4
 """Most ideal openings of a netting that are kept; ellipses in a rhombus have two."""
 
@@ -40,13 +40,10 @@ class Hole(NamedTuple):
     knot: float
     across: float
     load: float
-
-
-class Effort(NamedTuple):
-    """Force of a fish's push, N, and steps of refinement in the search for the best rotation."""
-
-    push: float
-    steps: int
+    bending: float
+    rest: float
+    held_across: float
+    held_along: float
 
 
 @njit(cache=True, nogil=True)
@@ -93,8 +90,8 @@ def best_rotation(hole: Hole, phi: float, fish: Fish, steps: int) -> float:
 
     The least of several functions is largest where one of them is, or where two of them cross. The first is known, at
     the least supports: along an axis of the section, or for n < 2 at tan t = (a / b)^(q / (q - 2)) between them. So is
-    the second for ellipses; for other sections it is looked for in intervals and found by bisection. The second pair of
-    sides mirrors the first, or lies on an axis, and has no maximum of its own.
+    the second for ellipses; for other sections it is looked for in intervals between the curves' turning points and
+    found by bisection. The second pair of sides mirrors the first, or lies on an axis, and has no maximum of its own.
     """
     quarter = 0.5 * math.pi
     sides = sides_of(hole, phi)
@@ -114,23 +111,48 @@ def best_rotation(hole: Hole, phi: float, fish: Fish, steps: int) -> float:
             length = min(_by_side(sides, fish, tried))
             if length > value:
                 best, value = tried, length
-    width = quarter / ROTATIONS
     for one, two in ((0, 1), (0, 2), (1, 2)):
         # ellipses: the two roots for the first and third pair mirror those for the second and third, and the mirrored
         # sides of knotted netting cross at 0 and at 90 degrees only
         known = fish.n == 2.0 and (one == 1 or (two == 1 and hole.shape != RECTANGLE))
         if known or sides[2 * two + 1] == math.inf:
             continue
-        for k in range(ROTATIONS if fish.n != 2.0 else 2):
-            if fish.n == 2.0:
-                tried = _crossing_of_ellipse(sides, fish, one, two, k)
-            else:
-                tried = _crossing(sides, fish, one, two, k * width, steps)
+        if fish.n != 2.0:
+            ends = _turning_points(sides, fish, one, two, between)
+            for k in range(ROTATIONS * (len(ends) - 1)):
+                left, right = ends[k // ROTATIONS], ends[k // ROTATIONS + 1]
+                width = (right - left) / ROTATIONS
+                left += width * (k % ROTATIONS)
+                tried = _crossing(sides, fish, one, two, left, left + width, steps) if width > 0.0 else math.nan
+                if not math.isnan(tried):
+                    length = min(_by_side(sides, fish, tried))
+                    if length > value:
+                        best, value = tried, length
+            continue
+        for k in range(2):
+            tried = _crossing_of_ellipse(sides, fish, one, two, k)
             if not math.isnan(tried):
                 length = min(_by_side(sides, fish, tried))
                 if length > value:
                     best, value = tried, length
     return best
+
+
+@njit(cache=True, nogil=True)
+def _turning_points(sides: Sides, fish: Fish, one: int, two: int, between: float) -> NDArray[np.float64]:
+    """Rotations from 0 to 90 degrees between which what either pair of sides lets through only rises or only falls.
+
+    Two curves can cross twice close to a turning point of one of them, where even intervals would see no crossing.
+    """
+    found, count = np.empty(18), 2
+    found[0], found[1] = 0.0, 0.5 * math.pi
+    for side in (one, two):
+        for turned in (0.0, 0.5 * math.pi, between, -between):
+            angle = (sides[2 * side] - turned) % math.pi
+            if 0.0 < angle < 0.5 * math.pi:
+                found[count] = angle
+                count += 1
+    return np.sort(found[:count])
 
 
 @njit(cache=True, nogil=True)
@@ -152,9 +174,8 @@ def _crossing_of_ellipse(sides: Sides, fish: Fish, one: int, two: int, root: int
 
 
 @njit(cache=True, nogil=True)
-def _crossing(sides: Sides, fish: Fish, one: int, two: int, left: float, steps: int) -> float:
-    """The same for any section, by bisection in one interval from ``left`` on; nan where there is none in it."""
-    right = left + 0.5 * math.pi / ROTATIONS
+def _crossing(sides: Sides, fish: Fish, one: int, two: int, left: float, right: float, steps: int) -> float:
+    """The same for any section, by bisection in an interval; nan where it holds no crossing or two."""
     at_left, at_right = _by_side(sides, fish, left), _by_side(sides, fish, right)
     rising = at_left[one] < at_left[two]
     if (at_right[one] < at_right[two]) == rising:
@@ -212,26 +233,3 @@ def _highest(hole: Hole, fish: Fish, rotation: float, steps: int, left: float) -
             two = left + GOLDEN * (right - left)
             at_two = longest_at(hole, two, fish, rotation, steps)
     return one if at_one > at_two else two
-
-
-@njit(cache=True, nogil=True)
-def best_opening(
-    hole: Hole, phi: float, fish: Fish, rotation: float, effort: Effort, ideals: NDArray[np.float64]
-) -> float:
-    """Half opening angle within reach of a fish's push that lets the longest one through, at a rotation or the best.
-
-    It is one of the netting's ``ideal_openings`` that lies within reach, or an end of the reach.
-    """
-    if effort.push <= 0.0 or hole.shape == RECTANGLE:
-        return phi
-    load_across = hole.load * math.tan(phi)
-    lowest = math.atan2(load_across, hole.load + effort.push)
-    highest = math.atan2(load_across + effort.push, hole.load)
-    best, value = phi, longest_at(hole, phi, fish, rotation, effort.steps)
-    for k in range(-2, len(ideals)):
-        tried = lowest if k == -2 else highest if k == -1 else ideals[k]
-        if lowest <= tried <= highest:  # false for nan
-            length = longest_at(hole, tried, fish, rotation, effort.steps)
-            if length > value:
-                best, value = tried, length
-    return best

@@ -18,10 +18,8 @@ length, so that the stretched inside opening, as a gauge measures it, is the ful
 Where it gives none, bars run from crossing to crossing and lose half a twine's width at each end: clear bar
 b - w, m_i = 2 (b - w), with w the width of all the bar's twines side by side. Exact for a square of crossing twines.
 
-A mesh that yields. A mesh carries the load P along the netting and Q = P tan(phi) across it. A fish that pushes with
-the force F across or along changes tan(phi) = Q / P to (Q + F) / P or Q / (P + F) (derived from the equilibrium of a
-rhombus of four bars; the first is ``codend.bag.measures.opening_force``), and it takes the opening in between that
-suits it best. Square mesh is taken as rigid, and so is every mesh for F = 0.
+How far a mesh yields to a fish that pushes stands in ``codend.selectivity.escape.yielding``. Square mesh is taken as
+rigid, and so is every mesh for a push of 0.
 """
 
 from __future__ import annotations
@@ -41,14 +39,13 @@ from codend.selectivity.escape.passage_kernels import (
     RECTANGLE,
     RHOMBUS_KNOTS_ACROSS,
     RHOMBUS_KNOTS_ALONG,
-    Effort,
     Fish,
     Hole,
-    best_opening,
     ideal_openings,
     longest_at,
     sides_of,
 )
+from codend.selectivity.escape.yielding_kernels import Effort, best_opening
 
 Floats = NDArray[np.float64]
 
@@ -76,6 +73,13 @@ class Holes:
     """Clear distance between the meridional bars of rectangles; without meaning for others."""
     load_n: Floats
     """Load P along the netting that a mesh carries."""
+    bending_n: Floats
+    """24 EI / b^2 of its bars."""
+    rest_rad: Floats
+    """Half the opening at which bending is at rest."""
+    held_across: Floats
+    held_along: Floats
+    """By how many times the netting around it makes a mesh harder to open, and to close; 1 for a mesh alone."""
 
     @classmethod
     def of(
@@ -86,12 +90,19 @@ class Holes:
         *,
         knot_m: ArrayLike = 0.0,
         load_n: ArrayLike = 0.0,
+        bending_n: ArrayLike = 0.0,
+        rest_deg: ArrayLike = 0.0,
+        held_across: ArrayLike = 1.0,
+        held_along: ArrayLike = 1.0,
     ) -> Holes:
         """Meshes of one kind, the other arguments broadcast; square ones are as wide as their bars are long."""
-        bar, opening, knot, load = np.broadcast_arrays(*map(np.atleast_1d, (bar_m, opening_deg, knot_m, load_n)))
-        half = np.radians(opening.astype(float)) / 2.0
+        given = (bar_m, opening_deg, knot_m, load_n, bending_n, rest_deg, held_across, held_along)
+        bar, opening, knot, load, bending, rest, *held = (
+            a.astype(float) for a in np.broadcast_arrays(*map(np.atleast_1d, given))
+        )
         shape = np.full(bar.shape, SHAPES[KINDS[mesh].hole])
-        return cls(shape, *(a.astype(float) for a in (bar, knot, half, bar, load)))
+        half, rest = np.radians(opening) / 2.0, np.radians(rest) / 2.0
+        return cls(shape, bar, knot, half, bar, load, bending, rest, *held)
 
 
 def longest_through_rhombus(
@@ -113,7 +124,13 @@ def longest_through_rhombus(
 
 
 def longest_fish(
-    holes: Holes, section: FishSection, *, rotation_deg: float | None = None, push_force_n: float = 0.0
+    holes: Holes,
+    section: FishSection,
+    *,
+    rotation_deg: float | None = None,
+    push_force_n: float = 0.0,
+    push_exponent: float = 0.0,
+    push_length_m: float = 0.3,
 ) -> Floats:
     """Longest fish that passes each mesh, m, (k,).
 
@@ -121,23 +138,26 @@ def longest_fish(
         holes: the meshes.
         section: of a fish of length 1.
         rotation_deg: angle between the fish's height and the netting's axis; None: the best there is.
-        push_force_n: largest force with which the fish deforms the mesh.
+        push_force_n: largest force with which a fish of ``push_length_m`` deforms the mesh.
+        push_exponent: with which that force grows with the fish's length; 0: all push alike.
+        push_length_m: see ``push_force_n``.
     """
     fish = Fish(float(section.half_height), float(section.half_width), float(section.exponent))
     rotation = math.nan if rotation_deg is None else math.radians(rotation_deg)
+    effort = Effort(float(push_force_n), float(push_exponent), float(push_length_m), FINE)
     longest, ideals = np.empty(len(holes.shape)), np.full(IDEALS, np.nan)
     for i in range(len(longest)):
-        hole, phi = _hole(holes, i), float(holes.half_angle_rad[i])
+        hole, phi = hole_of(holes, i), float(holes.half_angle_rad[i])
         if push_force_n > 0.0:
             ideal_openings(hole, fish, rotation, FINE, ideals)
-        phi = best_opening(hole, phi, fish, rotation, Effort(push_force_n, FINE), ideals)
+        phi = best_opening(hole, phi, fish, rotation, effort, ideals)
         longest[i] = longest_at(hole, phi, fish, rotation, FINE)
     return longest
 
 
 def hole_sides(holes: Holes, i: int) -> tuple[Floats, Floats]:
     """Normal angles (3,) and distances (3,) from the centre of the pairs of sides of mesh i; no side: at infinity."""
-    sides = sides_of(_hole(holes, i), holes.half_angle_rad[i])
+    sides = sides_of(hole_of(holes, i), holes.half_angle_rad[i])
     return np.array(sides[0::2]), np.array(sides[1::2])
 
 
@@ -158,6 +178,8 @@ def hole_corners(holes: Holes, i: int) -> Floats:
     return np.concatenate([corners, -corners])
 
 
-def _hole(holes: Holes, i: int) -> Hole:
+def hole_of(holes: Holes, i: int) -> Hole:
+    """Mesh i as the kernels read it."""
     of_mesh = (holes.bar_m[i], holes.knot_m[i], holes.across_m[i], holes.load_n[i])
-    return Hole(int(holes.shape[i]), *map(float, of_mesh))
+    yielding = (holes.bending_n[i], holes.rest_rad[i], holes.held_across[i], holes.held_along[i])
+    return Hole(int(holes.shape[i]), *map(float, (*of_mesh, *yielding)))

@@ -5,7 +5,8 @@ those ahead of the front and a rotation drawn about its best one. Fish of one le
 the whole section, and in shape, e^(t y / 2) on the height and e^(-t y / 2) on the width, with z, y standard normal.
 
 For a fish of mean size and shape y, mesh and rotation k lets lengths up to G_k through. A fish of length L and size z
-is let through by k when L e^(s z) <= G_k; with p the probability of all such k it escapes with probability
+is let through by k when L e^(s z) <= G_k (one that is larger than others of its length pushes as those of the length it
+is as large as); with p the probability of all such k it escapes with probability
 E = 1 - (1 - p)^n. With the G_k in falling order p, and with it E, rises in steps dE_k at L e^(s z) = G_k, so that the
 mean over sizes is a sum of normal distribution functions and no quadrature at all:
 
@@ -16,7 +17,7 @@ Over shapes and rotations the mean is taken by quadrature. A haul is the mean of
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,6 +31,8 @@ Floats = NDArray[np.float64]
 
 SHAPES, ROTATIONS, STEPS = 5, 12, 14
 """Nodes of the quadratures over shapes and rotations, and steps of refinement of orientation and opening."""
+OF_HOLES = tuple(field.name for field in fields(Holes))
+"""What a crowd has of its meshes, in the order of ``Crowd``."""
 _SIZE = PARAMETERS.index("spread.size")
 
 
@@ -71,7 +74,7 @@ def crowd_of(catches: list[tuple[Holes, Floats, Floats]]) -> Crowd:
     _, netting = np.unique([strung(name) for name in ("shape", "bar_m", "knot_m")], axis=1, return_inverse=True)
     arrays = [
         np.concatenate([[0], np.cumsum([len(one.shape) for one in holes])]),
-        *(strung(name) for name in ("shape", "bar_m", "knot_m", "half_angle_rad", "across_m", "load_n")),
+        *(strung(name) for name in OF_HOLES),
         *(np.concatenate([catch[i] for catch in catches]) for i in (1, 2)),
         np.asarray(netting, dtype=np.int64),
     ]
@@ -96,7 +99,7 @@ def escape_terms(crowd: Crowd, catch: int, values: Floats, nodes: Nodes | None =
     Args:
         crowd: meshes of all catches.
         catch: number of the catch.
-        values: of ``catch_models.fish.PARAMETERS``, (13,).
+        values: of ``catch_models.fish.PARAMETERS``, (15,).
         nodes: quadrature; ``nodes_of()`` when left out.
 
     Returns:

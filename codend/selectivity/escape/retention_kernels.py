@@ -13,14 +13,13 @@ from codend.compiled import njit
 from codend.selectivity.escape.passage_kernels import (
     IDEALS,
     RECTANGLE,
-    Effort,
     Fish,
     Hole,
-    best_opening,
     best_rotation,
     ideal_openings,
     longest_turned,
 )
+from codend.selectivity.escape.yielding_kernels import Effort, best_opening
 
 Floats = NDArray[np.float64]
 
@@ -30,7 +29,7 @@ BIN: Final = 0.004
 """Width, in ln L, of the bins in which terms of many hauls are gathered, each split between two to keep its mean."""
 _LEAST_LN_M, _BINS = math.log(1e-3), int(math.log(1e4) / BIN)
 _SHORTEST_LN_M = math.log(1e-6)
-(_SIZE, _SHAPE, _CONTACT, _ATTEMPTS, _ROWS_AHEAD, _ROTATION, _PUSH, _GROWTH) = (
+(_SIZE, _SHAPE, _CONTACT, _ATTEMPTS, _ROWS_AHEAD, _ROTATION, _PUSH, _EXPONENT, _AT, _GROWTH) = (
     PARAMETERS.index(name)
     for name in (
         "spread.size",
@@ -40,6 +39,8 @@ _SHORTEST_LN_M = math.log(1e-6)
         "behaviour.rows_ahead",
         "behaviour.rotation_deg",
         "behaviour.push_force_n",
+        "behaviour.push_exponent",
+        "behaviour.push_length_cm",
         "haul.catch_growth",
     )
 )
@@ -56,6 +57,10 @@ class Crowd(NamedTuple):
     half_angle: Floats
     across: Floats
     load: Floats
+    bending: Floats
+    rest: Floats
+    held_across: Floats
+    held_along: Floats
     """As in ``Holes``, (k,)."""
     rows_ahead: Floats
     """Distance of each mesh from the front, in rows of meshes, (k,)."""
@@ -93,7 +98,22 @@ def ideals_of(crowd: Crowd, values: Floats, nodes: Nodes) -> Floats:
 
 @njit(cache=True, nogil=True)
 def _hole(crowd: Crowd, mesh: int) -> Hole:
-    return Hole(crowd.shape[mesh], crowd.bar[mesh], crowd.knot[mesh], crowd.across[mesh], crowd.load[mesh])
+    return Hole(
+        crowd.shape[mesh],
+        crowd.bar[mesh],
+        crowd.knot[mesh],
+        crowd.across[mesh],
+        crowd.load[mesh],
+        crowd.bending[mesh],
+        crowd.rest[mesh],
+        crowd.held_across[mesh],
+        crowd.held_along[mesh],
+    )
+
+
+@njit(cache=True, nogil=True)
+def _effort(values: Floats, nodes: Nodes) -> Effort:
+    return Effort(values[_PUSH], values[_EXPONENT], 0.01 * values[_AT], nodes.steps)
 
 
 @njit(cache=True, nogil=True)
@@ -130,7 +150,7 @@ def add_terms(
             tried = _tried(crowd, mesh, rows)
             if tried == 0.0:
                 continue
-            hole, effort = _hole(crowd, mesh), Effort(values[_PUSH], nodes.steps)
+            hole, effort = _hole(crowd, mesh), _effort(values, nodes)
             phi = best_opening(hole, crowd.half_angle[mesh], fish, math.nan, effort, ideals[crowd.netting[mesh], node])
             best = best_rotation(hole, phi, fish, nodes.steps)
             for k in range(rotations):
@@ -228,7 +248,7 @@ def retain_hauls(
     l50_sr: Floats,
     retained: Floats,
 ) -> None:
-    """Write L50 and SR, (m, 2), and the retention at every length, (m, n), for many sets of values (m, 13)."""
+    """Write L50 and SR, (m, 2), and the retention at every length, (m, n), for many sets of values (m, 15)."""
     most = 0
     for catch in range(len(volume)):
         most = max(most, crowd.start[catch + 1] - crowd.start[catch])

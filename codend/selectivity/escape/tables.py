@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from codend.selectivity.escape.catches import Catch
 from codend.selectivity.escape.predict import Prediction
 
 HAUL = "haul"
@@ -23,6 +24,7 @@ def selectivity_table(predictions: Sequence[Prediction]) -> pd.DataFrame:
     for found in predictions:
         share = found.haul.time_shares(found.species)
         opening = np.array([catch.opening_ahead_deg for catch in found.haul.catches])
+        inside_mm = np.array([_inside_mesh_mm(catch) for catch in found.haul.catches])
         volume = found.haul.volume_m3
         frame = pd.DataFrame(
             {
@@ -40,6 +42,7 @@ def selectivity_table(predictions: Sequence[Prediction]) -> pd.DataFrame:
                 "sr_lower_95_cm": found.lower_95[:, 1],
                 "sr_upper_95_cm": found.upper_95[:, 1],
                 "contact": found.contact,
+                "inside_mesh_mm": np.append(inside_mm, share @ inside_mm),
             }
         )
         of_haul = frame["case"] == HAUL
@@ -96,6 +99,12 @@ def sensitivity_table(predictions: Sequence[Prediction]) -> pd.DataFrame:
                 row += [*effects.one_at_a_time[i, :, q], effects.first_order[i, q], effects.total[i, q]]
             rows.append(row)
     return pd.DataFrame(rows, columns=columns)
+
+
+def _inside_mesh_mm(catch: Catch) -> float:
+    """Inside mesh 2 b + l of the row of meshes nearest to the front, mean over the row, as fish meet it."""
+    nearest = catch.rows_ahead == catch.rows_ahead.min()
+    return 1000.0 * float(np.mean((2.0 * catch.holes.bar_m + catch.holes.knot_m)[nearest]))
 
 
 def _cases(found: Prediction) -> list[str]:

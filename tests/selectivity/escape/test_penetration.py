@@ -123,6 +123,7 @@ def test_fish_dropped_at_random_pass_up_to_the_longest_and_never_beyond(holes, s
 )
 @example(kind="t90", knot=0.03125, opening=5.0, ratio=0.25, exponent=1.5)
 @example(kind="t90", knot=0.03125, opening=52.0, ratio=2.375, exponent=3.125)
+@example(kind="diamond", knot=6.103515625e-05, opening=5.0, ratio=4.0, exponent=1.375)
 @settings(max_examples=150, deadline=None)
 def test_no_rotation_beats_the_one_found(kind, knot, opening, ratio, exponent):
     section = FishSection(0.1 * np.sqrt(ratio), 0.1 / np.sqrt(ratio), exponent)

@@ -68,7 +68,7 @@ def test_retention_agrees_with_fish_sent_one_by_one(push_force_n):
     for _ in range(fish):
         size, turn = np.exp(spread * rng.standard_normal()), np.exp(0.5 * shape * rng.standard_normal())
         section = FishSection(mean.half_height * size * turn, mean.half_width * size / turn, mean.exponent)
-        longest_cm = 100.0 * longest_fish(holes, section, push_force_n=push_force_n)
+        longest_cm = 100.0 * longest_fish(holes, section, push_force_n=push_force_n, push_exponent=2.0)
         p = (longest_cm >= LENGTH_CM[:, None]).mean(axis=1)
         let_through += contact * (1.0 - (1.0 - p) ** attempts)
     computed = escape_terms(crowd(), 0, asked).retention(LENGTH_CM)

@@ -15,7 +15,7 @@ from codend.plan.copy import plan_toml
 from codend.plan.plan import Plan, load_plan, plan_from_dict
 from codend.report.selectivity_page import END, START, with_section, write_selectivity
 from codend.report.selectivity_plots import sensitivity_plot
-from codend.selectivity.escape.catches import Run, catches_of, inside_mesh_m, read_run, run_of
+from codend.selectivity.escape.catches import Run, catches_of, read_run, run_of
 from codend.selectivity.escape.predict import Prediction, predict
 from codend.selectivity.escape.species import example_species_path, load_species
 from codend.selectivity.escape.tables import HAUL, retention_table, selectivity_table, sensitivity_table
@@ -207,7 +207,7 @@ def l50_cm(plan: Plan) -> tuple[float, np.ndarray]:
 def test_l50_rises_nearly_in_proportion_to_the_mesh_size_at_the_same_stretched_circumference(capsys):
     sizes = (90.0, 110.0, 130.0)
     plans = [commercial(mesh_mm=mm, meshes_round=round(6600 / mm)) for mm in sizes]
-    inside_cm = np.array([100.0 * inside_mesh_m(plan.netting[0]) for plan in plans])
+    inside_cm = np.array([100.0 * plan.netting[0].inside_mesh_m for plan in plans])
     l50 = np.array([l50_cm(plan)[0] for plan in plans])
     with capsys.disabled():
         text = ", ".join(f"{f:.2f} at {mm:g} mm" for f, mm in zip(l50 / inside_cm, sizes, strict=True))

@@ -1,4 +1,4 @@
-"""What the pivots of the tangent at an equilibrium tell of its stability, and how a run passes that on."""
+"""Whether an equilibrium is stable, and how a run passes that on."""
 
 from dataclasses import replace
 
@@ -9,10 +9,12 @@ from click.testing import CliRunner
 from codend.cli.main import main
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import model_of
-from codend.equilibrium.stability import Stability
+from codend.equilibrium.stability import Stability, stability_of_whole
 from codend.report.html import cautions, notes
 from codend.report.page_tables import solving_table
-from codend.solvers import newton
+from codend.solvers import newton, whole_tangent
+from codend.solvers.harmonics import stiffness_under_tension
+from codend.solvers.whole_tangent import WholeTangent
 from codend.studies.study import solve
 from tests.plans import make_plan
 from validation.stability.linear import tangent_of
@@ -37,22 +39,53 @@ def test_a_bag_that_turns_for_nothing_behind_a_closed_neck_is_not_called_unstabl
             assert result.stability.stable == "yes", (meshes_round, entry)
 
 
-@pytest.mark.parametrize(("entry", "filled"), [(0.4, 5.0), (0.7, 1.2), (0.4, 1.2)])
-def test_negative_pivots_of_a_full_net_are_as_many_as_directions_in_which_it_runs_away(entry, filled):
-    plan = make_plan(36, 10, entry, filled, mesh="square", model={"fidelity": "full"})
+SQUARE = [("square", 36, entry, filled, 0.0) for entry, filled in ((0.4, 5.0), (0.7, 1.2), (0.4, 1.2))]
+T90 = [("t90", 24, entry, filled, knot_mm) for entry, knot_mm in ((0.3, 20.0), (0.6, 10.0)) for filled in (1.5, 4.0)]
+
+
+@pytest.mark.parametrize("dense", [0, 10_000])
+@pytest.mark.parametrize(("mesh", "meshes_round", "entry", "filled", "knot_mm"), [*SQUARE, *T90])
+def test_a_full_net_is_stable_where_the_dense_tangent_has_no_eigenvalue_in_the_left_half(
+    mesh, meshes_round, entry, filled, knot_mm, dense, monkeypatch
+):
+    """Symmetric shapes, one of which is unstable in six directions: an even number, which no determinant shows."""
+    monkeypatch.setattr(whole_tangent, "DENSE", dense)
+    netting = {"knot_mm": knot_mm}
+    plan = make_plan(meshes_round, 10, entry, filled, mesh=mesh, netting=netting, model={"fidelity": "full"})
     model = model_of(plan, 1, None)
     problem, solution = equilibrium.solve(model, plan.cases()[0], (), None)
     assert solution.report.outcome.converged
     running_away = np.count_nonzero(np.linalg.eigvals(tangent_of(problem, solution)).real < 0.0)
-    assert newton.tangent_at(problem, solution, model.prepared).negative_pivots == running_away
-    assert (running_away > 0) == ((entry, filled) != (0.4, 1.2))
+    tangent = newton.tangent_at(problem, solution, model.prepared)
+    assert stability_of_whole(tangent) == ("no" if running_away else "yes")
+
+
+@pytest.mark.parametrize("catch", [{"front_from_codline_m": 0.15}, {"volume_m3": 0.01}])
+@pytest.mark.parametrize(("mesh", "knot_mm"), [("diamond", 0.0), ("square", 0.0), ("t90", 10.0)])
+def test_so_it_is_where_the_front_follows_the_net(catch, mesh, knot_mm, monkeypatch):
+    """Its tangent is held to finite differences elsewhere; here the search for eigenvalues to all of them."""
+    plan = make_plan(24, 10, 0.6, mesh=mesh, netting={"knot_mm": knot_mm}, catch=catch, model={"fidelity": "full"})
+    model = model_of(plan, 1, None)
+    problem, solution = equilibrium.solve(model, plan.cases()[0], (), None)
+    assert solution.report.outcome.converged
+    tangent = newton.tangent_at(problem, solution, model.prepared)
+    assert tangent.products == 1
+    whole = WholeTangent.at(tangent)
+    monkeypatch.setattr(whole_tangent, "DENSE", 0)
+    assert whole.grows(stiffness_under_tension(problem, solution)) == (
+        np.linalg.eigvals(whole.dense()).real.min() < 0.0
+    )
+    symmetric = 0.5 * (whole.dense() + whole.dense().T)
+    factors = whole._factors(0.0)
+    counted = whole._negative_eigenvalues(factors, whole_tangent._negative_pivots(factors), None)
+    assert counted == np.count_nonzero(np.linalg.eigvalsh(symmetric) < 0.0)
 
 
 def test_a_run_says_on_its_page_and_in_the_end_which_net_in_balance_is_not_stable(tmp_path):
     (tmp_path / "plan.toml").write_text(FOLDING)
     result = CliRunner().invoke(main, ["run", str(tmp_path / "plan.toml"), "--out", str(tmp_path / "out")])
     assert result.exit_code == 0, result.output
-    said = "In balance, but not stable by the pivots of the tangent: 1 case of 2 (2)."
+    said = "In balance, but not stable by the eigenvalues of the tangent: 1 case of 2 (2)."
     assert result.stderr.startswith(said)
     assert said in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
 

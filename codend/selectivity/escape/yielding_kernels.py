@@ -1,0 +1,89 @@
+"""Kernels of meshes that yield to a fish's push; equations and symbols stand in ``yielding``."""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codend.compiled import njit
+from codend.selectivity.escape.passage_kernels import RECTANGLE, Fish, Hole, longest_at
+
+NARROWED: Final = 1e-10
+"""Interval of half opening angles, rad, within which the edge of a push's reach is found."""
+
+
+class Effort(NamedTuple):
+    """A fish's push, and steps of refinement in the search for the best rotation.
+
+    A fish of length L pushes with ``push`` (L / ``at``) ^ ``exponent``, N; ``at`` in metres.
+    """
+
+    push: float
+    exponent: float
+    at: float
+    steps: int
+
+
+@njit(cache=True, nogil=True)
+def force_to(hole: Hole, computed: float, phi: float) -> float:
+    """Push that brings a mesh from the computed half opening angle to another one, N: across, or along to close it."""
+    sine, cosine = math.sin(phi), math.cos(phi)
+    across = hole.load * math.tan(computed) + hole.bending * (computed - hole.rest) / math.cos(computed)
+    missing = hole.load * sine + hole.bending * (phi - hole.rest) - across * cosine
+    if phi >= computed:
+        return max(hole.held_across * missing / cosine, 0.0)
+    return max(-hole.held_along * missing / sine, 0.0)
+
+
+@njit(cache=True, nogil=True)
+def best_opening(
+    hole: Hole, phi: float, fish: Fish, rotation: float, effort: Effort, ideals: NDArray[np.float64]
+) -> float:
+    """Half opening angle that the longest fish which passes gives the mesh, at a rotation or the best for nan.
+
+    It is one of the netting's ``ideal_openings``, or the edge of what the fish's push reaches on the way to one.
+    """
+    if effort.push <= 0.0 or hole.shape == RECTANGLE:
+        return phi
+    best, value = phi, longest_at(hole, phi, fish, rotation, effort.steps)
+    for side in (1.0, -1.0):
+        reached = phi
+        for k in range(len(ideals)):
+            ideal = ideals[k] if side > 0.0 else ideals[len(ideals) - 1 - k]
+            if not side * (ideal - phi) > 0.0:  # behind, or nan
+                continue
+            if _within_reach(hole, phi, ideal, fish, rotation, effort):
+                tried = reached = ideal
+            else:
+                tried = _edge_of_reach(hole, phi, reached, ideal, fish, rotation, effort)
+            length = longest_at(hole, tried, fish, rotation, effort.steps)
+            if length > value:
+                best, value = tried, length
+    return best
+
+
+@njit(cache=True, nogil=True)
+def _within_reach(hole: Hole, computed: float, phi: float, fish: Fish, rotation: float, effort: Effort) -> bool:
+    """Whether the longest fish that passes at an opening pushes hard enough to bring the mesh there."""
+    needed = force_to(hole, computed, phi)
+    if effort.exponent == 0.0:
+        return needed <= effort.push
+    length = longest_at(hole, phi, fish, rotation, effort.steps)
+    return needed <= effort.push * (length / effort.at) ** effort.exponent
+
+
+@njit(cache=True, nogil=True)
+def _edge_of_reach(
+    hole: Hole, computed: float, within: float, beyond: float, fish: Fish, rotation: float, effort: Effort
+) -> float:
+    """The last opening within reach between one that is and one that is not, by bisection."""
+    while abs(beyond - within) > NARROWED:
+        middle = 0.5 * (within + beyond)
+        if _within_reach(hole, computed, middle, fish, rotation, effort):
+            within = middle
+        else:
+            beyond = middle
+    return within

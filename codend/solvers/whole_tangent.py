@@ -1,0 +1,165 @@
+"""The tangent of a net as a whole, and whether anything grows by it.
+
+Loads that follow the net make a tangent unsymmetric: its pivots then tell whether its determinant is negative, and no
+more. A change grows where an eigenvalue of it has a negative real part; where its symmetric part is positive definite,
+whose pivots do tell, none has.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from codend.net.net import Floats
+from codend.solvers.harmonic_tangent import Complex, negative_beside
+from codend.solvers.newton import TangentAtEquilibrium
+
+FIRST_BOUND = 1e-2
+"""Least bound on the lowest eigenvalue of a symmetric part, over a bar's stiffness under tension."""
+WIDER = 4.0
+"""Factor from one bound tried to the next."""
+FIRST_EIGENVALUES = 6
+"""Found first: where much grows, one that does is soon met."""
+MOST_EIGENVALUES = 60
+"""Found at a time, before the answer is that it is not known."""
+DENSE = 600
+"""Unknowns up to which all eigenvalues are found at once."""
+
+
+class WholeTangent:
+    """The tangent K of all free coordinates: a sparse matrix B, less U^T V where the catch's front follows the net."""
+
+    def __init__(self, matrix: Any, load: Floats, gradient: Floats) -> None:
+        self.matrix = matrix
+        """B, a sparse array, (unknowns, unknowns)."""
+        self.load = load
+        """U, the loads by what of the front follows the net, (products, unknowns)."""
+        self.gradient = gradient
+        """V, how that follows the net, (products, unknowns)."""
+        self._symmetric = 0.5 * (matrix + matrix.T)
+
+    @classmethod
+    def at(cls, tangent: TangentAtEquilibrium) -> "WholeTangent":
+        """That of an equilibrium, as it was written into ``tangent.prepared`` last."""
+        from scipy.sparse import csc_array
+
+        step, pattern = tangent.prepared.step, tangent.prepared.pattern
+        free = tangent.problem.structure.free > 0.0
+        number = np.full(free.shape, -1)
+        number[free] = np.arange(np.count_nonzero(free))
+        row = np.broadcast_to(number[pattern.row][:, :, None], step.blocks.shape)
+        column = np.broadcast_to(number[pattern.column][:, None, :], step.blocks.shape)
+        used = (row >= 0) & (column >= 0)
+        size = np.count_nonzero(free)
+        matrix = csc_array((step.blocks[used], (row[used], column[used])), shape=(size, size))
+        gradient = step.gradient.reshape(-1, *free.shape)
+        return cls(matrix, step.right[1 : 1 + tangent.products, free], gradient[: tangent.products, free])
+
+    @property
+    def size(self) -> int:
+        """Unknowns."""
+        return int(self.matrix.shape[0])
+
+    def dense(self) -> Floats:
+        """All entries, (unknowns, unknowns)."""
+        whole: Floats = self.matrix.toarray() - self.load.T @ self.gradient
+        return whole
+
+    def grows(self, scale: float) -> bool | None:
+        """Whether an eigenvalue of K has a negative real part; None if that was not found out.
+
+        Those nearest to a lower bound of the symmetric part's are found, more and more until one of them grows or what
+        they leave is positive definite (as in ``harmonics``).
+
+        Args:
+            scale: a stiffness of the net's order of size, N/m.
+        """
+        if not np.isfinite(self.matrix.data).all():
+            return None
+        factors = self._factors(0.0)
+        if factors is None:
+            return None
+        negative = _negative_pivots(factors)
+        expected = self._negative_eigenvalues(factors, negative, None)
+        if expected == 0:
+            return False
+        if self.size <= DENSE:
+            return bool(np.linalg.eigvals(self.dense()).real.min() < 0.0)
+        centre, wanted = self._lower_bound(scale), min(expected, FIRST_EIGENVALUES)
+        while centre is not None and wanted <= MOST_EIGENVALUES:
+            found = self._nearest(centre, wanted)
+            if found is None:
+                return None
+            if found[0].real.min() < 0.0:
+                return True
+            if self._negative_eigenvalues(factors, negative, np.linalg.qr(found[1])[0]) == 0:
+                return False
+            wanted = max(expected, 2 * wanted + 2)
+        return None
+
+    def _factors(self, shift: float) -> Any:
+        """LU of the symmetric part and ``shift`` on its diagonal, without pivoting; None where that has no pivots."""
+        return _unpivoted(self._symmetric, shift)
+
+    def _lower_bound(self, scale: float) -> float | None:
+        """A bound below all eigenvalues of B's symmetric part, N/m."""
+        bound = FIRST_BOUND * scale
+        while np.isfinite(bound):
+            factors = self._factors(bound)
+            if factors is None:
+                return None
+            if _negative_pivots(factors) == 0:
+                return -bound
+            bound *= WIDER
+        return None
+
+    def _negative_eigenvalues(self, factors: Any, negative: int, basis: Complex | None) -> int:
+        """See ``HarmonicTangent.negative_eigenvalues``."""
+
+        def solve(sides: Complex) -> Complex:
+            solved: Complex = factors.solve(sides.real.T.copy()).T + 1j * factors.solve(sides.imag.T.copy()).T
+            return solved
+
+        return negative_beside(negative, solve, basis, tuple(zip(self.load, self.gradient, strict=True)))
+
+    def _nearest(self, centre: float, wanted: int) -> tuple[Complex, Complex] | None:
+        """The eigenvalues nearest to a real number, and their vectors; None if they are not found."""
+        from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
+
+        factors = _unpivoted(self.matrix, -centre)
+        if factors is None:
+            return None
+        by_load = factors.solve(self.load.T)
+        by_load = by_load @ np.linalg.inv(np.eye(len(self.load)) - self.gradient @ by_load)
+
+        def solve(side: Floats) -> Floats:
+            solved: Floats = factors.solve(side)
+            return solved + by_load @ (self.gradient @ solved)
+
+        inverse = LinearOperator(self.matrix.shape, matvec=lambda side: solve(side.ravel()), dtype=float)
+        start = np.random.default_rng(0).standard_normal(self.size)
+        try:
+            found, vectors = eigs(inverse, k=wanted, v0=start, tol=1e-8)
+        except ArpackNoConvergence:
+            return None
+        return centre + 1.0 / found, vectors
+
+
+def _unpivoted(matrix: Any, shift: float) -> Any:
+    """SuperLU's factors of a matrix and ``shift`` on its diagonal, none exchanged; None if it would be."""
+    from scipy.sparse import csc_array, eye_array
+    from scipy.sparse.linalg import splu
+
+    try:
+        factors = splu(
+            csc_array(matrix + shift * eye_array(matrix.shape[0])),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except RuntimeError:
+        return None
+    return factors if np.array_equal(factors.perm_r, factors.perm_c) else None
+
+
+def _negative_pivots(factors: Any) -> int:
+    return int(np.count_nonzero(factors.U.diagonal() < 0.0))
