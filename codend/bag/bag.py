@@ -47,6 +47,8 @@ class Bag:
 
     globalisation: int = 1
     """Real meshes merged into one, each way."""
+    abreast: int = 1
+    """Sectors that would be equal but for the ropes, side by side in one that is modelled."""
     straps: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
     """Bars that are ropes round the netting, (s,)."""
     strap_share: Floats = field(default_factory=lambda: np.zeros(0))
@@ -148,7 +150,7 @@ def with_hinges(bag: Bag) -> Bag:
 
 
 def around(bag: Bag, net: Net, band: int | Ints) -> Bag:
-    """The bag of a net that has more nodes and bars after the bag's own: no knots of a row, no twine, in given bands."""
+    """The bag of a net that has more nodes and bars after its own: no knots of a row, no twine, in given bands."""
     nodes, bars = len(net.positions) - len(bag.node_row), len(net.bars) - len(bag.bar_band)
     return replace(
         bag,

@@ -1,5 +1,7 @@
 """Plan to bag: sectors, globalisation, and the shape in which a solver starts."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from codend.bag.assemble import assembled
@@ -54,14 +56,13 @@ def build_bag(
     entry = np.arange(knots.fore_start[1])
     drag_law = drag(plan.drag.law, *plan.drag.coefficients)
     bag = assembled(parts_of(knots), lattice, positions, node_row, entry, drag_law)
+    bag = replace(bag, abreast=lattice.abreast)
     if plan.model.bars_per_side == 2:
         bag = with_hinges(bag)
     return with_ropes(with_straps(bag, plan, knots, drag_law), plan, knots, drag_law, smeared)
 
 
-def _lattice_of(
-    plan: Plan, globalisation: int, sectors: int | None, smeared: bool, near: NearRatio | None
-) -> Lattice:
+def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool, near: NearRatio | None) -> Lattice:
     if globalisation not in plan.globalisations:
         raise InputError(
             file=plan.source,

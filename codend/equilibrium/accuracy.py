@@ -13,6 +13,7 @@ from codend.bag.measures import Measures, current_loads, measure_all
 from codend.bag.near_ratio import narrower, near_enough
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
+from codend.net.net import Floats
 from codend.plan.plan import Case, Plan
 from codend.solvers.newton import TangentAtEquilibrium, solve_nearby
 from codend.solvers.outcome import Solution
@@ -30,12 +31,25 @@ WEIGHT_LEFT_OUT = np.array([[0.7, 0.5], [0.7, 0.5], [0.5, 0.0], [7.0, 0.2]])
 with w the weight over the drag. Found on free full nets, of diamond and T90 netting alone and joined, with w from 0.005
 to 0.5 (``python -m validation.weight_left_out``): where the sector is stable they were off by up to 0.16, 0.14, 0.25
 and 2.8 w, where it is not by 0.66, 0.64, 0.5 and 6.8 w, and on other nets by up to 0.85 and 8.9 w: there the net lies
-in waves, which these estimates do not cover. Merged meshes bear the weight, but in a bag of fewer rows and wider
+in waves, which ``wrinkles`` tells of. Merged meshes bear the weight, but in a bag of fewer rows and wider
 meshes: they may be off by as much."""
 
 OF_THE_CATCH = np.array([0.0, 0.0, 1.5, 0.0])
 """What the catch's own weight changes beyond that, in its w: it presses from below, and bags it out. On 128 nets
 (``--of-catch 1`` and ``0.5``) largest radii of stable sectors were off by up to 1.3 w, all else as above."""
+
+
+NO_WRINKLES = np.zeros(4)
+SMEARED = np.array([[0.015, 12.0], [0.03, 18.0], [0.02, 8.0], [2.0, 700.0]])
+"""Change by smearing ropes of drag, volume, largest radius (relative) and opening ahead (degrees), at most: what
+there is in any case, and by the square of the shortening over the number of ropes
+(``python -m validation.smeared_ropes``)."""
+
+
+def smeared_errors(plan: Plan) -> np.ndarray:
+    """How far smeared ropes may be off: relative in drag, volume and largest radius, degrees in opening, (4,)."""
+    most = max(max(rope.shortening, 0.0) ** 2 / rope.number for rope in plan.rope)
+    return np.asarray(SMEARED @ [1.0, most])
 
 
 @dataclass(frozen=True)
@@ -64,6 +78,7 @@ def estimate(
     tangent: TangentAtEquilibrium,
     measures: Measures,
     unseen_weight_n: float = 0.0,
+    by_wrinkles: Floats = NO_WRINKLES,
 ) -> Errors:
     """Error estimates of one solved case, from the tangent at its equilibrium.
 
@@ -71,6 +86,7 @@ def estimate(
     With measures of the meridian method beside the solution of a sector, that distance is the membrane's error.
     ``unseen_weight_n`` is the wet weight of net and straps that the model leaves out; that of the catch is found here.
     Netting so heavy that it can fold over has none.
+    ``by_wrinkles`` is what these may change, (4,), where something grows (``wrinkles``).
     The part of a globalised net is the distance between a sector of it and one of the real net, under the loads that
     are the same all round.
     """
@@ -91,7 +107,9 @@ def estimate(
     net_n = unseen_weight_n + (float(np.abs(problem.loading.dead).sum()) if model.globalisation > 1 else 0.0)
     share = (net_n + catch_n) / measures.drag_n
     weight = WEIGHT_LEFT_OUT @ [share, share**2] + OF_THE_CATCH * catch_n / measures.drag_n
-    errors = SAFETY * (solver + globalised) + (NOISE + weight) * sizes
+    errors = SAFETY * (solver + globalised) + (NOISE + weight) * sizes + by_wrinkles
+    if model.smeared and model.plan.rope:
+        errors += smeared_errors(model.plan) * [*sizes[:3], 1.0]
     if any(share > kind.folds_over_from for kind in set(model.bag.band_kind)):
         errors = np.full(len(_QUANTITIES), np.nan)
     drag, volume, radius, opening = map(float, errors)

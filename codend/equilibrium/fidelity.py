@@ -9,7 +9,7 @@ import numpy as np
 from codend.bag.build import build_bag
 from codend.bag.loads import catch_weight_density
 from codend.bag.near_ratio import DRAG_BY_MISMATCH, SLOW_KNOTS, SLOW_MESHES, NearRatio, near_enough
-from codend.equilibrium.accuracy import WEIGHT_LEFT_OUT, sector_measures
+from codend.equilibrium.accuracy import WEIGHT_LEFT_OUT, sector_measures, smeared_errors
 from codend.mechanics.weight import wet_weight
 from codend.net.net import Net
 from codend.plan.plan import Plan
@@ -26,6 +26,10 @@ class Reason(Enum):
 
     ASKED = auto()
     """The plan names it."""
+    ROPES = auto()
+    """The plan is the same all round but for its equal ropes, and sectors as wide as they are apart are exact."""
+    SMEARED = auto()
+    """Ropes smeared over all meshes are near enough for the accuracy in opening that was asked for."""
     NO_WEIGHT = auto()
     """The plan is the same all round, and nothing is given a density other than the water's."""
     LITTLE_WEIGHT = auto()
@@ -113,7 +117,7 @@ def choose(plan: Plan) -> Choice:
         fidelity="sector",
         globalisation=1,
         sectors=1,
-        reason=Reason.LITTLE_WEIGHT if dense else Reason.NO_WEIGHT,
+        reason=Reason.ROPES if plan.rope else Reason.LITTLE_WEIGHT if dense else Reason.NO_WEIGHT,
         drag_error=float(WEIGHT_LEFT_OUT[0] @ [left_out, left_out**2]),
         unseen_weight_n=unseen,
         order=sector.sectors,
@@ -144,7 +148,7 @@ def choose(plan: Plan) -> Choice:
         case "sector":
             return replace(by_sector, reason=Reason.ASKED)
         case "smeared":
-            return replace(by_sector, fidelity="smeared", reason=Reason.ASKED)
+            return replace(by_sector, fidelity="smeared", reason=Reason.ASKED, slow=False)
         case "meridian":
             return replace(by_sector, fidelity="meridian", reason=Reason.ASKED, drag_error=math.nan, slow=False)
         case "globalised":
@@ -153,6 +157,11 @@ def choose(plan: Plan) -> Choice:
         case "full":
             return all_round(1, Reason.ASKED, 0.0)
     if not by_sector.weight_matters:
+        asked_deg = plan.model.opening_accuracy_deg
+        if plan.rope and asked_deg is not None and smeared_errors(plan)[3] <= asked_deg:
+            return replace(
+                by_sector, fidelity="smeared", reason=Reason.SMEARED, drag_error=float(smeared_errors(plan)[0])
+            )
         near = near_enough(plan)
         return by_sector if near is None else _in_its_place(by_sector, plan, near, (weight + of_catch) / drag)
     if by_sector.weight_over_drag <= min(HEAVIEST_GLOBALISED, *(part.kind.folds_over_from for part in plan.netting)):

@@ -118,9 +118,11 @@ class Situation:
         """Newton's method to the plan's tolerance."""
         return newton.solve(problem, self.tolerance, start, settings, self.progress, self.model.prepared)
 
-    def through_the_interior(self, problem: Problem) -> Solution:
-        """The interior-point method to the plan's tolerance, from the crude bag the net was built as."""
-        return interior_point.solve(problem, self.tolerance, None, progress=self.progress, prepared=self.model.prepared)
+    def through_the_interior(self, problem: Problem, start: Solution | None = None) -> Solution:
+        """The interior-point method to the plan's tolerance, from a start or the crude bag the net was built as."""
+        return interior_point.solve(
+            problem, self.tolerance, start, progress=self.progress, prepared=self.model.prepared
+        )
 
     def relaxed(self, start: Solution | None) -> Solution:
         """Relaxation to the plan's tolerance."""

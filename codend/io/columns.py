@@ -37,6 +37,10 @@ RESULT_COLUMNS = [
     "sideways_imbalance",
     "inside_mesh_mm",
     "full_mesh_mm",
+    "wrinkles",
+    "drag_spread_n",
+    "opening_spread_deg",
+    "folds",
 ]
 
 STRAP_COLUMNS = ["max_strap_tension_n"]
@@ -45,6 +49,11 @@ ROPE_COLUMNS = ["max_rope_tension_n"]
 """Further columns of plans with ropes along the netting."""
 OF_ROPES = ["case", "rope", "number", "place_deg", "length_m", "max_tension_n", "tension_ahead_n", "slack_share"]
 """Columns of ``ropes.csv``."""
+
+REASON = "reason"
+"""Column of a study's table that says why a case was not solved."""
+TEXT_COLUMNS = ("design", "fidelity", "method", "stable", "growing_harmonics", REASON)
+"""Those of a study's table that hold text, also where no row has one."""
 
 SECTION = "section"
 PLACE = [SECTION, "meshes_from_entry"]

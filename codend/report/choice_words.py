@@ -14,6 +14,13 @@ def reason_text(choice: Choice) -> str:
             said = f"Asked for: {_model(choice)}"
             if choice.weight_matters and not choice.sees_weight:
                 said += f"; it leaves out the wet weight, which here matters ({weighed})"
+        case Reason.ROPES:
+            said = f"The plan is the same all round but for equal ropes: {_sector(choice)}, as they repeat, is exact"
+        case Reason.SMEARED:
+            said = (
+                "Ropes smeared over all meshes round are near enough for the accuracy in opening that is asked for: "
+                f"one mesh is a sector, which costs {100.0 * choice.drag_error:.2g} % in drag"
+            )
         case Reason.NO_WEIGHT:
             light = "no twine density is given, so wet weight is left out, and the catch is as dense as the water"
             said = f"The plan is the same all round and {light}: {_sector_enough(choice)}"
@@ -44,6 +51,8 @@ def _model(choice: Choice) -> str:
     match choice.fidelity:
         case "sector":
             return _sector(choice)
+        case "smeared":
+            return "a sector one mesh wide with its share of the ropes"
         case "meridian":
             return "the netting as a membrane, the same all round"
         case "globalised":
