@@ -34,8 +34,18 @@ def apply_overrides(data: Mapping[str, Any], overrides: Sequence[str], file: str
     Raises:
         InputError: an override is not KEY=VALUE, or its key leads into something that is no table or list.
     """
+    return apply_values(data, [parsed_override(override, file) for override in overrides], file)
+
+
+def apply_values(
+    data: Mapping[str, Any], wanted: Sequence[tuple[tuple[str, ...], Any]], file: str | Path
+) -> dict[str, Any]:
+    """``apply_overrides`` with keys in their parts and values as they are.
+
+    Raises:
+        InputError: a key leads into something that is no table or list.
+    """
     changed = deepcopy(dict(data))
-    wanted = [parsed_override(override, file) for override in overrides]
     overridden = {key for key, _ in wanted}
     for key, value in wanted:
         *parents, last = key

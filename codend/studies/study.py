@@ -82,6 +82,7 @@ def solve(
     progress: StudyProgress | None = None,
     choice: Choice | None = None,
     keep: Callable[[CaseResult], None] | None = None,
+    near: Study | None = None,
 ) -> Study:
     """Solve every case of a plan.
 
@@ -90,6 +91,7 @@ def solve(
         progress: called before and during every case.
         choice: the model, where ``fidelity.choose`` has been asked already.
         keep: called with every case as it is done, in the order they are solved in.
+        near: a study of a plan much like this one: where its net has the same bars, its equilibria lead to the first.
 
     Returns:
         A study; a case that failed is in it, not converged, its numbers nan.
@@ -108,6 +110,7 @@ def solve(
     model = model_of(plan, choice.globalisation, choice.sectors, choice.fidelity == "smeared")
     cases = plan.cases()
     known: list[tuple[Case, Solution]] = []
+    neighbours = _equilibria_of(near, model)
     results: dict[int, CaseResult] = {}
     # by growing catch, whatever the plan's order: each equilibrium leads to the next
     for done, case in enumerate(sorted(cases, key=lambda case: (case.speed_m_s, case.catch_value))):
@@ -118,7 +121,7 @@ def solve(
 
         if progress is not None:
             progress(done, len(cases), f"case {case.number}")
-        problem, solution = equilibrium.solve(model, case, known, report)
+        problem, solution = equilibrium.solve(model, case, known or neighbours, report)
         result = measured(model.bag, case, problem, solution)
         if result.converged:
             known.append((case, solution))
@@ -164,6 +167,17 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     changed = followed.changed if lasts else np.maximum(changed, followed.changed)
     errors = accuracy.estimate(shape.model, case, tangent, found.measures, unseen_weight_n, changed)
     return replace(found, errors=errors, stability=shape.stability, followed=followed)
+
+
+def _equilibria_of(near: Study | None, model: BagModel) -> list[tuple[Case, Solution]]:
+    """Equilibria of another study, where a model has the same bars between as many nodes."""
+    if near is None or near.choice.fidelity == "meridian":
+        return []
+    mine, solved = model.bag.net, [result for result in near.cases if result.converged]
+    same = bool(solved) and np.array_equal(solved[0].net.bars, mine.bars)
+    if not same or solved[0].positions.shape != mine.positions.shape:
+        return []
+    return [(result.case, result.solution) for result in solved if result.case.catch_kind == model.plan.catch.kind]
 
 
 def measured(bag: Bag, case: Case, problem: Problem, solution: Solution) -> CaseResult:

@@ -33,11 +33,16 @@ def opening_force_table(pulls: Sequence[Pull]) -> pd.DataFrame:
 
 def results_table(plan: Plan, fidelity: str, cases: Sequence[CaseResult]) -> pd.DataFrame:
     """A row a case; nan where a case was not solved, but for what the case asked for."""
-    columns = RESULT_COLUMNS + (STRAP_COLUMNS if plan.strap else []) + (ROPE_COLUMNS if plan.rope else [])
-    return pd.DataFrame([_result_row(plan, fidelity, result) for result in cases], columns=columns)
+    return pd.DataFrame([result_row(plan, fidelity, result) for result in cases], columns=result_columns(plan))
 
 
-def _result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, object]:
+def result_columns(plan: Plan) -> list[str]:
+    """Columns of ``results.csv`` of a plan."""
+    return RESULT_COLUMNS + (STRAP_COLUMNS if plan.strap else []) + (ROPE_COLUMNS if plan.rope else [])
+
+
+def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, object]:
+    """A row of ``results.csv``, by column."""
     measures = asdict(result.measures)
     density = plan.catch_density_kg_m3
     measures["catch_mass_kg"] = density * measures["catch_volume_m3"]
