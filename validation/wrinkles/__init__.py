@@ -16,7 +16,7 @@ from validation.wrinkles.matrix import commercial, matrix
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-LAW_SEED, LAW_NETS, QUICK_NETS = 1000, 50, 6
+LAW_SEED, LAW_NETS, QUICK_NETS = 1000, 30, 6
 """First of the nets on which the law was not found, seeds tried, and of them in the quick report."""
 SAME = 2e-4
 """Relative change of drag within which a followed shape counts as the symmetric one's."""
