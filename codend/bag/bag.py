@@ -104,18 +104,23 @@ class WholeBag:
     """The sectors of a bag set side by side all round: for pictures, files and sums over the whole net."""
 
     positions: Floats
-    """All nodes, (order * n, 3); nodes on the axis occur once a sector."""
+    """All nodes, (sectors * n, 3); nodes on the axis occur once a sector."""
     bars: Ints
-    """(order * m, 2); bar i of sector s is number s * m + i."""
+    """(sectors * m, 2); bar i of sector s is number s * m + i."""
     meshes: Ints
-    """Ends of the four sides of a mesh, (order * k, 8), walking round it; corners may repeat."""
+    """Ends of the four sides of a mesh, (sectors * k, 8), walking round it; corners may repeat."""
 
 
 def all_round(bag: Bag, positions: Floats) -> WholeBag:
-    """Repeat one sector all round; values of bars and meshes are repeated with ``numpy.tile(values, net.order)``."""
+    """Repeat one sector all round; values of bars and meshes are repeated with ``numpy.tile(values, net.sectors)``."""
     net = bag.net
-    sector = np.arange(net.order)
-    whole = rotate(np.broadcast_to(positions, (net.order, *positions.shape)), sector[:, None], net.order)
+    sectors = net.sectors
+    if sectors != net.order:
+        # as many as there is room for, each a little wider or narrower
+        azimuth = net.order / sectors * np.arctan2(positions[:, 2], positions[:, 1])
+        radius = np.hypot(positions[:, 1], positions[:, 2])
+        positions = np.stack([positions[:, 0], radius * np.cos(azimuth), radius * np.sin(azimuth)], axis=1)
+    whole = rotate(np.broadcast_to(positions, (sectors, *positions.shape)), np.arange(sectors)[:, None], sectors)
     bar_images = np.stack([np.zeros_like(net.bar_image), net.bar_image], axis=1)
     return WholeBag(
         positions=whole.reshape(-1, 3),

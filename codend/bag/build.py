@@ -6,6 +6,7 @@ import numpy as np
 
 from codend.bag.assemble import assembled
 from codend.bag.bag import Bag, with_hinges
+from codend.bag.near_ratio import NearRatio
 from codend.bag.ropes import with_ropes
 from codend.bag.straps import with_straps
 from codend.errors import InputError
@@ -25,6 +26,7 @@ def build_bag(
     smeared: bool = False,
     rows: tuple[Floats, Floats] | None = None,
     azimuth_rad: float = 0.0,
+    near: NearRatio | None = None,
 ) -> Bag:
     """Bag of a plan, in the shape in which a solver starts.
 
@@ -39,13 +41,14 @@ def build_bag(
         smeared: ropes spread evenly over all columns of knots, which leaves the sectors as narrow as without ropes.
         rows: positions along the axis and radii of the rows, each (rows + 1,); a crude bag by default.
         azimuth_rad: turns the whole net about the axis.
+        near: a sector of nearly the ratio of the sections' counts, in place of an exact one.
 
     Raises:
         InputError: the globalisation does not divide the mesh counts, a strap is too short for its row, or bending
             stiffness has no place in the model.
     """
     _check_bending(plan)
-    lattice = _lattice_of(plan, globalisation, sectors, smeared)
+    lattice = _lattice_of(plan, globalisation, sectors, smeared, near)
     x, radius = rows if rows is not None else crude_rows(plan, globalisation)
     shape = RowShape(x, np.concatenate([[plan.entry_radius_m], radius[1:-1], [0.0]]), azimuth_rad)
     knots = knots_of(lattice)
@@ -59,7 +62,7 @@ def build_bag(
     return with_ropes(with_straps(bag, plan, knots, drag_law), plan, knots, drag_law, smeared)
 
 
-def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool) -> Lattice:
+def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool, near: NearRatio | None) -> Lattice:
     if globalisation not in plan.globalisations:
         raise InputError(
             file=plan.source,
@@ -68,6 +71,9 @@ def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bo
             allowed="a common divisor of all mesh counts: " + ", ".join(map(str, plan.globalisations)),
         )
     sections = rows_of(plan, globalisation)
+    if near is not None:
+        columns = np.array(near.columns)[list(plan.sections_of_bands(globalisation))]
+        return Lattice(sections, columns, 1, near.order, globalisation)
     meshes_round = np.array([s.meshes_round // globalisation for s in sections])
     most = int(np.gcd.reduce(meshes_round))
     # n equal ropes leave n equal sectors

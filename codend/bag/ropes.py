@@ -49,7 +49,7 @@ def _places(rope: Rope, lattice: Lattice, smeared: bool) -> Iterator[tuple[int, 
         for column in range(columns):
             yield column, column / (columns * order), rope.number / (columns * order)
         return
-    for number in range(rope.number // order):
+    for number in range(int(rope.number // order)):
         # of knots merged or not, the nearest column or half a mesh beside it
         yield number, np.floor(2 * number / rope.number * columns * order + 0.5 + 1e-9) / (2 * columns * order), 1.0
 

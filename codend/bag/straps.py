@@ -86,7 +86,7 @@ def _with_strap(bag: Bag, strap: Strap, knots: Knots, row: int, across_m: float,
         bar_flexibility=flexibility,
         bar_drag_diameter=longer * strap.diameter_m,
         bar_solid_diameter=float(np.sqrt(longer)) * strap.diameter_m,
-        bar_density=np.nan,
+        bar_density=np.nan if strap.density_kg_m3 is None else strap.density_kg_m3,
         bar_diameter=strap.diameter_m,
         bar_is_rope=True,
         bar_drag_law=drag[0],
@@ -101,7 +101,7 @@ def _with_strap(bag: Bag, strap: Strap, knots: Knots, row: int, across_m: float,
     )
 
 
-def _side_and_slope(radius: float, knots: int, across_m: float) -> tuple[float, float]:
+def _side_and_slope(radius: float, knots: float, across_m: float) -> tuple[float, float]:
     """Side between two of the knots of a ring on a circle, each ``across_m`` wide, and its derivative by the radius."""
     half = np.arcsin(0.5 * across_m / radius)
     between = np.pi / knots - half

@@ -99,7 +99,7 @@ class Situation:
         found = self.solve(sector, self.case)
         if not found.report.outcome.converged:
             return None
-        sectors = sector.bag.net.order // self.model.bag.net.order
+        sectors = sector.bag.net.sectors // self.model.bag.net.sectors
         start = all_round_start(sector.bag, found.positions, found.bar_tension, sectors, self.model.bag)
         return replace(start, report=found.report)
 
@@ -109,8 +109,10 @@ class Situation:
 
         Weight may hide below the tolerance of single nodes.
         """
+        loading = self.problem.loading
+        heavy = loading.dead.any() or loading.catch.weight_density != 0.0
         brief = self.by_meshes and len(self.model.bag.net.corners) == 0
-        return replace(BRIEF if brief else DIRECT, least_iterations=int(self.problem.loading.dead.any()))
+        return replace(BRIEF if brief else DIRECT, least_iterations=int(heavy))
 
     def by_newton(self, problem: Problem, start: Solution | None, settings: NewtonSettings = DIRECT) -> Solution:
         """Newton's method to the plan's tolerance."""

@@ -38,7 +38,7 @@ def all_round_start(
 
 def set_round(sector: Bag, whole: Bag, solution: Solution) -> Solution:
     """The equilibrium of a sector with its ropes as one of the whole bag."""
-    order, abreast, anchors = sector.net.order, sector.abreast, len(sector.net.positions) - sector.anchors
+    order, abreast, anchors = sector.net.sectors, sector.abreast, len(sector.net.positions) - sector.anchors
 
     def repeated(values: Floats) -> Floats:
         return np.repeat(values.reshape(-1, 1, abreast, *values.shape[1:]), order, axis=1)
@@ -60,5 +60,5 @@ def laid_out(model: BagModel, shape: MeridianShape) -> Solution:
     g = model.globalisation
     sector = build_bag(model.plan, globalisation=g, sectors=1, smeared=True, rows=(shape.x_m[::g], shape.radius_m[::g]))
     tension = g * tensions_on(sector, shape, g)
-    sectors = sector.net.order // model.bag.net.order
+    sectors = sector.net.sectors // model.bag.net.sectors
     return all_round_start(sector, sector.net.positions, tension, sectors, model.bag)

@@ -33,9 +33,9 @@ _STAND_INS: Final = {
     "model": None,
     "netting.twine_mm": 1e-6,
     **{f"netting.{key}": None for key in ("name", "twines", "twine_density_kg_m3", "material", "axial_stiffness_n")},
-    **{f"netting.{key}": None for key in ("bending_stiffness_n_m2", "rest_opening_deg")},
+    **{f"netting.{key}": None for key in ("knot_axial_stiffness_n", "bending_stiffness_n_m2", "rest_opening_deg")},
     "strap.length_m": 1.0,
-    **{f"strap.{key}": None for key in ("axial_stiffness_n", "diameter_mm")},
+    **{f"strap.{key}": None for key in ("axial_stiffness_n", "diameter_mm", "density_kg_m3")},
     **{f"catch.{key}": None for key in ("coefficient", "sphere_cp_csv")},
 }
 """Good values for those that have no say in whether the netting closes and holds its catch and straps."""

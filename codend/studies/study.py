@@ -19,11 +19,13 @@ from codend.equilibrium.accuracy import Errors
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
 from codend.equilibrium.following import LYING_ON_ITSELF, NOT_FOLLOWED, follow
+from codend.equilibrium.room import check_room, too_little
 from codend.equilibrium.stability import Stability, stability_of
 from codend.equilibrium.wrinkles import changed_by_wrinkles, within_accuracy
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
 from codend.solvers import newton
+from codend.solvers.memory import free_bytes
 from codend.solvers.outcome import Progress, Solution, SolverReport
 from codend.solvers.refusal import layers_touch
 from codend.studies.case_result import CaseResult
@@ -98,6 +100,7 @@ def solve(
 
     Raises:
         InputError: the plan asks for what its netting does not allow.
+        TooLittleMemory: the model does not fit into memory; which merged net would is told.
     """
     choice = fidelity.choose(plan) if choice is None else choice
     if choice.fidelity == "meridian":
@@ -107,7 +110,9 @@ def solve(
             if keep is not None:
                 keep(result)
         return Study(plan, choice, tuple(done_cases))
-    model = model_of(plan, choice.globalisation, choice.sectors, choice.fidelity == "smeared")
+    check_room(plan, choice)
+    smeared = choice.fidelity == "smeared"
+    model = model_of(plan, choice.globalisation, choice.sectors, smeared, choice.near)
     cases = plan.cases()
     known: list[tuple[Case, Solution]] = []
     neighbours = _equilibria_of(near, model)
@@ -121,10 +126,15 @@ def solve(
 
         if progress is not None:
             progress(done, len(cases), f"case {case.number}")
-        problem, solution = equilibrium.solve(model, case, known or neighbours, report)
+        try:
+            problem, solution = equilibrium.solve(model, case, known or neighbours, report)
+        except MemoryError:
+            raise too_little(plan, choice, free_bytes()) from None
         result = measured(model.bag, case, problem, solution)
         if result.converged:
             known.append((case, solution))
+            if progress is not None:
+                progress(done, len(cases), f"case {case.number}: its stability and errors")
             result = _judged(model, result, choice.unseen_weight_n, report)
         results[case.number] = result
         if keep is not None:
@@ -184,9 +194,9 @@ def measured(bag: Bag, case: Case, problem: Problem, solution: Solution) -> Case
     """What was found of a case, with its measures but without errors; a case that failed has none."""
     if not solution.report.outcome.converged:
         nothing = Measures.unknown(), Errors.unknown()
-        return CaseResult(case, bag, problem, solution, *nothing, None, NOT_FOLLOWED, None, None)
+        return CaseResult(case, bag, problem, solution, *nothing, None, None, None)
     meshes, rows, measures = measure_all(bag, problem, solution)
-    return CaseResult(case, bag, problem, solution, measures, Errors.unknown(), None, NOT_FOLLOWED, rows, meshes)
+    return CaseResult(case, bag, problem, solution, measures, Errors.unknown(), None, rows, meshes)
 
 
 def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) -> Iterator[CaseResult]:

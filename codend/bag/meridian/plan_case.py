@@ -157,4 +157,5 @@ def problem_for(plan: Plan, case: Case, front_row: float) -> MeridianProblem:
         speed_m_s=case.speed_m_s,
         reynolds_per_speed=section.twine_m / VISCOSITY_M2_S,
         axial_stiffness_n=section.axial_stiffness_n,
+        knot_axial_stiffness_n=section.knot_axial_stiffness_n,
     )
