@@ -85,7 +85,8 @@ def files_of(plan: Plan) -> list[str]:
     """Every file that ``write_report`` may write of a plan, relative to its folder."""
     nets = [f"net_{case.number}.vtu" for case in plan.cases()]
     plots = [f"plots/{plot.name}.png" for plot in PLOTS]
-    return ["plan.toml", *TABLES, RECORD, *plots, *nets, "report.html"]
+    tables = [name for name in TABLES if name != "ropes.csv" or plan.rope]
+    return ["plan.toml", *tables, RECORD, *plots, *nets, "report.html"]
 
 
 def write_report(study: Study, folder: Path, progress: StudyProgress | None = None) -> list[Path]:
