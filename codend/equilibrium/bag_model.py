@@ -1,7 +1,7 @@
 """A bag as it is modelled, ready to be solved again and again."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 from codend.bag.bag import Bag
 from codend.bag.build import build_bag
@@ -35,6 +35,12 @@ class BagModel:
         return Ring(structure_of(self.bag.net), self.bag.bands)
 
 
+@lru_cache(maxsize=1)
+def bag_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool = False) -> Bag:
+    """The bag of a plan; the last one is kept, for what chooses a model builds the one that is mostly chosen."""
+    return build_bag(plan, globalisation=globalisation, sectors=sectors, smeared=smeared)
+
+
 def model_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool = False) -> BagModel:
     """Build the net of a plan.
 
@@ -45,5 +51,5 @@ def model_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool 
     if plan.model.method == "rigid-bars" and stretching:
         allowed = 'left out with model.method = "rigid-bars": rigid bars do not stretch'
         raise InputError(file=plan.source, key="netting.axial_stiffness_n", value=stretching[0], allowed=allowed)
-    bag = build_bag(plan, globalisation=globalisation, sectors=sectors, smeared=smeared)
+    bag = bag_of(plan, globalisation, sectors, smeared)
     return BagModel(plan, bag, sectors, globalisation, smeared)

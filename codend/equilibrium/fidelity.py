@@ -6,8 +6,8 @@ from enum import Enum, auto
 
 import numpy as np
 
-from codend.bag.build import build_bag
 from codend.equilibrium.accuracy import WEIGHT_LEFT_OUT, sector_measures
+from codend.equilibrium.bag_model import bag_of
 from codend.mechanics.weight import wet_weight
 from codend.net.net import Net
 from codend.plan.plan import Plan
@@ -87,7 +87,7 @@ def choose(plan: Plan) -> Choice:
     and of the real net, but none where the weight is so large that such sectors, which know none, tell nothing.
     """
     asked = plan.model.fidelity
-    sector = build_bag(plan, sectors=1).net
+    sector = bag_of(plan, 1, 1).net
     # twine that floats counts like twine that sinks: in different sections they bend the bag all the same
     weight = sector.order * float(np.abs(wet_weight(sector, plan.tow.water_density_kg_m3)).sum())
     drag = _least_drag(plan) if weight > 0.0 and asked in ("auto", "sector", "meridian") else math.inf
