@@ -29,10 +29,11 @@ from codend.cli.compare import compare
 from codend.cli.console import shown_progress, text_table
 from codend.cli.fit import fit
 from codend.cli.force import force
+from codend.cli.net_plan import net_plan
 from codend.cli.selectivity import selectivity, species
 from codend.cli.streams import Terminated, end_on_signals, give_up_output, say, take_any_text
 from codend.cli.sweep import sweep
-from codend.errors import InputError
+from codend.errors import InputError, TooLittleMemory
 
 if TYPE_CHECKING:
     from codend.studies.kept_cases import KeptCases
@@ -47,6 +48,7 @@ TABLE_COLUMNS = {
     "max_radius_m": "radius m",
     "drag_n": "drag N",
     "opening_ahead_deg": "opening deg",
+    "opening_ahead_error_deg": "+- deg",
     "residual": "residual",
     "converged": "converged",
 }
@@ -78,6 +80,8 @@ class _OneLineErrors(click.Group):
             _end(" ".join(error.format_message().split()), BAD_INPUT)
         except InputError as error:
             _end("\n".join(error.lines), BAD_INPUT)
+        except TooLittleMemory as error:
+            _end(f"too little memory: {error}", NO_MEANS)
         except MemoryError:
             _end("too little memory", NO_MEANS)
         except BrokenExecutor:
@@ -190,7 +194,8 @@ def _told_what_is_kept(kept: "KeptCases", cases: int, table: Path) -> Iterator[N
             case KeyboardInterrupt():
                 raise Stopped(f"interrupted; {told}", INTERRUPTED) from None
             case MemoryError():
-                raise Stopped(f"too little memory; {told}", NO_MEANS) from None
+                why = f": {error}" if isinstance(error, TooLittleMemory) else ""
+                raise Stopped(f"too little memory{why}; {told}", NO_MEANS) from None
             case InputError() | OSError():
                 raise
         say(f"codend: an error of the program; {told}")
@@ -229,7 +234,7 @@ def doctor(warm_up: bool) -> int:
     return 1 if failed or any(finding.missing for finding in findings) else 0
 
 
-for _command in (bow_wave, sweep, compare, chart, force, selectivity, species, fit):
+for _command in (bow_wave, net_plan, sweep, compare, chart, force, selectivity, species, fit):
     main.add_command(_command)
 
 

@@ -37,6 +37,10 @@ RESULT_COLUMNS = [
     "sideways_imbalance",
     "inside_mesh_mm",
     "full_mesh_mm",
+    "wrinkles",
+    "drag_spread_n",
+    "opening_spread_deg",
+    "folds",
 ]
 
 STRAP_COLUMNS = ["max_strap_tension_n"]

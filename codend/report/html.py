@@ -111,9 +111,13 @@ def notes(study: Study) -> list[str]:
             "without slack: the joint is no wider than the fewer meshes, with the shorter bar, pulled fully open."
         )
     if study.plan.catch_density_kg_m3 != study.plan.tow.water_density_kg_m3:
-        found.append("The catch's density gives its mass; its own weight in water does not act on the net.")
+        acts = "presses on the netting" if study.choice.sees_weight else "is left out of this model, as its errors tell"
+        found.append(f"The catch is not as dense as the water: its own weight in water {acts}.")
     if any(section.density_kg_m3 is None for section in study.plan.netting):
         found.append("Twine whose density the plan does not give is taken as neutrally buoyant.")
+    rigid = [s for s in study.plan.netting if s.knot_m > 0.0 and s.knot_axial_stiffness_n is None]
+    if any(section.axial_stiffness_n is not None for section in rigid):
+        found.append("Knots do not stretch where the plan gives no knot_axial_stiffness_n, however soft the twine.")
     return found
 
 
@@ -129,17 +133,22 @@ def cautions(study: Study) -> list[str]:
     if waving := _named(of_sectors, study):
         growing = sorted({k for result in of_sectors if result.stability for k in result.stability.growing})
         found.append(
-            f"In balance, but not stable in this shape, which is the same all round: {waving}. What varies "
-            f"{ranges_text(tuple(growing))} times round the net grows, so it lies in waves or folds. No estimate "
-            "covers what these change: up to 4 % in drag and 2 degrees in openings where they were followed."
+            f"In balance, but not stable in this shape, which is the same in all sectors: {waving}. What varies "
+            f"{ranges_text(tuple(growing))} times round the net grows, so it lies in waves or folds. The estimates of "
+            "drag, volume, radius and opening are widened to cover what these change."
         )
     of_full_nets = [result for result in study.cases if result.unstable and result.net.order == 1]
     if unstable := _named(of_full_nets, study):
         found.append(
             f"In balance, but not stable by the eigenvalues of the tangent: {unstable}. At a touch such a net takes "
-            "another shape, often in folds, whose drag, volume and openings can be quite different: no estimate covers "
-            "that."
+            "another shape, often in folds. The estimates of drag, volume, radius and opening are widened by the "
+            "strength of what grows."
         )
+    for shapes in (True, False):
+        led = [result for result in study.cases if result.followed.reason and (result.followed.shape is None) != shapes]
+        for reason in dict.fromkeys(result.followed.reason for result in led):
+            same = _named([result for result in led if result.followed.reason == reason], study)
+            found.append(f"{'In waves' if shapes else 'Wrinkles'}: {same}: {reason}.")
     in_folds = [result for result in study.cases if result.measures.folded_share > FOLDS_WORTH_TELLING]
     if folded := _named(in_folds, study):
         most = 100.0 * max(result.measures.folded_share for result in in_folds)

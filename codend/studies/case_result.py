@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from codend.bag.bag import Bag, real_tensions
 from codend.bag.measures import Measures, Meshes, Rows
 from codend.equilibrium.accuracy import Errors
+from codend.equilibrium.following import NOT_FOLLOWED, Followed
 from codend.equilibrium.stability import Stability
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Net
@@ -28,6 +29,8 @@ class CaseResult:
     rows: Rows | None
     """None where the case was not solved."""
     meshes: Meshes | None
+    followed: Followed = NOT_FOLLOWED
+    """What became of what grows of it."""
 
     @property
     def net(self) -> Net:

@@ -7,9 +7,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from codend.bag.bag import Bag
+from codend.equilibrium.following import meshes_wide
 from codend.equilibrium.stability import ranges_text
 from codend.io.columns import (
     MESH_COLUMNS,
+    OF_ROPES,
     OPENING_FORCE_COLUMNS,
     PROFILE_COLUMNS,
     RESULT_COLUMNS,
@@ -51,7 +54,7 @@ def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, objec
         "speed_m_s": result.case.speed_m_s,
         **measures,
         **vars(result.errors),
-        "fidelity": fidelity,
+        "fidelity": fidelity if result.followed.shape is None else _fidelity_of(result.bag),
         "method": result.report.method,
         "iterations": result.report.iterations,
         "residual": result.report.residual,
@@ -60,9 +63,17 @@ def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, objec
         "stable": "unknown" if result.stability is None else result.stability.stable,
         "growing_harmonics": (result.stability and ranges_text(result.stability.growing)) or float("nan"),
         "sector_order": result.net.order,
-        "sector_meshes": max(section.meshes_round for section in plan.netting) // result.net.order,
+        "sector_meshes": meshes_wide(result.bag, max(section.meshes_round for section in plan.netting)),
+        "drag_spread_n": result.followed.drag_spread_n,
+        "opening_spread_deg": result.followed.opening_spread_deg,
+        "folds": "yes" if result.followed.folds else "no",
+        "wrinkles": result.followed.reason or float("nan"),
         **_sizes_ahead(plan, float(measures["filled_meshes"])),
     }
+
+
+def _fidelity_of(bag: Bag) -> str:
+    return "globalised" if bag.globalisation > 1 else "full" if bag.net.order == 1 else "sector"
 
 
 def _sizes_ahead(plan: Plan, filled_meshes: float) -> dict[str, float]:
@@ -79,6 +90,32 @@ def _sizes(plan: Plan, names: NDArray[np.object_]) -> dict[str, NDArray[np.float
     number = {name: i for i, name in enumerate(plan.section_names)}
     found = 1000.0 * np.array([(part.inside_mesh_m, part.full_mesh_m) for part in plan.netting])
     return dict(zip(SIZES, found[[number[name] for name in names]].T, strict=True))
+
+
+def rope_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
+    """``ropes.csv``: a row a rope of a solved case; those of other sectors are as these."""
+    rows: list[dict[str, object]] = []
+    for result in cases:
+        bag, tension = result.bag, result.bar_tension_n
+        ahead = result.solution.share[bag.bar_band[bag.ropes]] == 0.0
+        for name in np.unique(bag.rope_name) if result.converged else ():
+            own = bag.rope_name == name
+            bars = bag.ropes[own]
+            y, z = result.net.positions[result.net.bars[bars[0], 0], 1:]
+            pulls = tension[bars][ahead[own]]
+            rows.append(
+                {
+                    "case": result.case.number,
+                    "rope": int(name) // 1000 + 1,
+                    "number": int(name) % 1000 + 1,
+                    "place_deg": float(np.degrees(np.arctan2(z, y)) % 360.0),
+                    "length_m": float(result.net.bar_length[bars].sum()),
+                    "max_tension_n": float(tension[bars].max()),
+                    "tension_ahead_n": float(pulls[-1]) if len(pulls) else float("nan"),
+                    "slack_share": float(np.mean(tension[bars] <= 0.0)),
+                }
+            )
+    return pd.DataFrame(rows, columns=OF_ROPES)
 
 
 def profile_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
