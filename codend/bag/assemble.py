@@ -28,8 +28,11 @@ def assembled(
     is_knot = bars[:, 4].astype(bool)
     band = bars[:, 3]
 
+    sections = {id(s): s for s in lattice.sections}
+
     def of_section(value: str) -> Floats:
-        return np.array([getattr(s, value) for s in lattice.sections], dtype=np.float64)[band]
+        values = {key: getattr(s, value) for key, s in sections.items()}  # many bands have one section
+        return np.array([values[id(s)] for s in lattice.sections], dtype=np.float64)[band]
 
     def softness(of: str) -> Floats:
         """Strain per newton of the (merged) bars or knots, 0 where they do not stretch."""

@@ -106,8 +106,9 @@ def rows_of(plan: Plan, globalisation: int = 1) -> list[Netting]:
 def crude_rows(plan: Plan, globalisation: int = 1) -> tuple[Floats, Floats]:
     """Positions and radii of the rows of a plain bag that any solver can start from: tubes with conical ends."""
     sections = rows_of(plan, globalisation)
-    side = np.array([globalisation * (s.bar_m + s.knot_along_m) for s in sections])
-    largest = np.array([s.stretched_radius_m for s in sections])
+    number = list(plan.sections_of_bands(globalisation))
+    side = np.array([globalisation * (s.bar_m + s.knot_along_m) for s in plan.netting])[number]
+    largest = np.array([s.stretched_radius_m for s in plan.netting])[number]
     from_entry = np.concatenate([[0.0], np.cumsum(side)])
     bound = np.minimum(np.concatenate([largest[:1], largest]), np.concatenate([largest, largest[-1:]]))
     from_wide_entry = np.minimum(plan.entry_radius_m - 0.6 * from_entry, 0.9 * bound)

@@ -261,6 +261,31 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows) -> Measu
     )
 
 
+def measure_briefly(bag: Bag, problem: Problem, solution: Solution) -> tuple[float, float, float, float]:
+    """Of ``measure`` the drag, the catch's volume, the largest radius and the opening ahead, as it has them."""
+    position, share = np.ascontiguousarray(solution.positions), solution.share
+    area, moment = np.empty(bag.bands), np.empty(bag.bands)
+    band_geometry(position, problem.structure, problem.loading.catch, area, moment)
+    ring = np.flatnonzero(bag.node_row >= 0)
+    x = _mean_by(bag.node_row[ring], position[ring, 0], bag.bands + 1)
+    by_row = _mean_by(bag.mesh_row, mesh_openings(bag, mesh_corners(bag, position))[0], bag.bands + 1)
+    has_mesh = np.flatnonzero(np.isfinite(by_row))
+    ahead = opening_rows_ahead(bag, share)
+    openings = np.interp(ahead, bag.mesh_place[has_mesh], by_row[has_mesh])
+    return (
+        drag_of(problem, solution),
+        enclosed_volume(x, area, moment, share),
+        float(ring_radii(bag, position).max()),
+        float(np.mean(openings)) if len(ahead) else float("nan"),
+    )
+
+
+def drag_of(problem: Problem, solution: Solution) -> float:
+    """Drag of the whole net, N."""
+    on_twine, by_catch = current_loads(problem, solution)
+    return float((on_twine + by_catch)[:, 0].sum() * problem.net.order)
+
+
 def measure_all(bag: Bag, problem: Problem, solution: Solution) -> tuple[Meshes, Rows, Measures]:
     """Meshes, rows and sums of a solved bag."""
     meshes = measure_meshes(bag, problem, solution)

@@ -2,7 +2,6 @@
 
 import atexit
 import gc
-import math
 import sys
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor
@@ -24,9 +23,9 @@ from codend.cli.common import (
     check_writable,
     out_option,
     set_option,
-    table_options,
     written_into,
 )
+from codend.cli.compare import compare
 from codend.cli.console import shown_progress, text_table
 from codend.cli.fit import fit
 from codend.cli.force import force
@@ -34,11 +33,9 @@ from codend.cli.net_plan import net_plan
 from codend.cli.selectivity import selectivity, species
 from codend.cli.streams import Terminated, end_on_signals, give_up_output, say, take_any_text
 from codend.cli.sweep import sweep
-from codend.errors import OPTIONS, InputError, TooLittleMemory
+from codend.errors import InputError, TooLittleMemory
 
 if TYPE_CHECKING:
-    from codend.io.table_form import TableForm
-    from codend.studies.comparison import Comparison
     from codend.studies.kept_cases import KeptCases
     from codend.studies.study import Study
 
@@ -56,7 +53,6 @@ TABLE_COLUMNS = {
     "converged": "converged",
 }
 """Columns of ``results.csv`` that ``codend run`` prints, and their headings."""
-MOST_ROD_MM = 1000.0
 
 
 class _OneLineErrors(click.Group):
@@ -217,82 +213,6 @@ def _explain_failures(study: "Study") -> None:
                 click.echo(f"  tried {attempt}", err=True)
 
 
-def _rod_mm(_: click.Context, option: click.Parameter, text: str | None) -> float | None:
-    """The thickness of a rod, mm, refused in the words of a plan's numbers."""
-    if text is None:
-        return None
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 0.0 < value <= MOST_ROD_MM:
-        shown = text if math.isnan(value) else value
-        raise InputError(OPTIONS, option.opts[0], shown, f"a number above 0, at most {MOST_ROD_MM:g}, in mm")
-    return value
-
-
-@main.command()
-@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
-@click.argument("table", metavar="TABLE.csv", type=click.Path(path_type=Path))
-@table_options
-@click.option(
-    "--hoop-rod-mm",
-    callback=_rod_mm,
-    metavar="MM",
-    help="Thickness you assume for the hoop's rod: its drag is computed and added, where TABLE.csv has an empty "
-    "hoop_drag_n column.",
-)
-def compare(folder: Path, table: Path, hoop_rod_mm: float | None, form: "TableForm") -> None:
-    """Set the results of a run in DIR beside a flume table.
-
-    Rows are matched on the catch and speed columns the table has, interpolated in catch size and never extrapolated.
-    Differences are computed minus tabled. Writes comparison.csv (every value), comparison_summary.csv and
-    comparison.png into DIR.
-    """
-    from codend.io.files import COMPARISON_FILES, whole_file, write_table
-    from codend.io.run_tables import read_run_table
-    from codend.plan.plan import load_plan
-    from codend.report.comparison_plot import comparison_figure
-    from codend.report.own_look import own_look
-    from codend.report.style import png
-    from codend.studies.comparison import Hoop, read_flume_table
-    from codend.studies.comparison import compare as compare_with
-
-    check_writable(folder, COMPARISON_FILES)
-    results = folder / "results.csv"
-    hoop = None
-    if hoop_rod_mm is not None:
-        plan = load_plan(folder / "plan.toml")
-        hoop = Hoop(plan.entry_radius_m, hoop_rod_mm / 1000.0, plan.tow.water_density_kg_m3)
-    comparison = compare_with(read_run_table(results), read_flume_table(table, form), results, hoop)
-    with written_into(folder, COMPARISON_FILES):
-        points, summary, picture = (folder / name for name in COMPARISON_FILES)
-        write_table(comparison.points, points)
-        write_table(comparison.summary, summary)
-        with whole_file(picture) as temporary, own_look():
-            temporary.write_bytes(png(comparison_figure(comparison)))
-    _print_comparison(comparison)
-
-
-def _print_comparison(comparison: "Comparison") -> None:
-    table, summary = comparison.table, comparison.summary
-    click.echo(f"{table.path}: {table.origin}")
-    matched = f"{comparison.matched_on} and speed" if comparison.matched_on else "speed"
-    lines = comparison.compared["table_line"].nunique()
-    click.echo(f"{lines} of {len(table.lines)} rows compared, matched on {matched}; differences are computed - tabled")
-    percent = 100.0 * summary[["relative_bias", "relative_rms", "relative_largest"]]
-    rows = [
-        (row.quantity, row.points, row.bias, row.rms, row.largest, *relative)
-        for row, relative in zip(summary.itertuples(), percent.to_numpy().tolist(), strict=True)
-    ]
-    click.echo(text_table(["quantity", "points", "bias", "RMS", "largest", "bias %", "RMS %", "largest %"], rows))
-    if "hoop_drag_n" in table.columns:
-        click.echo(f"drag_n: computed drag plus the hoop's ({table.hoop_origin}), beside the table's drag_n")
-    left_out = comparison.points[comparison.points["computed"].isna()]
-    for (line, note), points in left_out.groupby(["table_line", "note"], sort=True):
-        click.echo(f"not compared, line {line}: {', '.join(points['quantity'])}: {note}")
-
-
 @main.command()
 @click.option("--warm-up", is_flag=True, help="Compile all kernels now, by solving a tiny net.")
 def doctor(warm_up: bool) -> int:
@@ -314,7 +234,7 @@ def doctor(warm_up: bool) -> int:
     return 1 if failed or any(finding.missing for finding in findings) else 0
 
 
-for _command in (bow_wave, net_plan, sweep, chart, force, selectivity, species, fit):
+for _command in (bow_wave, net_plan, sweep, compare, chart, force, selectivity, species, fit):
     main.add_command(_command)
 
 

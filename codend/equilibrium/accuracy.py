@@ -9,18 +9,22 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from codend.bag.loads import catch_weight_density
-from codend.bag.measures import Measures, current_loads, measure_all
+from codend.bag.measures import Measures, drag_of, measure_all, measure_briefly
 from codend.bag.near_ratio import narrower, near_enough
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.net.net import Floats
 from codend.plan.plan import Case, Plan
-from codend.solvers.newton import TangentAtEquilibrium, solve_nearby
+from codend.solvers.newton import ONE_STEP, TangentAtEquilibrium, solve_nearby
 from codend.solvers.outcome import Solution
 
 POLISHED = 1e-3
 """Tolerance of the answer that a result is compared with, over the result's own residual."""
 FINEST = 1e-11
+ONE_STEP_TOLERANCE = 1e-4
+"""Residual that a step by the tangent may leave of a small change."""
+SMALL = 1e-3
+"""Change of the suction that the tangent answers, over the one that is told."""
 SAFETY = 1.5
 MORE_SUCTION = 0.1
 """Change of the suction outside the catch, relative, that the sensitivity to the pressure curve is told for."""
@@ -92,15 +96,15 @@ def estimate(
     """
     problem, report = tangent.problem, tangent.solution.report
     finest = max(POLISHED * max(report.residual, report.imbalance), FINEST)
+    sizes = np.abs([getattr(measures, name) for name in _QUANTITIES])
     polished = solve_nearby(problem, finest, tangent.solution, tangent)
     if not polished.report.outcome.converged:
         return Errors.unknown()
-    exact = measure_all(model.bag, problem, polished)[2]
-    solver = _distance(measures, exact)
-    globalised = by_ratio(model, case, exact)
+    exact = measure_briefly(model.bag, problem, polished)
+    solver = np.abs(sizes - exact)
+    globalised = by_ratio(model, case, measures)
     if model.globalisation > 1:
         globalised += _distance(*(sector_measures(model.plan, case, g) for g in (1, model.globalisation)))
-    sizes = np.abs([getattr(measures, name) for name in _QUANTITIES])
     # N per m3 of the catch, in all and as the model bears it
     of_catch, borne = catch_weight_density(model.plan), problem.loading.catch.weight_density
     catch_n = abs(of_catch - borne if model.globalisation == 1 else of_catch) * measures.catch_volume_m3
@@ -110,10 +114,10 @@ def estimate(
     errors = SAFETY * (solver + globalised) + (NOISE + weight) * sizes + by_wrinkles
     if model.smeared and model.plan.rope:
         errors += smeared_errors(model.plan) * [*sizes[:3], 1.0]
-    if any(share > kind.folds_over_from for kind in set(model.bag.band_kind)):
+    if any(share > part.kind.folds_over_from for part in model.plan.netting):
         errors = np.full(len(_QUANTITIES), np.nan)
     drag, volume, radius, opening = map(float, errors)
-    return Errors(drag, volume, radius, opening, _change_with_suction(polished, tangent, exact.drag_n))
+    return Errors(drag, volume, radius, opening, _change_with_suction(polished, tangent, exact[0]))
 
 
 def sector_measures(plan: Plan, case: Case, globalisation: int) -> Measures:
@@ -158,14 +162,16 @@ def _distance(first: Measures, second: Measures) -> np.ndarray:
 
 
 def _change_with_suction(solution: Solution, tangent: TangentAtEquilibrium, drag_n: float) -> float:
-    """1 - Cp becomes 1 - 1.1 Cp; inside the catch the water stays at stagnation pressure."""
+    """1 - Cp becomes 1 - 1.1 Cp; inside the catch the water stays at stagnation pressure.
+
+    By the tangent: a far smaller change, answered by one step with its factors, and told in proportion.
+    """
     problem = tangent.problem
     catch = problem.loading.catch
-    coefficients = (1.0 + MORE_SUCTION) * catch.coefficients
-    coefficients[3] -= MORE_SUCTION
+    coefficients = (1.0 + SMALL * MORE_SUCTION) * catch.coefficients
+    coefficients[3] -= SMALL * MORE_SUCTION
     changed = replace(problem, loading=problem.loading._replace(catch=catch._replace(coefficients=coefficients)))
-    moved = solve_nearby(changed, 1e-8, solution, tangent)
+    moved = solve_nearby(changed, ONE_STEP_TOLERANCE, solution, tangent, ONE_STEP)
     if not moved.report.outcome.converged:
         return float("nan")
-    drag = sum(load[:, 0].sum() for load in current_loads(changed, moved)) * problem.net.order
-    return float(drag / drag_n - 1.0)
+    return (drag_of(changed, moved) / drag_n - 1.0) / SMALL

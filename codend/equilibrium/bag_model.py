@@ -1,7 +1,7 @@
 """A bag as it is modelled, ready to be solved again and again."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 from codend.bag.bag import Bag
 from codend.bag.build import build_bag
@@ -38,6 +38,12 @@ class BagModel:
         return Ring(structure_of(self.bag.net), self.bag.bands)
 
 
+@lru_cache(maxsize=1)
+def bag_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool = False) -> Bag:
+    """The bag of a plan; the last one is kept, for what chooses a model builds the one that is mostly chosen."""
+    return build_bag(plan, globalisation=globalisation, sectors=sectors, smeared=smeared)
+
+
 def model_of(
     plan: Plan, globalisation: int, sectors: int | None, smeared: bool = False, near: NearRatio | None = None
 ) -> BagModel:
@@ -51,5 +57,8 @@ def model_of(
             for value in filter(None, (getattr(s, key) for s in plan.netting)):
                 allowed = 'left out with model.method = "rigid-bars": rigid bars do not stretch'
                 raise InputError(file=plan.source, key=f"netting.{key}", value=value, allowed=allowed)
-    bag = build_bag(plan, globalisation=globalisation, sectors=sectors, smeared=smeared, near=near)
+    if near is None:
+        bag = bag_of(plan, globalisation, sectors, smeared)
+    else:
+        bag = build_bag(plan, globalisation=globalisation, sectors=sectors, smeared=smeared, near=near)
     return BagModel(plan, bag, sectors, globalisation, smeared, near)

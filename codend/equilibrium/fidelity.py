@@ -10,6 +10,7 @@ from codend.bag.build import build_bag
 from codend.bag.loads import catch_weight_density
 from codend.bag.near_ratio import DRAG_BY_MISMATCH, SLOW_KNOTS, SLOW_MESHES, NearRatio, near_enough
 from codend.equilibrium.accuracy import WEIGHT_LEFT_OUT, sector_measures, smeared_errors
+from codend.equilibrium.bag_model import bag_of
 from codend.mechanics.weight import wet_weight
 from codend.net.net import Net
 from codend.plan.plan import Plan
@@ -100,7 +101,7 @@ def choose(plan: Plan) -> Choice:
     large that such sectors, which know none, tell nothing.
     """
     asked = plan.model.fidelity
-    sector = build_bag(plan, sectors=1).net
+    sector = bag_of(plan, 1, 1).net
     # twine that floats counts like twine that sinks: in different sections they bend the bag all the same
     weight = sector.order * float(np.abs(wet_weight(sector, plan.tow.water_density_kg_m3)).sum())
     heavy_catch = catch_weight_density(plan) != 0.0

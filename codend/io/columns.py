@@ -52,7 +52,7 @@ OF_ROPES = ["case", "rope", "number", "place_deg", "length_m", "max_tension_n", 
 
 REASON = "reason"
 """Column of a study's table that says why a case was not solved."""
-TEXT_COLUMNS = ("design", "fidelity", "method", "stable", "growing_harmonics", REASON)
+TEXT_COLUMNS = ("design", "fidelity", "method", "stable", "growing_harmonics", "wrinkles", REASON)
 """Those of a study's table that hold text, also where no row has one."""
 
 SECTION = "section"

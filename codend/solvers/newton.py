@@ -66,6 +66,8 @@ DIRECT = NewtonSettings(rough_starts=())
 """Newton's method from the start it is given and no other."""
 NEARBY = replace(DIRECT, iterations_allowed=8, refuses=False)
 """Newton's method from an equilibrium nearby, for no longer than a step or two and some to spare."""
+ONE_STEP = replace(NEARBY, iterations_allowed=1, least_iterations=1)
+"""The first step alone: with the tangent's factors it is one back-substitution."""
 
 
 @dataclass(frozen=True)
@@ -175,12 +177,18 @@ def tangent_at(problem: Problem, solution: Solution, prepared: Prepared) -> Tang
     return TangentAtEquilibrium(problem, solution, prepared, sides - 1, system.factorise(step.blocks) == -1)
 
 
-def solve_nearby(problem: Problem, tolerance: float, start: Solution, tangent: TangentAtEquilibrium) -> Solution:
+def solve_nearby(
+    problem: Problem,
+    tolerance: float,
+    start: Solution,
+    tangent: TangentAtEquilibrium,
+    settings: NewtonSettings = NEARBY,
+) -> Solution:
     """Equilibrium a step or two from a start near the one whose tangent is known; not converged if it is farther.
 
     The first iteration takes the tangent's factors; where they are of no use it makes its own.
     """
-    return _solve(_Iterations(problem, tangent.prepared, NEARBY, None, takes_factors=True), tolerance, start)
+    return _solve(_Iterations(problem, tangent.prepared, settings, None, takes_factors=True), tolerance, start)
 
 
 class _Iterations:

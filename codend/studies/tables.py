@@ -43,7 +43,7 @@ def result_columns(plan: Plan) -> list[str]:
 
 def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, object]:
     """A row of ``results.csv``, by column."""
-    measures = asdict(result.measures)
+    measures = dict(vars(result.measures))
     density = plan.catch_density_kg_m3
     measures["catch_mass_kg"] = density * measures["catch_volume_m3"]
     if not result.converged:
@@ -53,7 +53,7 @@ def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, objec
         "case": result.case.number,
         "speed_m_s": result.case.speed_m_s,
         **measures,
-        **asdict(result.errors),
+        **vars(result.errors),
         "fidelity": fidelity if result.followed.shape is None else _fidelity_of(result.bag),
         "method": result.report.method,
         "iterations": result.report.iterations,

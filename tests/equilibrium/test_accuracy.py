@@ -1,8 +1,12 @@
 """An error estimate is honest: it never understates the true error where that is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from codend.bag.measures import drag_of
+from codend.solvers import newton
 from codend.studies.study import solve
 from tests.plans import UNIFORM, make_plan
 
@@ -76,6 +80,21 @@ def test_sensitivity_to_suction_is_that_of_a_second_solve():
     told = solve(make_plan(24, 20, catch=catch)).table.iloc[0]
     more = solve(make_plan(24, 20, catch={**catch, "coefficient": 1.44})).table.iloc[0]
     assert told["drag_change_with_suction"] == pytest.approx(more["drag_n"] / told["drag_n"] - 1, rel=1e-4)
+
+
+@pytest.mark.parametrize("catch", [{"filled_meshes": 6.0}, {"volume_m3": 0.02}])
+def test_sensitivity_to_the_suction_of_a_sphere_is_the_derivative(catch):
+    (case,) = solve(make_plan(24, 20, catch=catch)).cases
+    problem, drags = case.problem, []
+    for more in (0.01, -0.01):
+        loads = problem.loading.catch
+        coefficients = (1.0 + more) * loads.coefficients
+        coefficients[3] -= more
+        loading = problem.loading._replace(catch=loads._replace(coefficients=coefficients))
+        changed = replace(problem, loading=loading)
+        drags.append(drag_of(changed, newton.solve(changed, 1e-10, case.solution)))
+    derivative = (drags[0] - drags[1]) / 0.02 / case.measures.drag_n
+    assert case.errors.drag_change_with_suction == pytest.approx(0.1 * derivative, rel=2e-3)
 
 
 def test_sensitivity_to_suction_of_a_membrane_is_no_part_of_its_distance_to_the_net():
