@@ -113,9 +113,9 @@ def crude_rows(plan: Plan, globalisation: int = 1) -> tuple[Floats, Floats]:
     from_wide_entry = np.minimum(plan.entry_radius_m - 0.6 * from_entry, 0.9 * bound)
     wanted = np.maximum(0.55 * bound, from_wide_entry)
     wanted[0], wanted[-1] = plan.entry_radius_m, 0.0
-    for strap, rows in zip(plan.strap, plan.strap_rows, strict=True):
+    for strap, rows in zip(plan.straps, plan.strap_rows, strict=True):
         row = len(sections) - rows // globalisation
-        wanted[row] = min(wanted[row], 0.9 * strap.length_m / (2.0 * np.pi))
+        wanted[row] = min(wanted[row], 0.9 * strap.around_m / (2.0 * np.pi))
     # no row is wider than the slopes of the bag from any other row allow
     widening = np.minimum.accumulate(wanted - 0.4 * from_entry) + 0.4 * from_entry
     narrowing = np.minimum.accumulate((wanted + 0.6 * from_entry)[::-1])[::-1] - 0.6 * from_entry

@@ -12,7 +12,7 @@ from pydantic import AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Strict
 
 from codend.plan.kinds import KINDS, Kind, MeshName
 from codend.plan.messages import Contradiction
-from codend.plan.overrides import CATCH_QUANTITIES, ENTRY_SIZES, MESH_SIZES, TITRES, CatchKind
+from codend.plan.overrides import CATCH_QUANTITIES, ENTRY_SIZES, MESH_SIZES, STRAP_LENGTHS, TITRES, CatchKind
 from codend.plan.twines import DENSITY_KG_M3, THICKNESS_MM, MaterialName, rtex_of_number, solid_diameter_m, thickness_mm
 
 Number = Annotated[float, Strict(), AllowInfNan(False)]
@@ -273,8 +273,12 @@ class Strap(Table):
 
     meshes_from_codline: Annotated[Number, Gt(0)]
     """A row of knots: half meshes count in diamond and T90 netting."""
-    length_m: Annotated[Number, Gt(0), Le(1000)]
-    """The whole way round."""
+    length_m: Annotated[Number, Gt(0), Le(1000)] | None = None
+    """The whole way round; ``around_m`` of the straps of ``Plan.straps``, however the plan gives it."""
+    circumference_share: Annotated[Number, Gt(0), Le(1)] | None = None
+    """The same over the stretched meshes round the netting there."""
+    spacing_meshes: Annotated[Number, Ge(0.5)] | None = None
+    """Distance to the next such strap, and so on as far as the entry; None: a single one."""
     axial_stiffness_n: Annotated[Number, Gt(0), Le(1e9)] | None = None
     """EA of the rope, N; None: inextensible."""
     diameter_mm: Annotated[Number, Gt(0), Le(500)] | None = None
@@ -287,6 +291,17 @@ class Strap(Table):
         if self.density_kg_m3 is not None and self.diameter_mm is None:
             raise Contradiction("density_kg_m3", "only with diameter_mm, without which the strap has no weight")
         return self
+
+    @model_validator(mode="after")
+    def _has_one_length(self) -> Self:
+        _exactly_one(self, STRAP_LENGTHS)
+        return self
+
+    @property
+    def around_m(self) -> float:
+        """Length the whole way round, m."""
+        assert self.length_m is not None
+        return self.length_m
 
     @property
     def diameter_m(self) -> float:

@@ -194,9 +194,9 @@ def measured(bag: Bag, case: Case, problem: Problem, solution: Solution) -> Case
     """What was found of a case, with its measures but without errors; a case that failed has none."""
     if not solution.report.outcome.converged:
         nothing = Measures.unknown(), Errors.unknown()
-        return CaseResult(case, bag, problem, solution, *nothing, None, NOT_FOLLOWED, None, None)
+        return CaseResult(case, bag, problem, solution, *nothing, None, None, None)
     meshes, rows, measures = measure_all(bag, problem, solution)
-    return CaseResult(case, bag, problem, solution, measures, Errors.unknown(), None, NOT_FOLLOWED, rows, meshes)
+    return CaseResult(case, bag, problem, solution, measures, Errors.unknown(), None, rows, meshes)
 
 
 def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) -> Iterator[CaseResult]:

@@ -109,8 +109,8 @@ def first_guess(plan: Plan, case: Case) -> MeridianShape | None:
 
 def _within_straps(plan: Plan, shape: MeridianShape) -> bool:
     """Whether the shape leaves all straps slack."""
-    places = zip(plan.strap, plan.strap_rows, strict=True)
-    return all(2.0 * np.pi * shape.radius_m[_rows(plan) - row] <= strap.length_m for strap, row in places)
+    places = zip(plan.straps, plan.strap_rows, strict=True)
+    return all(2.0 * np.pi * shape.radius_m[_rows(plan) - row] <= strap.around_m for strap, row in places)
 
 
 def tensions_on(bag: Bag, shape: MeridianShape, globalisation: int = 1) -> Floats:
