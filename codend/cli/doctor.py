@@ -20,6 +20,7 @@ REQUIRED = (
     "scipy",
     "numba",
     "pandas",
+    "pyarrow",
     "matplotlib",
     "meshio",
     "pillow",
@@ -29,7 +30,6 @@ REQUIRED = (
     "jinja2",
     "filelock",
     "formulaic",
-    "pyarrow",
 )
 FOR_TESTS = (
     "pytest",
