@@ -43,6 +43,9 @@ OF_THE_CATCH = np.array([0.0, 0.0, 1.5, 0.0])
 (``--of-catch 1`` and ``0.5``) largest radii of stable sectors were off by up to 1.3 w, all else as above."""
 
 
+BY_MISMATCH = np.array([1.4, 1.0, 1.4, 2.0])
+"""Relative change of drag, volume, largest radius and opening by the largest mismatch of a near ratio: with ``SAFETY``
+more than the 1.6, 1.1, 1.6 and 2.1 of 15 random pairs of counts (``python -m validation.joined_counts``)."""
 NO_WRINKLES = np.zeros(4)
 SMEARED = np.array([[0.015, 12.0], [0.03, 18.0], [0.02, 8.0], [2.0, 700.0]])
 """Change by smearing ropes of drag, volume, largest radius (relative) and opening ahead (degrees), at most: what
@@ -144,7 +147,8 @@ def _solved(model: BagModel, case: Case) -> Measures:
 def by_ratio(model: BagModel, case: Case, measures: Measures) -> np.ndarray:
     """What a sector of nearly the ratio of the counts is off by: the distance to a narrower one, which is further off.
 
-    Answers are linear in the mismatch of the counts, as far as that is small.
+    Answers are linear in the mismatch of the counts, as far as that is small; but where the way they change turns, two
+    sectors happen to agree, and ``BY_MISMATCH`` is the least that is told.
     """
     near = model.near
     if near is None:
@@ -154,7 +158,9 @@ def by_ratio(model: BagModel, case: Case, measures: Measures) -> np.ndarray:
         return np.full(len(_QUANTITIES), np.nan)
     here, there = np.array(near.mismatch), np.array(other.mismatch)
     part = np.linalg.norm(here) / np.linalg.norm(here - there)
-    return np.asarray(part * _distance(measures, _solved(model_of(_quick(model.plan), 1, 1, near=other), case)))
+    distance = part * _distance(measures, _solved(model_of(_quick(model.plan), 1, 1, near=other), case))
+    sizes = np.abs([getattr(measures, name) for name in _QUANTITIES])
+    return np.asarray(np.maximum(distance, BY_MISMATCH * near.largest * sizes))
 
 
 def _distance(first: Measures, second: Measures) -> np.ndarray:

@@ -88,6 +88,8 @@ def follow(
     """Follow what grows of an equilibrium from a few starts."""
     if len(model.bag.ropes):
         return replace(NOT_FOLLOWED, reason="not followed: ropes along the netting have no place in wider sectors yet")
+    if model.near is not None:
+        return replace(NOT_FOLLOWED, reason='not followed: fidelity = "sector" asks for the exact ratio of the counts')
     with Clock() as clock:
         base, merged = (model, solution, stability, problem), ""
         if not list(_fitting(model, stability)):
@@ -152,8 +154,6 @@ def meshes_wide(bag: Bag, meshes_round: int) -> int:
 
 def _fitting(model: BagModel, stability: Stability) -> Iterator[tuple[int, Growth]]:
     """The narrowest sectors that growing harmonics fit, over the model's own width, each with the strongest of them."""
-    if model.near is not None:  # a fraction of a sector has no whole number of harmonics
-        return
     order = model.bag.net.sectors
     fitting: dict[int, Growth] = {}
     for growth in sorted(stability.growths, key=lambda growth: growth.eigenvalues[0].real):
