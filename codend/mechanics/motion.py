@@ -8,6 +8,10 @@ M the masses, D how fast drag grows with a node's own velocity, K the stiffness 
 all 3 x 3 blocks of single nodes. Bars' drag follows the mean of both ends; each end is given the whole of its half,
 which is no less, so that no step is too long for stability. D is weighted by 1 / (1 - exp(-z)) - 1 / z, z = h D / M:
 1/2 where z is small, which makes the step one of the second order, and 1 where drag alone rules the motion.
+
+Light bars under tension swing across themselves faster than long steps can follow. Where a step is too long for that
+(h dt T / l above the mass at an end), the end is given the mass that is wanting, across the bar only: what swings so
+fast is then slowed down, and neither a rest nor what the step can follow is changed.
 """
 
 import numpy as np
@@ -21,6 +25,9 @@ from codend.mechanics.seabed import Seabed
 from codend.mechanics.structure import Structure
 from codend.mechanics.water import Water, flow_at
 from codend.net.net import Floats
+
+SAFE = 1.2
+"""Mass at the end of a bar over what a step of its length needs."""
 
 
 @njit(cache=True)
@@ -59,15 +66,17 @@ def add_bar_drag(
     water: Water,
     mass: Floats,
     added: Floats,
+    density: Floats,
     step: float,
+    drift: float,
     blocks: Floats,
 ) -> None:
-    """Add h D of the bars' drag; ``mass`` and ``added`` are kg a bar, (m,). Only of full nets, whose images are 0."""
+    """Add h D of the bars' drag, and the mass wanting under tension. Only of full nets, whose images are 0.
+
+    ``mass`` and ``added`` are kg a bar, ``density`` the force densities of the last step, N/m, each (m,).
+    """
     n, t = np.empty(3), np.empty(3)
     for bar in range(len(structure.first)):
-        width = structure.drag_diameter[bar]
-        if width == 0.0:
-            continue
         first, second = structure.first[bar], structure.second[bar]
         dx, dy, dz = bar_vector(position, first, second, 0, structure.rotations)
         length = np.sqrt(dx * dx + dy * dy + dz * dz)
@@ -96,11 +105,15 @@ def add_bar_drag(
             structure.diameter[bar] / water.viscosity,
         )
         wetted = structure.length[bar] if structure.is_rope[bar] else length
-        scale = 0.25 * water.density * width * wetted
+        scale = 0.25 * water.density * structure.drag_diameter[bar] * wetted
         heavy, light = 0.5 * (mass[bar] + added[bar]), 0.5 * mass[bar]
         beside = weighted(scale * a, heavy, step)
         across_it = weighted(scale * (a + a_across * across), heavy, step) - beside
         along_it = weighted(scale * (c + c_along * abs(along)), light, step) - beside
+        wanting = SAFE * step * drift * density[bar] - heavy - beside
+        if wanting > 0.0:
+            beside += wanting
+            along_it -= wanting
         for i in range(3):
             for j in range(3):
                 added_here = across_it * n[i] * n[j] + along_it * t[i] * t[j]

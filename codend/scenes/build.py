@@ -11,7 +11,7 @@ from codend.mechanics.seabed import Seabed, no_seabed
 from codend.mechanics.water import VISCOSITY_M2_S, Water
 from codend.mechanics.weight import GRAVITY_M_S2, wet_weight
 from codend.net.net import Floats, Net, with_point
-from codend.scenes.scene import Scene
+from codend.scenes.scene import FAST, Scene
 from codend.scenes.tables import VESSEL, PointTable
 
 SINKS_M = 1e-3
@@ -65,9 +65,12 @@ def build(scene: Scene) -> BuiltScene:
     def of_ropes(values: list[float]) -> Floats:
         return np.repeat(np.array(values, dtype=float), counts)
 
-    held_names = {point.name for point in scene.point if point.held} | {VESSEL}
-    held = np.zeros(len(laid), dtype=bool)
-    held[[node for name, node in node_of.items() if name in held_names]] = True
+    held = np.zeros((len(laid), 3), dtype=bool)
+    if scene.vessel is not None:
+        held[node_of[VESSEL]] = True
+    for point in scene.point:
+        held[node_of[point.name]] = point.held in FAST
+        held[node_of[point.name], 1] |= point.held == "symmetry"
     diameter = of_ropes([0.001 * rope.diameter_mm for rope in scene.rope])
     net = Net.from_bars(
         laid,

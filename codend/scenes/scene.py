@@ -26,6 +26,9 @@ from codend.scenes.tables import (
     WaterTable,
 )
 
+FAST = ("vessel", "ground")
+"""What holds a point every way."""
+
 
 class Scene(Table):
     """A whole scene."""
@@ -88,7 +91,8 @@ class Scene(Table):
 
     def _not_held(self) -> Iterator[Contradiction]:
         """Ropes that hang on nothing."""
-        held = {point.name for point in self.point if point.held} | ({VESSEL} if self.vessel is not None else set())
+        held = {point.name for point in self.point if point.held in FAST}
+        held |= {VESSEL} if self.vessel is not None else set()
         while more := {e for rope in self.rope if held & set(rope.ends) for e in rope.ends} - held:
             held |= more
         for index, rope in enumerate(self.rope):
@@ -97,7 +101,7 @@ class Scene(Table):
 
     def _too_short(self) -> Iterator[Contradiction]:
         """Ropes that do not stretch, between held points that are farther apart."""
-        places = {point.name: point.at for point in self.point if point.held and point.at is not None}
+        places = {point.name: point.at for point in self.point if point.held in FAST and point.at}
         if self.vessel is not None:
             places[VESSEL] = self.vessel.at
         for index, rope in enumerate(self.rope):

@@ -93,8 +93,8 @@ class PointTable(Table):
     name: Text
     at: Vector | None = None
     """Where it is held, or starts; None: astern of what it hangs on, in a line at the same height."""
-    held: Literal["vessel", "ground"] | None = None
-    """What holds it, if anything."""
+    held: Literal["vessel", "ground", "symmetry"] | None = None
+    """What holds it, if anything; "symmetry" holds it in y = 0, the plane in which half a gear meets the other."""
     held_from_s: Annotated[Number, Ge(0), Le(1e6)] | None = None
     """From when on it is held fast to the ground where it then is, as a gear that hangs up."""
     mass_kg: Annotated[Number, Ge(0), Le(1e7)] = 0.0
@@ -122,6 +122,8 @@ class PointTable(Table):
             yield Contradiction("name", f'any name but "{VESSEL}", which is the vessel\'s towing point')
         if self.held is not None and self.at is None:
             yield Contradiction("at", "where it is held: [x, y, z] in m", "is missing")
+        if self.held == "symmetry" and self.at is not None and self.at[1] != 0.0:
+            yield Contradiction("at", "a place in the plane of symmetry, y = 0")
         if self.held is not None and self.held_from_s is not None:
             yield Contradiction("held_from_s", "left out of a point that is held anyway", "contradicts held")
         if self.wet_weight_n is not None and self.density_kg_m3 is not None:

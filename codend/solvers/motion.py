@@ -86,6 +86,8 @@ class Motion:
         self.taut = np.ones(bars, dtype=np.int32)
         self.strain = np.zeros((2, bars))
         """Of the bars now and a step earlier, 0 in slack ones."""
+        self.density = np.zeros(bars)
+        """Force densities of the last step, N/m, (m,)."""
         self.tension = np.zeros(bars)
         """At the start of the last step, N, (m,)."""
         self.support = np.zeros((nodes, 3))
@@ -111,6 +113,7 @@ class Motion:
             "velocity": self.velocity.copy(),
             "taut": self.taut.copy(),
             "strain": self.strain.copy(),
+            "density": self.density.copy(),
             "free": self.structure.free.copy(),
             "clock": clock,
         }
@@ -119,7 +122,7 @@ class Motion:
         """Go back to a state."""
         self.position[:], self.velocity[:] = state["position"], state["velocity"]
         self.taut[:], self.strain[:] = state["taut"], state["strain"]
-        self.structure.free[:] = state["free"]
+        self.structure.free[:], self.density = state["free"], np.array(state["density"])
         self.time, self.last_step, unsettled = map(float, state["clock"])
         self.unsettled = int(unsettled)
 
@@ -174,7 +177,7 @@ class Motion:
             return False
         felt = np.einsum("nij,nj->ni", self._masses, self.velocity - last_velocity) / kick
         self.support = felt - pulls
-        self.tension = density * np.sqrt(self._square)
+        self.tension, self.density = density * np.sqrt(self._square), density
         self._note_strains()
         self.time, self.last_step = self.time + dt, dt
         return True
@@ -197,7 +200,7 @@ class Motion:
         blocks = self._bare_masses()
         of_points = blocks[loading.points.node, 0, 0].copy()
         here = self.position, self.velocity
-        motion.add_bar_drag(*here, structure, water, self.mass, self.added, kick, blocks)
+        motion.add_bar_drag(*here, structure, water, self.mass, self.added, self.density, kick, dt, blocks)
         motion.add_point_drag(*here, loading.points, water, of_points, kick, blocks)
         motion.add_seabed(*here, loading.seabed, kick, dt, self._force, blocks)
         motion.invert(blocks, structure.free, self._inverse)
