@@ -92,6 +92,34 @@ class Behaviour(_Table):
     """n; left out, 2: as the section of a muscle, which is assumed."""
 
 
+class Along(_Table):
+    """How attempts are spread over the distance from the catch's front, linear between the rows given."""
+
+    rows_ahead: Annotated[tuple[Annotated[Number, Ge(0), Le(10_000)], ...], MinLen(1)]
+    """Rows of meshes ahead of the front, rising; beyond the last no fish tries."""
+    weight: Annotated[tuple[Annotated[Number, Ge(0)], ...], MinLen(1)]
+    """Attempts there, relative; open meshes of a row share them."""
+    source: Text
+
+
+class Zone(_Table):
+    """A part of the codend that fish pass on their way, with a contact and attempts of its own.
+
+    All its meshes ahead of the front count, however far, and what fish try there takes nothing from the rest.
+    """
+
+    section: Text
+    """Name or number of the section, or of the window, as in the tables of a run."""
+    panel: Text | None = None
+    """None: all panels of the section."""
+    contact: Sourced[Annotated[Number, Ge(0), Le(1)]]
+    attempts: Sourced[Annotated[Number, Gt(0), Le(1000)]]
+
+    def holds(self, section: str, panel: str) -> bool:
+        """Whether a part of the codend is of the zone."""
+        return section == self.section and self.panel in (None, panel)
+
+
 class HaulNumbers(_Table):
     """What comes over a haul."""
 
@@ -131,6 +159,9 @@ class Species(_Table):
     behaviour: Behaviour
     haul: HaulNumbers
     lengths: LengthClasses
+    along: Along | None = None
+    """None: evenly over ``behaviour.rows_ahead`` rows."""
+    zone: tuple[Zone, ...] = ()
 
     def number(self, parameter: str) -> Sourced[float] | None:
         """A number by its dotted name, with its source; None where the species leaves it out."""
@@ -159,7 +190,12 @@ class Species(_Table):
         """Names of the numbers whose source says that they are assumed."""
         numbers = {name: self.number(name) for name in (*PARAMETERS, "haul.fish")}
         left_out = LAW_OF_PUSH if self.pushes else ()
-        return tuple(name for name, n in numbers.items() if (n.assumed if n is not None else name in left_out))
+        found = [name for name, n in numbers.items() if (n.assumed if n is not None else name in left_out)]
+        for zone in self.zone:
+            tried = {"contact": zone.contact, "attempts": zone.attempts}
+            found += [f"zone.{zone.section}.{name}" for name, number in tried.items() if number.assumed]
+        along = self.along is not None and self.along.source.lstrip().lower().startswith("assumed")
+        return (*found, *(["along"] if along else []))
 
     @property
     def pushes(self) -> bool:

@@ -23,6 +23,7 @@ SECTIONS = {
     "flume": "validation.flume",
     "work_precision": "validation.work_precision",
     "stability": "validation.stability",
+    "wrinkles": "validation.wrinkles",
 }
 """Name and module, with a function ``section(quick)``, of every section, in the report's order."""
 

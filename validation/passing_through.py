@@ -34,8 +34,9 @@ MODELS = (
     ("full", "dynamic-relaxation"),
     ("full", "rigid-bars"),
 )
-TOUCHING = 2e-3
-"""Distance over the shortest bar up to which netting counts as touching."""
+TOUCHING, DEEPEST = 2e-3, 0.1
+"""Depth over the shortest bar up to which netting counts as touching: of middle lines, and of twine with its thickness.
+Rows of the latter say that layers lie on each other (``folds``) and have the errors of that."""
 
 
 def random_plan(seed: int, fidelity: str, method: str) -> Plan:
@@ -163,7 +164,10 @@ def fault(result: CaseResult) -> str:
         return "impossible catch"
     if np.any(result.bar_tension_n < 0.0):
         return "compression"
-    touching = TOUCHING * float(net.bar_length.min())
+    shortest, thick = float(net.bar_length.min()), float(np.median(net.bar_diameter))
+    if piercing_bars(net, result.positions, TOUCHING * shortest).size and not result.followed.folds:
+        return "layers lie on each other, and the row does not say so"
+    touching = max(TOUCHING * shortest, min(thick, DEEPEST * shortest))
     bars, rings = piercing_bars(net, result.positions, touching), crossed_rings(result.bag, result.positions, touching)
     return f"{len(bars)} bars pierce, rings {rings} cross" if len(bars) or rings else ""
 

@@ -51,6 +51,14 @@ class Bag:
     """Bars that are ropes round the netting, (s,)."""
     strap_share: Floats = field(default_factory=lambda: np.zeros(0))
     """Tension of the real rope over that of its bar, (s,)."""
+    ropes: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
+    """Bars that are ropes along the netting, from the entry, rope by rope and behind all other bars, (p,)."""
+    rope_share: Floats = field(default_factory=lambda: np.zeros(0))
+    """Tension of the real rope over that of its bar, (p,)."""
+    rope_name: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
+    """1000 times the plan's table of the rope, plus its number among the equal ones, both from 0, (p,)."""
+    anchors: int = 0
+    """Nodes of the hoop that only ropes start from, behind all others."""
 
     @property
     def bands(self) -> int:
@@ -118,6 +126,7 @@ def real_tensions(bag: Bag, bar_tension: Floats) -> Floats:
     """Tension of the real bars and ropes that the bars of a bag stand for, N, (m,)."""
     real = bar_tension / bag.globalisation
     real[bag.straps] = bag.strap_share * bar_tension[bag.straps]
+    real[bag.ropes] = bag.rope_share * bar_tension[bag.ropes]
     return real
 
 
@@ -133,13 +142,13 @@ def with_hinges(bag: Bag) -> Bag:
     )
 
 
-def around(bag: Bag, net: Net, band: int) -> Bag:
-    """The bag of a net that has more nodes and bars after the bag's own: no knots of a row, no twine, in a band."""
+def around(bag: Bag, net: Net, band: int | Ints) -> Bag:
+    """The bag of a net that has more nodes and bars after the bag's own: no knots of a row, no twine, in given bands."""
     nodes, bars = len(net.positions) - len(bag.node_row), len(net.bars) - len(bag.bar_band)
     return replace(
         bag,
         net=net,
         node_row=np.append(bag.node_row, np.full(nodes, -1, dtype=np.int32)),
-        bar_band=np.append(bag.bar_band, np.full(bars, band, dtype=np.int32)),
+        bar_band=np.append(bag.bar_band, np.broadcast_to(np.asarray(band, dtype=np.int32), (bars,))),
         bar_is_twine=np.append(bag.bar_is_twine, np.zeros(bars, dtype=bool)),
     )

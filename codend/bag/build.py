@@ -4,6 +4,7 @@ import numpy as np
 
 from codend.bag.assemble import assembled
 from codend.bag.bag import Bag, with_hinges
+from codend.bag.ropes import with_ropes
 from codend.bag.straps import with_straps
 from codend.errors import InputError
 from codend.mechanics.drag_laws import drag
@@ -19,6 +20,7 @@ def build_bag(
     *,
     globalisation: int = 1,
     sectors: int | None = None,
+    smeared: bool = False,
     rows: tuple[Floats, Floats] | None = None,
     azimuth_rad: float = 0.0,
 ) -> Bag:
@@ -30,7 +32,9 @@ def build_bag(
             diameter by its square root, axial stiffness by this factor (Le Bris et al. 1999, section 3.1; Bessonneau
             and Marichal 1997, section 4), so that mass, wet weight and drag area stay the same.
         sectors: equal sectors that are modelled side by side, of as many as the meshes round of all sections can be
-            divided into: each is one (merged) mesh wide where they have the same; None gives the full net.
+            divided into: each is one (merged) mesh wide where they have the same, and wide enough that every rope
+            has its place in one; None gives the full net.
+        smeared: ropes spread evenly over all columns of knots, which leaves the sectors as narrow as without ropes.
         rows: positions along the axis and radii of the rows, each (rows + 1,); a crude bag by default.
         azimuth_rad: turns the whole net about the axis.
 
@@ -39,7 +43,7 @@ def build_bag(
             stiffness has no place in the model.
     """
     _check_bending(plan)
-    lattice = _lattice_of(plan, globalisation, sectors)
+    lattice = _lattice_of(plan, globalisation, sectors, smeared)
     x, radius = rows if rows is not None else crude_rows(plan, globalisation)
     shape = RowShape(x, np.concatenate([[plan.entry_radius_m], radius[1:-1], [0.0]]), azimuth_rad)
     knots = knots_of(lattice)
@@ -49,10 +53,10 @@ def build_bag(
     bag = assembled(parts_of(knots), lattice, positions, node_row, entry, drag_law)
     if plan.model.bars_per_side == 2:
         bag = with_hinges(bag)
-    return with_straps(bag, plan, knots, drag_law)
+    return with_ropes(with_straps(bag, plan, knots, drag_law), plan, knots, drag_law, smeared)
 
 
-def _lattice_of(plan: Plan, globalisation: int, sectors: int | None) -> Lattice:
+def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool) -> Lattice:
     if globalisation not in plan.globalisations:
         raise InputError(
             file=plan.source,
@@ -63,9 +67,11 @@ def _lattice_of(plan: Plan, globalisation: int, sectors: int | None) -> Lattice:
     sections = rows_of(plan, globalisation)
     meshes_round = np.array([s.meshes_round // globalisation for s in sections])
     most = int(np.gcd.reduce(meshes_round))
-    abreast = most if sectors is None else sectors
-    if most % abreast:
-        raise ValueError(f"sectors must divide {most}, the equal ones all round, not be {abreast}")
+    # n equal ropes leave n equal sectors
+    equal = most if smeared else int(np.gcd.reduce([most, *(rope.number for rope in plan.rope)]))
+    if sectors is not None and equal % sectors:
+        raise ValueError(f"sectors must divide {equal}, the equal ones all round, not be {sectors}")
+    abreast = most if sectors is None else most // equal * sectors
     order = most // abreast
     return Lattice(sections, meshes_round // order, abreast, order, globalisation)
 

@@ -43,6 +43,8 @@ class Measures:
     max_bar_tension_n: float
     max_strap_tension_n: float
     """nan where there is no strap."""
+    max_rope_tension_n: float
+    """nan where there is no rope along the netting."""
     folded_share: float
     """Share of the netting on the catch that lies in folds, facing inward; see ``folded_share``."""
     turn_deg: float
@@ -245,8 +247,9 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows) -> Measu
         entry_reaction_n=float(-support[held_by_the_entry(bag), 0].sum() * net.order),
         opening_ahead_deg=float(np.mean(openings)) if len(ahead) else float("nan"),
         opening_force_ahead_n=float(np.mean(forces)) if len(ahead) else float("nan"),
-        max_bar_tension_n=float(np.delete(tension, straps).max()),
+        max_bar_tension_n=float(np.delete(tension, np.append(straps, bag.ropes)).max()),
         max_strap_tension_n=float(tension[straps].max()) if len(straps) else float("nan"),
+        max_rope_tension_n=float(tension[bag.ropes].max()) if len(bag.ropes) else float("nan"),
         folded_share=folded_share(bag, position, rows, share),
         turn_deg=float(np.degrees(band_turns(position, structure, loading.catch, problem.rings)[0].sum())),
         sideways_imbalance=sideways_imbalance(bag, position, load, support),

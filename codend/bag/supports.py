@@ -17,7 +17,9 @@ from codend.solvers.outcome import Solution
 
 def held_by_the_entry(bag: Bag) -> NDArray[np.bool_]:
     """Nodes that the hoop at the entry holds, (n,)."""
-    return np.asarray(bag.net.fixed.all(axis=1) & (bag.node_row == 0))
+    held = bag.net.fixed.all(axis=1) & (bag.node_row == 0)
+    held[len(held) - bag.anchors :] = True
+    return np.asarray(held)
 
 
 def loads_and_supports(problem: Problem, solution: Solution) -> tuple[Floats, Floats]:

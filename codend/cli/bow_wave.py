@@ -6,8 +6,8 @@ import click
 
 from codend.cli.common import check_writable, out_option, written_into
 from codend.errors import OPTIONS, InputError
-from codend.scenes.bow_wave import HULLS
 
+HULL_NAMES = ("plate", "model-10", "model-20", "model-30", "wigley")
 FILES = ("bow_wave.csv", "bow_wave_sheet.csv", "bow_wave.png")
 POINTS, ONWARD = 101, 41
 
@@ -18,7 +18,7 @@ POINTS, ONWARD = 101, 41
 @click.option("--draught", "draught_m", required=True, type=float, metavar="M", help="How deep it goes.")
 @click.option(
     "--hull",
-    type=click.Choice(["plate", *HULLS]),
+    type=click.Choice(HULL_NAMES),
     default="plate",
     show_default=True,
     help="A flat plate, or a hull whose entrance angle is known.",
@@ -58,7 +58,7 @@ def bow_wave(
     from codend.report.bow_wave_plot import LONGEST, bow_wave_figure
     from codend.report.own_look import own_look
     from codend.report.style import png
-    from codend.scenes.bow_wave import BowWave
+    from codend.scenes.bow_wave import HULLS, BowWave
 
     if (angle_deg is None) == (hull == "plate"):
         told = "given with --hull plate, and left out with another hull, whose angle is known"

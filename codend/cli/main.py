@@ -51,6 +51,7 @@ TABLE_COLUMNS = {
     "max_radius_m": "radius m",
     "drag_n": "drag N",
     "opening_ahead_deg": "opening deg",
+    "opening_ahead_error_deg": "+- deg",
     "residual": "residual",
     "converged": "converged",
 }

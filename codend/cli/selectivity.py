@@ -11,6 +11,8 @@ from codend.cli.console import shown_progress, text_table
 from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
+    from catch_models.fish import Species
+    from codend.selectivity.predicted_and_observed.retention_likelihood import Trialled
     from codend.selectivity.predicted_and_observed.together import Together
 
 
@@ -29,7 +31,15 @@ if TYPE_CHECKING:
     "calibrated",
     metavar="NAME,...",
     help="Numbers of the species to estimate from the field data: contact, spread (of sizes), shape, attempts, "
-    "rotation_deg.",
+    "rotation_deg, push, compression.",
+)
+@click.option(
+    "--also",
+    "others",
+    nargs=2,
+    multiple=True,
+    metavar="DIR DATA.csv",
+    help="Another run and hauls with its codend, to calibrate on jointly; may be repeated.",
 )
 @haul_options
 def selectivity(
@@ -40,6 +50,7 @@ def selectivity(
     seed: int,
     field: str | None,
     calibrated: str | None,
+    others: tuple[tuple[str, str], ...],
     **choices: Any,
 ) -> int:
     """Predict which fish the codend of a run in DIR retains, from the computed openings and the fish's sections.
@@ -50,13 +61,15 @@ def selectivity(
     With --field, together.csv and together_l50.csv hold predicted and fitted retention and L50 against the catch (of
     each haul, from a column catch_volume_m3 or catch_kg), and a plot shows both. L50 is compared between the same fits
     at the same catches: to the field's fish, and to those fish retained as computed. With --calibrate, calibration.csv
-    holds the estimates, and calibrated_species.toml the species with them. Status 3 when a fit did not converge.
+    holds the estimates, and calibrated_species.toml the species with them, unless no values of the numbers explain the
+    hauls. Status 3 when a fit did not converge or explains nothing.
     """
     for key, value, good, allowed in (
         ("--bootstrap", replicates, replicates >= 0, "0 or more"),
         ("--samples", samples, samples >= 0 and samples & (samples - 1) == 0, "a power of 2, or 0"),
         ("--design", choices["design"], (field is None) == (choices["design"] is None), "together with --field"),
         ("--calibrate", calibrated, calibrated is None or field is not None, "together with --field"),
+        ("--also", others, not others or calibrated is not None, "together with --calibrate"),
     ):
         if not good:
             raise InputError(OPTIONS, key, value, allowed)
@@ -70,6 +83,7 @@ def selectivity(
 
     check_writable(folder, FILES)
     read = read_run(folder)
+    also: list[Trialled] = []
     trial, names = None, calibrated.split(",") if calibrated is not None else []
     if field is not None:
         from codend.selectivity.predicted_and_observed.calibrate import calibrated_names
@@ -78,9 +92,11 @@ def selectivity(
         if calibrated is not None:
             calibrated_names(names)  # a name that will not do ends the command before the work
         trial = read_trial(field, read.plan.catch_density_kg_m3, **choices)
+        also = [_trialled(other, data, species, choices) for other, data in others]
     with shown_progress() as progress:
         found = predict(read, species, n_bootstrap=replicates, samples=samples, seed=seed, progress=progress)
-    together = set_beside(found, trial, names, estimate_split=choices["split"] == "estimated") if trial else []
+    split = choices["split"] == "estimated"
+    together = set_beside(found, trial, names, estimate_split=split, also=also) if trial else []
     with written_into(folder):
         written = write_selectivity(found, folder, together)
     for note in trial.data.notes if trial else ():
@@ -96,6 +112,22 @@ def selectivity(
     status = _print_together(together)
     click.echo(f"{len(written)} files written into {folder}")
     return status
+
+
+def _trialled(folder: str, data: str, species: "Sequence[Species]", choices: dict[str, Any]) -> "Trialled":
+    """Another run at one speed, and the hauls with its codend."""
+    from codend.selectivity.escape.catches import catches_of, read_run
+    from codend.selectivity.escape.haul import hauls_of
+    from codend.selectivity.escape.predict import rows_needed
+    from codend.selectivity.predicted_and_observed.retention_likelihood import Trialled
+    from codend.selectivity.predicted_and_observed.trial import read_trial
+
+    run = read_run(folder)
+    hauls = hauls_of(catches_of(run, max(rows_needed(one) for one in species)))
+    if len(hauls) > 1:
+        raise InputError(OPTIONS, "--also", folder, "a run at one speed", f"has {len(hauls)} speeds")
+    trial = read_trial(data, run.plan.catch_density_kg_m3, **choices)
+    return Trialled(hauls[0], trial.data, trial.volume_m3)
 
 
 def _print_together(many: "Sequence[Together]") -> int:
@@ -124,7 +156,7 @@ def _print_together(many: "Sequence[Together]") -> int:
             click.echo(text_table(headers, found[columns].itertuples(index=False)))
             fit = f"deviance {one.calibration.deviance:.4g} on {one.calibration.degrees_of_freedom}"
             click.echo(f"calibration: {one.calibration.message}; {fit}, p = {one.calibration.p_value:.2g}")
-            good &= one.calibration.converged
+            good &= one.calibration.explains
     return 0 if good else NOT_CONVERGED
 
 

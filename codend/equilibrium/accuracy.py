@@ -11,6 +11,7 @@ import numpy as np
 from codend.bag.measures import Measures, current_loads, measure_all
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
+from codend.net.net import Floats
 from codend.plan.plan import Case, Plan
 from codend.solvers.newton import TangentAtEquilibrium, solve_nearby
 from codend.solvers.outcome import Solution
@@ -28,8 +29,11 @@ WEIGHT_LEFT_OUT = np.array([[0.7, 0.5], [0.7, 0.5], [0.5, 0.0], [7.0, 0.2]])
 with w the weight over the drag. Found on free full nets, of diamond and T90 netting alone and joined, with w from 0.005
 to 0.5 (``python -m validation.weight_left_out``): where the sector is stable they were off by up to 0.16, 0.14, 0.25
 and 2.8 w, where it is not by 0.66, 0.64, 0.5 and 6.8 w, and on other nets by up to 0.85 and 8.9 w: there the net lies
-in waves, which these estimates do not cover. Merged meshes bear the weight, but in a bag of fewer rows and wider
+in waves, which ``wrinkles`` tells of. Merged meshes bear the weight, but in a bag of fewer rows and wider
 meshes: they may be off by as much."""
+
+
+NO_WRINKLES = np.zeros(4)
 
 
 @dataclass(frozen=True)
@@ -58,12 +62,14 @@ def estimate(
     tangent: TangentAtEquilibrium,
     measures: Measures,
     unseen_weight_n: float = 0.0,
+    by_wrinkles: Floats = NO_WRINKLES,
 ) -> Errors:
     """Error estimates of one solved case, from the tangent at its equilibrium.
 
     The solver's part is the distance to an answer that Newton's method finds from the result at a far smaller residual.
     With measures of the meridian method beside the solution of a sector, that distance is the membrane's error.
     ``unseen_weight_n`` is the wet weight that the model leaves out. Netting so heavy that it can fold over has none.
+    ``by_wrinkles`` is what these may change, (4,), where something grows (``wrinkles``).
     The part of a globalised net is the distance between a sector of it and one of the real net, under the loads that
     are the same all round.
     """
@@ -81,7 +87,7 @@ def estimate(
     borne_by_globalised_n = float(np.abs(problem.loading.dead).sum()) if model.globalisation > 1 else 0.0
     share = (unseen_weight_n + borne_by_globalised_n) / measures.drag_n
     weight = WEIGHT_LEFT_OUT @ [share, share**2]
-    errors = SAFETY * (solver + globalised) + (NOISE + weight) * sizes
+    errors = SAFETY * (solver + globalised) + (NOISE + weight) * sizes + by_wrinkles
     if any(share > kind.folds_over_from for kind in set(model.bag.band_kind)):
         errors = np.full(len(_QUANTITIES), np.nan)
     drag, volume, radius, opening = map(float, errors)

@@ -21,6 +21,8 @@ class BagModel:
     sectors: int | None
     """Equal sectors that are modelled side by side, None for all."""
     globalisation: int
+    smeared: bool = False
+    """Whether ropes are spread over all columns of knots."""
 
     @cached_property
     def prepared(self) -> newton.Prepared:
@@ -33,7 +35,7 @@ class BagModel:
         return Ring(structure_of(self.bag.net), self.bag.bands)
 
 
-def model_of(plan: Plan, globalisation: int, sectors: int | None) -> BagModel:
+def model_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool = False) -> BagModel:
     """Build the net of a plan.
 
     Raises:
@@ -43,4 +45,5 @@ def model_of(plan: Plan, globalisation: int, sectors: int | None) -> BagModel:
     if plan.model.method == "rigid-bars" and stretching:
         allowed = 'left out with model.method = "rigid-bars": rigid bars do not stretch'
         raise InputError(file=plan.source, key="netting.axial_stiffness_n", value=stretching[0], allowed=allowed)
-    return BagModel(plan, build_bag(plan, globalisation=globalisation, sectors=sectors), sectors, globalisation)
+    bag = build_bag(plan, globalisation=globalisation, sectors=sectors, smeared=smeared)
+    return BagModel(plan, bag, sectors, globalisation, smeared)

@@ -128,6 +128,8 @@ def choose(plan: Plan) -> Choice:
     match asked:
         case "sector":
             return replace(by_sector, reason=Reason.ASKED)
+        case "smeared":
+            return replace(by_sector, fidelity="smeared", reason=Reason.ASKED)
         case "meridian":
             return replace(by_sector, fidelity="meridian", reason=Reason.ASKED, drag_error=math.nan, slow=False)
         case "globalised":

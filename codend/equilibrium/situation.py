@@ -80,24 +80,27 @@ class Situation:
 
         On a wide net a start that leads nowhere costs minutes, and the equilibrium of a sector next to nothing.
         """
-        if self.model.sectors == 1 or any(other.catch_value == self.case.catch_value for other, _ in self.known):
+        narrowest = self.model.sectors == 1 and not self.has_sector
+        if narrowest or any(other.catch_value == self.case.catch_value for other, _ in self.known):
             return len(self.known) > 0
         narrow = isinstance(self.model.prepared.system, BandedSystem)
         return self.within_prediction and (narrow or not self.by_meshes)
 
     @property
     def has_sector(self) -> bool:
-        """Whether the whole net is modelled, and the equilibrium of a sector can be set all round it."""
-        return self.model.sectors is None and self.plan.model.bars_per_side == 1
+        """Whether more than a sector is modelled, or one with ropes, and that of a narrower one can be set round it."""
+        wider = self.model.sectors is None or (len(self.plan.rope) > 0 and not self.model.smeared)
+        return wider and self.plan.model.bars_per_side == 1
 
     @cached_property
     def sector_all_round(self) -> Solution | None:
         """The equilibrium of a sector set all round, its report that of the sector; None where that is not solved."""
-        sector = model_of(self.plan, self.model.globalisation, 1)
+        sector = model_of(self.plan, self.model.globalisation, 1, smeared=True)
         found = self.solve(sector, self.case)
         if not found.report.outcome.converged:
             return None
-        start = all_round_start(sector.bag, found.positions, found.bar_tension, sector.bag.net.order)
+        sectors = sector.bag.net.order // self.model.bag.net.order
+        start = all_round_start(sector.bag, found.positions, found.bar_tension, sectors, self.model.bag)
         return replace(start, report=found.report)
 
     @property

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from codend.equilibrium.bag_model import BagModel
 from codend.solvers.harmonics import Growth, harmonics_of, stiffness_under_tension
 from codend.solvers.newton import TangentAtEquilibrium
@@ -16,26 +18,46 @@ class Stability:
     """``yes``, ``no`` or ``unknown``."""
     growing: tuple[int, ...] = ()
     """Harmonics of the sector that grow: a change varies so many times round the net."""
-    strongest: Growth | None = None
-    """That of them which grows most."""
+    growths: tuple[Growth, ...] = ()
+    """What grows, harmonic by harmonic; of a full net, as one of harmonic 0, what was met first."""
+    scale: float = float("nan")
+    """A bar's stiffness under tension, N/m, beside which growth is weak or strong."""
 
 
 def stability_of(model: BagModel, tangent: TangentAtEquilibrium) -> Stability:
     """Stability of an equilibrium; of a sector every harmonic is asked, of a full net its whole tangent."""
+    scale = stiffness_under_tension(tangent.problem, tangent.solution)
     if tangent.problem.net.order == 1:
-        return Stability(stability_of_whole(tangent))
+        growth = None if tangent.singular else _growth_of_whole(tangent, scale)
+        grows = growth is not None and len(growth.eigenvalues) > 0
+        stable = "unknown" if growth is None else "no" if grows else "yes"
+        return Stability(stable, (), (growth,) if growth is not None and grows else (), scale)
     harmonics = harmonics_of(tangent.problem, tangent.solution, model.ring)
     growing = tuple(growth.harmonic for growth in harmonics.growing)
     stable = "no" if growing else "unknown" if harmonics.undecided else "yes"
-    return Stability(stable, growing, harmonics.strongest)
+    return Stability(stable, growing, harmonics.growing, scale)
 
 
 def stability_of_whole(tangent: TangentAtEquilibrium) -> str:
     """Stability of a full net, or of moves that are the same in all sectors: ``yes``, ``no`` or ``unknown``."""
     if tangent.singular:
         return "unknown"
-    grows = WholeTangent.at(tangent).grows(stiffness_under_tension(tangent.problem, tangent.solution))
-    return {True: "no", False: "yes", None: "unknown"}[grows]
+    growth = _growth_of_whole(tangent, stiffness_under_tension(tangent.problem, tangent.solution))
+    return "unknown" if growth is None else "no" if len(growth.eigenvalues) else "yes"
+
+
+def _growth_of_whole(tangent: TangentAtEquilibrium, scale: float) -> Growth | None:
+    """What grows of a whole net, nothing of it perhaps; None if that was not found out."""
+    found = WholeTangent.at(tangent).growing(scale)
+    if found is None:
+        return None
+    eigenvalues, vectors = found
+    free = tangent.problem.structure.free > 0.0
+    shape = np.zeros(free.shape, dtype=complex)
+    if len(eigenvalues):
+        shape[free] = vectors[:, 0]
+        shape /= shape.reshape(-1)[np.abs(shape).argmax()]
+    return Growth(0, eigenvalues, shape)
 
 
 def ranges_text(numbers: tuple[int, ...]) -> str:

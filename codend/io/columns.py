@@ -37,10 +37,18 @@ RESULT_COLUMNS = [
     "sideways_imbalance",
     "inside_mesh_mm",
     "full_mesh_mm",
+    "wrinkles",
+    "drag_spread_n",
+    "opening_spread_deg",
+    "folds",
 ]
 
 STRAP_COLUMNS = ["max_strap_tension_n"]
 """Further columns of plans with straps."""
+ROPE_COLUMNS = ["max_rope_tension_n"]
+"""Further columns of plans with ropes along the netting."""
+OF_ROPES = ["case", "rope", "number", "place_deg", "length_m", "max_tension_n", "tension_ahead_n", "slack_share"]
+"""Columns of ``ropes.csv``."""
 
 SECTION = "section"
 PLACE = [SECTION, "meshes_from_entry"]

@@ -192,7 +192,7 @@ def facet_corners(net: Net, positions: Floats) -> Floats:
     return rotate(positions[net.facets], net.facet_image, net.order)
 
 
-def with_bars(net: Net, bars: Ints, image: NDArray[np.integer] | int, **values: float) -> Net:
+def with_bars(net: Net, bars: Ints, image: NDArray[np.integer] | int, **values: ArrayLike) -> Net:
     """The net with more bars after its own: their ends (b, 2), images, and other fields of bars, 0 where left out."""
     given = {"bar_image": image, **values}
 
@@ -202,6 +202,15 @@ def with_bars(net: Net, bars: Ints, image: NDArray[np.integer] | int, **values: 
 
     others: dict[str, Any] = {name: extended(name) for name in BAR_ARRAYS if name != "bars"}
     return replace(net, bars=np.concatenate([net.bars, bars.astype(np.int32)]), **others)
+
+
+def with_held_node(net: Net, position: Floats) -> Net:
+    """The net with one more node, held at a position (3,), behind all others."""
+    return replace(
+        net,
+        positions=np.concatenate([net.positions, position[None]]),
+        fixed=np.concatenate([net.fixed, np.ones((1, 3), dtype=bool)]),
+    )
 
 
 def with_point(

@@ -116,7 +116,7 @@ def describe(annotation: Any) -> str:
         return f"{describe(arguments[0])}, or a list of them that is not empty"
     if _is_model(annotation):
         return f"a table with {', '.join(annotation.model_fields)}"
-    words = {float: "a number", int: "a whole number", str: "a text that is not empty", bool: "true or false"}
+    words = {float: "a number", int: "a whole number", bool: "true or false", str: "a text that is not empty"}
     return words[annotation]
 
 

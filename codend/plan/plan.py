@@ -21,6 +21,7 @@ from codend.plan.messages import Contradiction
 from codend.plan.mistakes import checked
 from codend.plan.overrides import CatchKind, apply_overrides
 from codend.plan.reach import least_radius_m
+from codend.plan.ropes import Rope
 from codend.plan.tables import Catch, Drag, Entry, Model, Netting, Strap, Table, Text, Tow
 
 MOST_CASES: Final = 10_000
@@ -60,6 +61,7 @@ class Plan(Table):
     entry: Entry
     netting: Annotated[tuple[Netting, ...], MinLen(1)]
     strap: tuple[Strap, ...] = ()
+    rope: tuple[Rope, ...] = ()
     catch: Catch
     drag: Drag = Drag.model_validate({})
     model: Model = Model()
@@ -89,6 +91,7 @@ class Plan(Table):
             yield Contradiction(key, f"at most {MOST_CASES} cases, speeds times catches", f"makes {cases} cases")
         yield from self._catches_that_do_not_fit()
         yield from self._straps_out_of_place()
+        yield from self._ropes_out_of_place()
         # laid even flat across the entry
         gap_m = least_radius_m(self.netting, self.entry_radius_m, 0)
         if gap_m > 0.0:
@@ -147,6 +150,20 @@ class Plan(Table):
             elif strap.meshes_from_codline in [other.meshes_from_codline for other in self.strap[:index]]:
                 yield Contradiction(key, "a row that has no other strap")
 
+    def _ropes_out_of_place(self) -> Iterator[Contradiction]:
+        """Ropes that end at no row of knots, or more of them than there are meshes round."""
+        meshes_long = sum(part.meshes_long for part in self.netting)
+        fewest = min(part.meshes_round for part in self.netting)
+        for index, rope in enumerate(self.rope):
+            if rope.number > fewest:
+                yield Contradiction(f"rope.{index}.number", f"at most {fewest}, the fewest meshes round")
+            for place, meshes in enumerate(rope.meshes_from_codline or ()):
+                key = f"rope.{index}.meshes_from_codline.{place}"
+                if meshes > meshes_long:
+                    yield Contradiction(key, f"at most {meshes_long}, the sum of meshes_long")
+                elif self.rows_to_codline(meshes) is None:
+                    yield Contradiction(key, "a row of knots")
+
     def rows_to_codline(self, meshes: float) -> int | None:
         """Rows from the codline to a place that many meshes ahead of it; None where no row of knots lies there."""
         rows = 0
@@ -162,6 +179,12 @@ class Plan(Table):
     def strap_rows(self) -> tuple[int, ...]:
         """Rows from every strap to the codline."""
         rows = (self.rows_to_codline(strap.meshes_from_codline) for strap in self.strap)
+        return tuple(count for count in rows if count is not None)
+
+    @property
+    def rope_rows(self) -> tuple[int, ...]:
+        """Rows from every end of a rope to the codline, where the plan says where it ends."""
+        rows = (self.rows_to_codline(meshes) for rope in self.rope for meshes in rope.meshes_from_codline or ())
         return tuple(count for count in rows if count is not None)
 
     @property
@@ -201,7 +224,7 @@ class Plan(Table):
         Rows that carry a strap stay rows.
         """
         counts = [count for part in self.netting for count in (part.meshes_round, part.meshes_long)]
-        common = math.gcd(*counts, *self.strap_rows)
+        common = math.gcd(*counts, *self.strap_rows, *self.rope_rows)
         most = min(part.meshes_round for part in self.netting) // 3
         return tuple(g for g in range(1, min(common, most) + 1) if common % g == 0)
 

@@ -347,7 +347,7 @@ class Drag(Table):
 class Model(Table):
     """How the plan is to be modelled and solved."""
 
-    fidelity: Literal["auto", "meridian", "sector", "globalised", "full"] = "auto"
+    fidelity: Literal["auto", "meridian", "smeared", "sector", "globalised", "full"] = "auto"
     globalisation: Annotated[Whole, Ge(1), Le(1000)] = 1
     """Real meshes merged into one model mesh, each way."""
     bars_per_side: Annotated[Whole, Ge(1), Le(2)] = 1
@@ -358,6 +358,12 @@ class Model(Table):
     """Largest nodal residual over the total load."""
     accuracy: Annotated[Number, Gt(0), Le(0.5)] = 0.01
     """What ``fidelity = "auto"`` may cost: in drag by merging meshes, in openings by leaving weight out; relative."""
+    opening_accuracy_deg: Annotated[Number, Gt(0), Le(90)] | None = None
+    """What it may cost in the mean opening ahead of the catch, where that is what counts: lets ropes be smeared. An
+    error above it has what grows followed."""
+    wrinkles: Literal["auto"] | bool = "auto"
+    """Whether shapes that are not the same all round are followed where the symmetric one is unstable: ``auto`` where
+    the estimates would exceed the accuracy asked for."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

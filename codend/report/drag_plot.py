@@ -46,6 +46,8 @@ def _against_catch(axes: "Axes", speeds: dict[float, list[Curve]]) -> None:
             drag = [getattr(curve.result.measures, column) for curve in curves]
             colour = of_speed if len(speeds) > 1 else of_part
             axes.plot(volume, drag, color=colour, linestyle=line, marker=marker, markersize=4.5)
+            if column == "drag_n":
+                axes.errorbar(volume, drag, yerr=_drag_errors(curves), fmt="none", ecolor=colour, elinewidth=2.6)
     handles = [
         Line2D([], [], color=INK if len(speeds) > 1 else colour, linestyle=line, marker=marker, label=name)
         for _, name, colour, line, marker in PARTS
@@ -68,9 +70,16 @@ def _against_speed(axes: "Axes", curves: list[Curve]) -> None:
         speed = [curve.result.case.speed_m_s for curve in curves]
         drag = [getattr(curve.result.measures, column) for curve in curves]
         axes.plot(speed, drag, color=colour, linestyle=line, marker=marker, markersize=4.5, label=name)
+        if column == "drag_n":
+            axes.errorbar(speed, drag, yerr=_drag_errors(curves), fmt="none", ecolor=colour, elinewidth=2.6)
     axes.legend(title="drag", loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, alignment="left")
     axes.set_xlabel("speed (m/s)")
     _drag_axis(axes)
+
+
+def _drag_errors(curves: list[Curve]) -> list[float]:
+    """Errors of the drag, N; nan, which draws none, where there is no estimate."""
+    return [curve.result.errors.drag_error_n for curve in curves]
 
 
 def _drag_axis(axes: "Axes") -> None:

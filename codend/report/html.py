@@ -129,17 +129,22 @@ def cautions(study: Study) -> list[str]:
     if waving := _named(of_sectors, study):
         growing = sorted({k for result in of_sectors if result.stability for k in result.stability.growing})
         found.append(
-            f"In balance, but not stable in this shape, which is the same all round: {waving}. What varies "
-            f"{ranges_text(tuple(growing))} times round the net grows, so it lies in waves or folds. No estimate "
-            "covers what these change: up to 4 % in drag and 2 degrees in openings where they were followed."
+            f"In balance, but not stable in this shape, which is the same in all sectors: {waving}. What varies "
+            f"{ranges_text(tuple(growing))} times round the net grows, so it lies in waves or folds. The estimates of "
+            "drag, volume, radius and opening are widened to cover what these change."
         )
     of_full_nets = [result for result in study.cases if result.unstable and result.net.order == 1]
     if unstable := _named(of_full_nets, study):
         found.append(
             f"In balance, but not stable by the eigenvalues of the tangent: {unstable}. At a touch such a net takes "
-            "another shape, often in folds, whose drag, volume and openings can be quite different: no estimate covers "
-            "that."
+            "another shape, often in folds. The estimates of drag, volume, radius and opening are widened by the "
+            "strength of what grows."
         )
+    for shapes in (True, False):
+        led = [result for result in study.cases if result.followed.reason and (result.followed.shape is None) != shapes]
+        for reason in dict.fromkeys(result.followed.reason for result in led):
+            same = _named([result for result in led if result.followed.reason == reason], study)
+            found.append(f"{'In waves' if shapes else 'Wrinkles'}: {same}: {reason}.")
     in_folds = [result for result in study.cases if result.measures.folded_share > FOLDS_WORTH_TELLING]
     if folded := _named(in_folds, study):
         most = 100.0 * max(result.measures.folded_share for result in in_folds)

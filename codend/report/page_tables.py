@@ -54,9 +54,11 @@ RESULT_HEADS = {
     "twine_drag_n": Head("Drag by the twine", "N"),
     "drag_error_n": Head("Drag error, estimated", "N"),
     "opening_ahead_deg": Head("Opening ahead", "degrees"),
+    "opening_ahead_error_deg": Head("Opening error, estimated", "degrees"),
     "opening_force_ahead_n": Head("Opening force ahead", "N"),
     "max_bar_tension_n": Head("Largest bar tension", "N"),
     "max_strap_tension_n": Head("Largest strap tension", "N"),
+    "max_rope_tension_n": Head("Largest rope tension", "N"),
     "inside_mesh_mm": Head("Inside mesh ahead", "mm"),
     "full_mesh_mm": Head("Full mesh ahead", "mm"),
 }
@@ -133,7 +135,7 @@ def solving_table(study: Study) -> PageTable:
         "across the axis and as a moment, over the resultant load and the bag's length. Length error: largest "
         "departure of a bar from the law of its twine, over its length. Stable: of a sector yes where no change grows, "
         "however often it varies round the net, and in brackets how often those do that grow; of a full net yes where "
-        "no pivot of the tangent is negative. In folds: netting on the catch that faces inward, where the pressure is "
+        "no eigenvalue of the tangent grows. In folds: netting on the catch that faces inward, where the pressure is "
         "right in sum over the layers of a fold only."
     )
     return PageTable(heads, _rows(study, cells), (remark,))

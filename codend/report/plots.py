@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from codend.bag.measures import WANTED_OPENING_DEG, Rows
+from codend.bag.measures import WANTED_OPENING_DEG, Rows, opening_rows_ahead
 from codend.net.net import Floats
 from codend.report.style import INK, PALE, dress, new_panels, number_text, ordered_colours, spread
 from codend.studies.case_result import CaseResult
@@ -105,8 +105,16 @@ def profiles_plot(study: Study) -> "Figure":
 
 
 def opening_plot(study: Study) -> "Figure":
-    """Mesh opening angle along the codend."""
-    return _along(study, "mesh opening angle (degrees)", lambda c: c.of_meshes(c.rows.opening_deg), from_zero=True)
+    """Mesh opening angle along the codend, with the error of the mean ahead of the catch."""
+    figure = _along(study, "mesh opening angle (degrees)", lambda c: c.of_meshes(c.rows.opening_deg), from_zero=True)
+    for axes, curves in zip(figure.axes, curves_by_speed(study).values(), strict=True):
+        for curve in curves:
+            ahead, result = opening_rows_ahead(curve.result.bag, curve.result.solution.share), curve.result
+            error = result.errors.opening_ahead_error_deg
+            if len(ahead) and np.isfinite(error):
+                place, mean = float(ahead.mean()), result.measures.opening_ahead_deg
+                axes.errorbar(place, mean, yerr=error, color=curve.colour, capsize=3.0, linewidth=THIN)
+    return figure
 
 
 def opening_force_plot(study: Study) -> "Figure":

@@ -89,8 +89,8 @@ def write_selectivity(predictions: Sequence[Prediction], folder: Path, together:
     """Write selectivity.csv, retention.csv, sensitivity.csv and plots/selectivity_*.png and a section into report.html.
 
     With a trial, together.csv and together_l50.csv and their plot, which comes first; with a calibration,
-    calibration.csv and, where it converged, calibrated_species.toml. What an earlier call left of those is removed. The
-    section and files of an earlier call go first; where there is no report.html none is made.
+    calibration.csv and, where it explains the trial, calibrated_species.toml. What an earlier call left of those is
+    removed. The section and files of an earlier call go first; where there is no report.html none is made.
 
     Raises:
         OSError: a file cannot be written.
@@ -112,7 +112,7 @@ def write_selectivity(predictions: Sequence[Prediction], folder: Path, together:
     calibration = together[0].calibration if together else None
     if calibration is not None:
         tables["calibration.csv"] = calibration_table(calibration)
-        if calibration.converged:
+        if calibration.explains:
             written.append(folder / "calibrated_species.toml")
             with whole_file(written[-1]) as temporary:
                 temporary.write_text(species_toml(calibration.species), encoding="utf-8")
@@ -211,7 +211,7 @@ def field_notes(together: Sequence[Together]) -> list[str]:
                 f"{name} {value:.3g} (95 % {lower:.3g} to {upper:.3g})" + " not identified" * (not known)
                 for name, value, lower, upper, known in numbers
             ]
-            values = f"{'; '.join(said)}; " if one.calibration.converged else ""
+            values = f"{'; '.join(said)}; " if one.calibration.explains else ""
             fit = f"deviance {one.calibration.deviance:.4g} on {one.calibration.degrees_of_freedom} degrees of freedom"
             found.append(
                 f"Calibrated on it: {values}{one.calibration.message}; {fit}, p = {one.calibration.p_value:.2g}."

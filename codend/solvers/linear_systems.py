@@ -3,7 +3,8 @@
 A sector, or any net that is narrow against its length, gives a narrow band: it is factorised by a compiled band LU.
 Wide nets go to SuperLU in its symmetric mode, whole. Neither pivots: stiff and inextensible bars enter as stiffness
 and not as zeros on the diagonal, so near a stable equilibrium the matrix is close to symmetric and positive definite,
-and elsewhere the solver adds a shift until it is, as far as it knows: a band LU tells the signs of its pivots at once.
+and elsewhere the solver adds a shift until it is, as far as it knows: a band LU tells the signs of its pivots at once,
+of the others they are asked for at the equilibrium only. They tell whether it is stable.
 """
 
 from typing import Protocol
@@ -47,6 +48,9 @@ class LinearSystem(Protocol):
 
     def solve(self, right: Floats) -> Floats:
         """Solutions for right sides (k, n, 3), of the same shape."""
+
+    def negative_pivots(self) -> int:
+        """Number of negative pivots of the last factorisation: of a symmetric tangent, of its negative eigenvalues."""
 
 
 def linear_system(structure: Structure, pattern: Pattern) -> LinearSystem:
@@ -128,3 +132,8 @@ class BandedSystem:
         solution = np.zeros_like(right)
         solve_band(self.arrays.rows, self.arrays.unknown, right, solution)
         return solution
+
+    def negative_pivots(self) -> int:
+        """See ``LinearSystem``."""
+        rows = self.arrays.rows
+        return int(np.count_nonzero(rows[:, rows.shape[1] // 2] < 0.0))

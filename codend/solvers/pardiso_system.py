@@ -49,6 +49,7 @@ class PardisoSystem(SparseSystem):
         from pymklpardiso import MTYPE_REAL_STRUCT_SYM, PardisoSolver
         from scipy.sparse import csr_array
 
+        self._blocks = blocks.copy()
         values = blocks.reshape(-1)[self._gather]
         if self._solver is None:
             matrix = csr_array((values, self._indices, self._starts), shape=(self.size, self.size))
@@ -58,3 +59,11 @@ class PardisoSystem(SparseSystem):
             self._solver.refactor(values)
         self._factors = self._solver
         return -1 if self._solver.get_iparm_value(_PERTURBED) > 0 else 0
+
+    def negative_pivots(self) -> int:
+        """See ``LinearSystem``; PARDISO does not show its pivots, so SuperLU factorises the same tangent once more."""
+        if super().factorise(self._blocks) < 0:
+            return -1
+        negative = super().negative_pivots()
+        self._factors = self._solver
+        return negative

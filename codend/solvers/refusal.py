@@ -46,19 +46,32 @@ def refusal(problem: Problem, position: Floats, share: Floats) -> Refusal | None
     return Refusal(outcome, seen.format(number))
 
 
-def passage(problem: Problem, position: Floats) -> Refusal | None:
-    """Where a net has passed through itself, or that it is wrung; None where it has not."""
+def passage(problem: Problem, position: Floats, gathered: bool = True) -> Refusal | None:
+    """Where a net has passed through itself, or that it is wrung; None where it has not.
+
+    ``gathered`` asks it of the last band as well, whose twines are gathered at the codline; else no band is named.
+    """
     catch = problem.loading.catch
     touching = touching_m(problem)
     if catch.row_size.any():
         round_axis = _rings(problem, position, touching)
         if round_axis is not None:
             return round_axis
-    bar, facet = first_pierced(position, *_sheet(problem), touching)
+    bar, facet = first_pierced(position, *_sheet(problem, gathered), touching)
     if bar < 0:
         return None
+    if not gathered:
+        return Refusal(Outcome.PASSED_THROUGH, "a bar pierces the netting")
     band, met = catch.bar_band[bar] + 1, catch.facet_band[facet] + 1
     return Refusal(Outcome.PASSED_THROUGH, f"a bar of band {band} pierces band {met} of {problem.bands}")
+
+
+def layers_touch(problem: Problem, position: Floats) -> bool:
+    """Whether netting lies on netting: middle lines of twine are on the wrong side of each other."""
+    touching = TOUCHING * float(problem.structure.length.min())
+    if problem.loading.catch.row_size.any() and _rings(problem, position, touching) is not None:
+        return True
+    return bool(first_pierced(position, *_sheet(problem, True), touching)[0] >= 0)
 
 
 def touching_m(problem: Problem) -> float:
@@ -95,7 +108,12 @@ def told(outcome: Outcome, refused: Refusal | None) -> str:
     return outcome.value if refused is None or refused.outcome is not outcome else f"{outcome.value} ({refused.where})"
 
 
-def _sheet(problem: Problem) -> tuple:
-    """Bars and facets as ``first_pierced`` takes them."""
+def _sheet(problem: Problem, gathered: bool) -> tuple:
+    """Bars and facets as ``first_pierced`` takes them; without those that end at the codline if not ``gathered``."""
     s = problem.structure
-    return s.first, s.second, s.image, s.facets, s.facet_image, s.facet_weight, s.order
+    if gathered:
+        return s.first, s.second, s.image, s.facets, s.facet_image, s.facet_weight, s.order
+    last, catch = problem.bands - 1, problem.loading.catch
+    bars, facets = np.flatnonzero(catch.bar_band < last), np.flatnonzero(catch.facet_band < last)
+    of_facets = s.facets[facets], s.facet_image[facets], s.facet_weight[facets]
+    return s.first[bars], s.second[bars], s.image[bars], *of_facets, s.order

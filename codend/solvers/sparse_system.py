@@ -75,3 +75,7 @@ class SparseSystem:
         solution = np.zeros_like(right)
         solution[:, self._free] = solved[self._number].T
         return solution
+
+    def negative_pivots(self) -> int:
+        """See ``LinearSystem``; the factor must be copied out of SuperLU, which takes about half a factorisation."""
+        return int(np.count_nonzero(self._factors.U.diagonal() < 0.0))

@@ -64,15 +64,17 @@ class WholeTangent:
         whole: Floats = self.matrix.toarray() - self.load.T @ self.gradient
         return whole
 
-    def grows(self, scale: float) -> bool | None:
-        """Whether an eigenvalue of K has a negative real part; None if that was not found out.
+    def growing(self, scale: float) -> tuple[Complex, Complex] | None:
+        """Eigenvalues of K with negative real parts, those that were met first, and their vectors, (unknowns, k).
 
-        Those nearest to a lower bound of the symmetric part's are found, more and more until one of them grows or what
-        they leave is positive definite (as in ``harmonics``).
+        None of either where none has; None if that was not found out. Those nearest to a lower bound of the symmetric
+        part's are found, more and more until one of them grows or what they leave is positive definite (as in
+        ``harmonics``).
 
         Args:
             scale: a stiffness of the net's order of size, N/m.
         """
+        stable = np.zeros(0, dtype=complex), np.zeros((self.size, 0), dtype=complex)
         if not np.isfinite(self.matrix.data).all():
             return None
         factors = self._factors(0.0)
@@ -81,18 +83,18 @@ class WholeTangent:
         negative = _negative_pivots(factors)
         expected = self._negative_eigenvalues(factors, negative, None)
         if expected == 0:
-            return False
+            return stable
         if self.size <= DENSE:
-            return bool(np.linalg.eigvals(self.dense()).real.min() < 0.0)
+            return _with_negative_real_parts(*np.linalg.eig(self.dense()))
         centre, wanted = self._lower_bound(scale), min(expected, FIRST_EIGENVALUES)
         while centre is not None and wanted <= MOST_EIGENVALUES:
             found = self._nearest(centre, wanted)
             if found is None:
                 return None
             if found[0].real.min() < 0.0:
-                return True
+                return _with_negative_real_parts(*found)
             if self._negative_eigenvalues(factors, negative, np.linalg.qr(found[1])[0]) == 0:
-                return False
+                return stable
             wanted = max(expected, 2 * wanted + 2)
         return None
 
@@ -142,6 +144,13 @@ class WholeTangent:
         except ArpackNoConvergence:
             return None
         return centre + 1.0 / found, vectors
+
+
+def _with_negative_real_parts(eigenvalues: Complex, vectors: Complex) -> tuple[Complex, Complex]:
+    """Those of some eigenvalues, the most negative first, and their vectors."""
+    order = np.argsort(eigenvalues.real)
+    order = order[eigenvalues.real[order] < 0.0]
+    return eigenvalues[order], vectors[:, order]
 
 
 def _unpivoted(matrix: Any, shift: float) -> Any:

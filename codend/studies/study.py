@@ -6,6 +6,8 @@ from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from codend.bag.bag import Bag
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
@@ -14,13 +16,16 @@ from codend.bag.meridian import plan_case
 from codend.equilibrium import accuracy, fidelity
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.accuracy import Errors
-from codend.equilibrium.bag_model import model_of
+from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
+from codend.equilibrium.following import LYING_ON_ITSELF, NOT_FOLLOWED, follow
 from codend.equilibrium.stability import Stability, stability_of
+from codend.equilibrium.wrinkles import changed_by_wrinkles, within_accuracy
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
 from codend.solvers import newton
-from codend.solvers.outcome import Solution, SolverReport
+from codend.solvers.outcome import Progress, Solution, SolverReport
+from codend.solvers.refusal import layers_touch
 from codend.studies.case_result import CaseResult
 
 if TYPE_CHECKING:
@@ -93,7 +98,7 @@ def solve(
             if keep is not None:
                 keep(result)
         return Study(plan, choice, tuple(done_cases))
-    model = model_of(plan, choice.globalisation, choice.sectors)
+    model = model_of(plan, choice.globalisation, choice.sectors, choice.fidelity == "smeared")
     cases = plan.cases()
     known: list[tuple[Case, Solution]] = []
     results: dict[int, CaseResult] = {}
@@ -107,13 +112,10 @@ def solve(
         if progress is not None:
             progress(done, len(cases), f"case {case.number}")
         problem, solution = equilibrium.solve(model, case, known, report)
-        result = _measured(model.bag, case, problem, solution)
+        result = measured(model.bag, case, problem, solution)
         if result.converged:
             known.append((case, solution))
-            tangent = newton.tangent_at(problem, solution, model.prepared)
-            stability = stability_of(model, tangent)
-            errors = accuracy.estimate(model, case, tangent, result.measures, choice.unseen_weight_n)
-            result = replace(result, errors=errors, stability=stability)
+            result = _judged(model, result, choice.unseen_weight_n, report)
         results[case.number] = result
         if keep is not None:
             keep(result)
@@ -122,11 +124,48 @@ def solve(
     return Study(plan, choice, tuple(results[case.number] for case in cases))
 
 
-def _measured(bag: Bag, case: Case, problem: Problem, solution: Solution) -> CaseResult:
+def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progress: Progress) -> CaseResult:
+    """The result with its stability and errors, or that of the shape to which following what grows led."""
+    plan, case, problem, solution = model.plan, result.case, result.problem, result.solution
+    tangent = newton.tangent_at(problem, solution, model.prepared)
+    stability = stability_of(model, tangent)
+    # sectors of diamond netting that are stable lie on themselves nowhere
+    turned = any(part.knot_across_m > 0.0 for part in plan.netting)
+    may_touch = stability.stable != "yes" or turned or result.net.order == 1
+    touching = may_touch and layers_touch(problem, solution.positions)
+    changed = changed_by_wrinkles(result.bag, case, solution, stability, result.measures, touching)
+    errors = accuracy.estimate(model, case, tangent, result.measures, unseen_weight_n, changed)
+    followed = replace(NOT_FOLLOWED, folds=True, reason=LYING_ON_ITSELF) if touching else NOT_FOLLOWED
+    result = replace(result, errors=errors, stability=stability, followed=followed)
+    if stability.stable != "no" or plan.model.wrinkles is False or plan.model.bars_per_side > 1:
+        return result
+    if plan.model.wrinkles == "auto" and within_accuracy(plan, result.measures, errors):
+        return result
+    followed = follow(model, case, problem, solution, stability, progress)
+    shape = followed.shape
+    if shape is None:
+        return replace(result, followed=followed)
+    report = replace(
+        shape.solution.report,
+        attempts=(*solution.report.attempts, followed.reason, *shape.solution.report.attempts),
+        solve_ms=solution.report.solve_ms + followed.spent_ms,
+    )
+    found = measured(shape.model.bag, case, shape.problem, replace(shape.solution, report=report))
+    tangent = newton.tangent_at(shape.problem, shape.solution, shape.model.prepared)
+    followed = replace(followed, folds=layers_touch(shape.problem, shape.solution.positions))
+    lasts = shape.stability.stable == "yes" and not followed.folds
+    changed = followed.changed if lasts else np.maximum(changed, followed.changed)
+    errors = accuracy.estimate(shape.model, case, tangent, found.measures, unseen_weight_n, changed)
+    return replace(found, errors=errors, stability=shape.stability, followed=followed)
+
+
+def measured(bag: Bag, case: Case, problem: Problem, solution: Solution) -> CaseResult:
+    """What was found of a case, with its measures but without errors; a case that failed has none."""
     if not solution.report.outcome.converged:
-        return CaseResult(case, bag, problem, solution, Measures.unknown(), Errors.unknown(), None, None, None)
+        nothing = Measures.unknown(), Errors.unknown()
+        return CaseResult(case, bag, problem, solution, *nothing, None, NOT_FOLLOWED, None, None)
     meshes, rows, measures = measure_all(bag, problem, solution)
-    return CaseResult(case, bag, problem, solution, measures, Errors.unknown(), None, rows, meshes)
+    return CaseResult(case, bag, problem, solution, measures, Errors.unknown(), None, NOT_FOLLOWED, rows, meshes)
 
 
 def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) -> Iterator[CaseResult]:
@@ -156,7 +195,7 @@ def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) 
         problem = problem_of(bag, plan, case)
         share = plan_case.share_of(shape, bag.bands)
         solution = Solution(bag.net.positions, plan_case.tensions_on(bag, shape), share, report)
-        result = _measured(bag, case, problem, solution)
+        result = measured(bag, case, problem, solution)
         if not result.converged:
             yield result
             continue

@@ -7,12 +7,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from codend.bag.bag import Bag
+from codend.equilibrium.following import meshes_wide
 from codend.equilibrium.stability import ranges_text
 from codend.io.columns import (
     MESH_COLUMNS,
     OPENING_FORCE_COLUMNS,
     PROFILE_COLUMNS,
     RESULT_COLUMNS,
+    ROPE_COLUMNS,
     SIZES,
     STRAP_COLUMNS,
 )
@@ -29,7 +32,7 @@ def opening_force_table(pulls: Sequence[Pull]) -> pd.DataFrame:
 
 def results_table(plan: Plan, fidelity: str, cases: Sequence[CaseResult]) -> pd.DataFrame:
     """A row a case; nan where a case was not solved, but for what the case asked for."""
-    columns = RESULT_COLUMNS + (STRAP_COLUMNS if plan.strap else [])
+    columns = RESULT_COLUMNS + (STRAP_COLUMNS if plan.strap else []) + (ROPE_COLUMNS if plan.rope else [])
     return pd.DataFrame([_result_row(plan, fidelity, result) for result in cases], columns=columns)
 
 
@@ -45,7 +48,7 @@ def _result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, obje
         "speed_m_s": result.case.speed_m_s,
         **measures,
         **asdict(result.errors),
-        "fidelity": fidelity,
+        "fidelity": fidelity if result.followed.shape is None else _fidelity_of(result.bag),
         "method": result.report.method,
         "iterations": result.report.iterations,
         "residual": result.report.residual,
@@ -54,9 +57,17 @@ def _result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, obje
         "stable": "unknown" if result.stability is None else result.stability.stable,
         "growing_harmonics": (result.stability and ranges_text(result.stability.growing)) or float("nan"),
         "sector_order": result.net.order,
-        "sector_meshes": max(section.meshes_round for section in plan.netting) // result.net.order,
+        "sector_meshes": meshes_wide(result.bag, max(section.meshes_round for section in plan.netting)),
+        "drag_spread_n": result.followed.drag_spread_n,
+        "opening_spread_deg": result.followed.opening_spread_deg,
+        "folds": "yes" if result.followed.folds else "no",
+        "wrinkles": result.followed.reason or float("nan"),
         **_sizes_ahead(plan, float(measures["filled_meshes"])),
     }
+
+
+def _fidelity_of(bag: Bag) -> str:
+    return "globalised" if bag.globalisation > 1 else "full" if bag.net.order == 1 else "sector"
 
 
 def _sizes_ahead(plan: Plan, filled_meshes: float) -> dict[str, float]:

@@ -34,6 +34,8 @@ def why_not_exactly(plan: Plan) -> str:
         return reason
     if plan.netting[0].bending_stiffness_n_m2 > 0.0:
         return "it knows no bending stiffness"
+    if plan.rope:
+        return "it knows no ropes"
     return "it knows no straps" if plan.strap else ""
 
 
@@ -121,7 +123,7 @@ def tensions_on(bag: Bag, shape: MeridianShape, globalisation: int = 1) -> Float
     across = bag.node_row[bag.net.bars[:, 0]] == bag.node_row[bag.net.bars[:, 1]]
     knot_tension = 2.0 * tension * np.where(across, np.sin(phi), np.cos(phi))
     tension = np.where(bag.bar_is_twine, tension, knot_tension)
-    tension[bag.straps] = 0.0
+    tension[bag.straps] = tension[bag.ropes] = 0.0
     return tension
 
 

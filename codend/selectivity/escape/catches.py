@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,6 +61,14 @@ class Run:
     """Empty where the model is one mesh wide."""
 
 
+class Part(NamedTuple):
+    """A part of a codend, by name."""
+
+    section: str
+    panel: str
+    """Empty where meshes are told apart by section only."""
+
+
 @dataclass(frozen=True)
 class Catch:
     """A solved case: its size and the meshes that fish meet ahead of it."""
@@ -74,6 +82,10 @@ class Catch:
     """Distance of each mesh from the front, in rows of meshes; 1 and more lie wholly ahead, (k,)."""
     share: Floats
     """Share of each mesh in its row, (k,)."""
+    parts: tuple[Part, ...] = ()
+    """Where each mesh lies, (k,); empty: all in one part."""
+    opening_error_deg: float = 0.0
+    """By how much the openings may be off: the estimate of that ahead of the catch; nan where there is none."""
 
 
 def run_of(study: Solved) -> Run:
@@ -129,6 +141,9 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
         near = (ahead > 0.0) & (ahead < most_rows + 1.0)
         which = np.repeat(np.arange(len(row)), merged)[near]
         share = 1.0 / np.bincount(row)[row]
+        names, panels = meshes["section"].to_numpy(), np.full(len(row), "", dtype=object)
+        if "panel" in meshes.columns:
+            panels = meshes["panel"].fillna("").to_numpy()
         found.append(
             Catch(
                 case=int(result["case"]),
@@ -138,6 +153,8 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
                 holes=_holes([sections[i] for i in which], meshes.iloc[which], profile["radius_m"].to_numpy()),
                 rows_ahead=ahead[near],
                 share=share[which],
+                parts=tuple(Part(str(names[i]), str(panels[i])) for i in which),
+                opening_error_deg=float(result.get("opening_ahead_error_deg", np.nan)),
             )
         )
     return found

@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_models.fish import PARAMETERS, Species
-from codend.selectivity.escape.catches import Catch
-from codend.selectivity.escape.retention import EscapeTerms, crowd_of, escape_terms, nodes_of
-from codend.selectivity.escape.retention_kernels import Crowd, Nodes, retain_hauls, time_shares
+from codend.selectivity.escape.catches import Catch, Part
+from codend.selectivity.escape.haul_kernels import OF_LENGTHS, retain_hauls, time_shares
+from codend.selectivity.escape.retention import EscapeTerms, crowd_of, escape_terms, everywhere_alike, nodes_of
+from codend.selectivity.escape.retention_kernels import Crowd, Nodes, Trying
 
 Floats = NDArray[np.float64]
 _GROWTH = PARAMETERS.index("haul.catch_growth")
@@ -32,6 +33,8 @@ class Haul:
     speed_m_s: float
     catches: tuple[Catch, ...]
     crowd: Crowd
+    parts: tuple[Part, ...] = (Part("", ""),)
+    """Parts of the codend that the crowd's meshes lie in, by number."""
 
     @property
     def volume_m3(self) -> Floats:
@@ -62,13 +65,33 @@ def hauls_of(catches: list[Catch]) -> list[Haul]:
 
 def _haul(speed_m_s: float, catches: list[Catch]) -> Haul:
     ordered = sorted(catches, key=lambda catch: catch.volume_m3)
-    return Haul(speed_m_s, tuple(ordered), crowd_of([(c.holes, c.rows_ahead, c.share) for c in ordered]))
+    names = [name for c in ordered for name in c.parts or len(c.share) * (Part("", ""),)]
+    parts = tuple(dict.fromkeys(names)) or (Part("", ""),)
+    part = np.array([parts.index(name) for name in names], dtype=np.int64)
+    return Haul(speed_m_s, tuple(ordered), crowd_of([(c.holes, c.rows_ahead, c.share) for c in ordered], part), parts)
+
+
+def trying_of(haul: Haul, species: Species) -> Trying:
+    """Where fish of the species try: the zones it gives for parts of the codend, and its distribution of attempts.
+
+    A part is of the first zone that names its section, and its panel if the zone names one.
+    """
+    zone = np.zeros(len(haul.parts), dtype=np.int64)
+    for number, part in enumerate(haul.parts):
+        fits = [z for z, one in enumerate(species.zone, start=1) if one.holds(part.section, part.panel)]
+        zone[number] = fits[0] if fits else 0
+    contact, attempts = np.zeros((2, len(species.zone) + 1))
+    contact[1:] = [one.contact.value for one in species.zone]
+    attempts[1:] = [one.attempts.value for one in species.zone]
+    along = species.along
+    rows, weight = (np.array(along.rows_ahead), np.array(along.weight)) if along else (np.empty(0), np.empty(0))
+    return Trying(zone, contact, attempts, rows, weight)
 
 
 def terms_of_catches(haul: Haul, species: Species, nodes: Nodes | None = None) -> list[EscapeTerms]:
     """Retention of fish that meet each of the catches."""
-    nodes = nodes or nodes_of()
-    return [escape_terms(haul.crowd, i, species.values, nodes) for i in range(len(haul.catches))]
+    nodes, trying = nodes or nodes_of(), trying_of(haul, species)
+    return [escape_terms(haul.crowd, i, species.values, nodes, trying) for i in range(len(haul.catches))]
 
 
 def terms_of_haul(
@@ -95,19 +118,24 @@ def shares_until(haul: Haul, species: Species, volume_m3: float) -> Floats:
     return np.asarray(np.trapezoid(hats, knots, axis=1) / end)
 
 
-def many_hauls(haul: Haul, values: Floats, nodes: Nodes, length_cm: Floats) -> tuple[Floats, Floats]:
-    """L50 and SR over the haul in cm, (m, 2), and retention by length, (m, n), for many sets of values (m, 13).
+def many_hauls(
+    haul: Haul, values: Floats, nodes: Nodes, length_cm: Floats, trying: Trying | None = None
+) -> tuple[Floats, Floats]:
+    """L50 and SR over the haul in cm, (m, 2), and retention by length, (m, n), for many sets of values (m, 15).
 
     L50 and SR are nan where too few fish escape to have them. Shared out over the processor's cores.
     """
-    parts = np.array_split(np.ascontiguousarray(values, dtype=float), os.cpu_count() or 1)
+    values = np.ascontiguousarray(values, dtype=float)
+    order = np.lexsort(values[:, OF_LENGTHS].T)  # those of which tables are the same behind each other
+    parts = np.array_split(values[order], os.cpu_count() or 1)
     found = [(np.empty((len(part), 2)), np.empty((len(part), len(length_cm)))) for part in parts]
     ln_length = np.log(0.01 * length_cm)
+    tried = trying or everywhere_alike(int(haul.crowd.part.max(initial=0)) + 1)
 
     def solve(part: Floats, result: tuple[Floats, Floats]) -> None:
-        retain_hauls(haul.crowd, haul.volume_m3, part, nodes, ln_length, *result)
+        retain_hauls(haul.crowd, haul.volume_m3, part, nodes, tried, ln_length, *result)
 
     with ThreadPoolExecutor(len(parts)) as pool:
         list(pool.map(solve, parts, found))
-    l50_sr, retained = zip(*found, strict=True)
-    return np.concatenate(l50_sr), np.concatenate(retained)
+    l50_sr, retained = (np.concatenate(each)[np.argsort(order)] for each in zip(*found, strict=True))
+    return l50_sr, retained

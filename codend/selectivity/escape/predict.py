@@ -90,9 +90,7 @@ def predict(
     Raises:
         InputError: no case of the study was solved.
     """
-    column = PARAMETERS.index("behaviour.rows_ahead")
-    most_rows = max(max(one.values[column], one.ranges.get(PARAMETERS[column], (0, 0))[1]) for one in species)
-    hauls = hauls_of(catches_of(run, most_rows))
+    hauls = hauls_of(catches_of(run, max(rows_needed(one) for one in species)))
     work = [(one, haul) for one in species for haul in hauls]
     found = []
     for done, (one, haul) in enumerate(work):
@@ -102,6 +100,16 @@ def predict(
     if progress is not None:
         progress(len(work), len(work), "done")
     return found
+
+
+def rows_needed(species: Species) -> float:
+    """Rows of meshes ahead of the front that fish of the species may try."""
+    if species.zone:
+        return float("inf")
+    if species.along is not None:
+        return species.along.rows_ahead[-1]
+    column = PARAMETERS.index("behaviour.rows_ahead")
+    return float(max(species.values[column], species.ranges.get(PARAMETERS[column], (0, 0))[1]))
 
 
 def predict_haul(

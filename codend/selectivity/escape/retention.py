@@ -12,6 +12,13 @@ mean over sizes is a sum of normal distribution functions and no quadrature at a
 
     r(L) = 1 - C sum over y and k of w_y dE_k Phi((ln G_k - ln L) / s).
 
+Where fish try. A mesh is drawn by its place: evenly over the rows a species names, or by the distribution over the
+distance from the front that it gives (``along``). Meshes of one row share what falls on it. A shut mesh takes no
+attempts from open ones: one whose clear width is below a tenth of that of the widest which is tried takes none, from a
+quarter on all that fall to its place, and in proportion between. Zones that a species gives (a window, an extension
+fish pass on their way) have a contact C_z and attempts n_z of their own, in all their meshes ahead of the front, and
+take nothing from the rest: E = 1 - product over zones of (1 - C_z (1 - (1 - p_z)^(n_z))), with C above among them.
+
 Over shapes and rotations the mean is taken by quadrature. A haul is the mean of such sums.
 """
 
@@ -25,7 +32,16 @@ from scipy.special import ndtri
 
 from catch_models.fish import PARAMETERS
 from codend.selectivity.escape.penetration import Holes
-from codend.selectivity.escape.retention_kernels import Crowd, Nodes, add_terms, ideals_of, ln_length_at, retained_at
+from codend.selectivity.escape.retention_kernels import (
+    Crowd,
+    Nodes,
+    Trying,
+    add_terms,
+    ideals_of,
+    ln_length_at,
+    retained_at,
+    tables_of,
+)
 
 Floats = NDArray[np.float64]
 
@@ -64,8 +80,11 @@ class EscapeTerms:
         return l50, l75 - l25
 
 
-def crowd_of(catches: list[tuple[Holes, Floats, Floats]]) -> Crowd:
-    """Meshes, distances from the front in rows, and shares in their rows, of every catch, strung together."""
+def crowd_of(catches: list[tuple[Holes, Floats, Floats]], part: NDArray[np.int64] | None = None) -> Crowd:
+    """Meshes, distances from the front in rows, and shares in their rows, of every catch, strung together.
+
+    ``part`` numbers the parts of the codend that they lie in, (k,); left out, all are of one.
+    """
     holes = [catch[0] for catch in catches]
 
     def strung(name: str) -> NDArray:
@@ -77,11 +96,18 @@ def crowd_of(catches: list[tuple[Holes, Floats, Floats]]) -> Crowd:
         *(strung(name) for name in OF_HOLES),
         *(np.concatenate([catch[i] for catch in catches]) for i in (1, 2)),
         np.asarray(netting, dtype=np.int64),
+        np.zeros(len(netting), dtype=np.int64) if part is None else part,
     ]
     return Crowd(*arrays)
 
 
-def nodes_of(shapes: int = SHAPES, rotations: int = ROTATIONS, steps: int = STEPS) -> Nodes:
+def everywhere_alike(parts: int = 1) -> Trying:
+    """Fish that try as their species' numbers say in every part of the codend."""
+    none = np.empty(0)
+    return Trying(np.zeros(parts, dtype=np.int64), np.zeros(1), np.zeros(1), none, none)
+
+
+def nodes_of(shapes: int = SHAPES, rotations: int = ROTATIONS, steps: int = STEPS, openings: int = 0) -> Nodes:
     """Quadrature over standard normal variables: Gauss and Hermite's for shapes, equal strata for rotations.
 
     What a rotation does has a kink at the best one, and the power of the attempts dwells on the extremes: strata, each
@@ -90,10 +116,12 @@ def nodes_of(shapes: int = SHAPES, rotations: int = ROTATIONS, steps: int = STEP
     """
     shape, weight = np.polynomial.hermite_e.hermegauss(shapes)
     rotation = ndtri((np.arange(rotations) + 0.5) / rotations)
-    return Nodes(shape, weight / weight.sum(), rotation, np.full(rotations, 1.0 / rotations), steps)
+    return Nodes(shape, weight / weight.sum(), rotation, np.full(rotations, 1.0 / rotations), steps, openings)
 
 
-def escape_terms(crowd: Crowd, catch: int, values: Floats, nodes: Nodes | None = None) -> EscapeTerms:
+def escape_terms(
+    crowd: Crowd, catch: int, values: Floats, nodes: Nodes | None = None, trying: Trying | None = None
+) -> EscapeTerms:
     """Terms of the retention curve of one catch.
 
     Args:
@@ -101,6 +129,7 @@ def escape_terms(crowd: Crowd, catch: int, values: Floats, nodes: Nodes | None =
         catch: number of the catch.
         values: of ``catch_models.fish.PARAMETERS``, (15,).
         nodes: quadrature; ``nodes_of()`` when left out.
+        trying: where fish try; everywhere alike when left out.
 
     Returns:
         Terms; none where no mesh lies ahead of the catch, so that nothing escapes.
@@ -108,5 +137,7 @@ def escape_terms(crowd: Crowd, catch: int, values: Floats, nodes: Nodes | None =
     nodes = nodes or nodes_of()
     most = (crowd.start[catch + 1] - crowd.start[catch]) * len(nodes.shape) * len(nodes.rotation)
     ln_length, escape = np.empty(most), np.empty(most)
-    count = add_terms(crowd, catch, values, nodes, ideals_of(crowd, values, nodes), ln_length, escape)
+    trying = trying or everywhere_alike(int(crowd.part.max(initial=0)) + 1)
+    ideals, tables = ideals_of(crowd, values, nodes), tables_of(crowd, values, nodes)
+    count = add_terms(crowd, catch, values, nodes, trying, ideals, tables, ln_length, escape)
     return EscapeTerms(ln_length[:count], escape[:count], float(values[_SIZE]))

@@ -1,4 +1,4 @@
-"""Kernels of retention by length, of a catch and of many hauls; equations stand in ``retention`` and ``haul``."""
+"""Kernels of retention by length, of fish that meet a catch; equations stand in ``retention``."""
 
 from __future__ import annotations
 
@@ -18,18 +18,20 @@ from codend.selectivity.escape.passage_kernels import (
     best_rotation,
     ideal_openings,
     longest_turned,
+    sides_of,
 )
-from codend.selectivity.escape.yielding_kernels import Effort, best_opening
+from codend.selectivity.escape.yielding_kernels import Effort, best_opening, table_opening
 
 Floats = NDArray[np.float64]
 
 MOST_STEPS, PRECISION = 100, 1e-12
 """Of the search for the logarithm of a length."""
-BIN: Final = 0.004
-"""Width, in ln L, of the bins in which terms of many hauls are gathered, each split between two to keep its mean."""
-_LEAST_LN_M, _BINS = math.log(1e-3), int(math.log(1e4) / BIN)
+SHUT: Final = 0.1
+OPEN: Final = 0.25
+"""Clear width of a mesh over that of the widest which is tried, up to which it takes no attempts, and from which all
+it would by its place: see ``retention``."""
 _SHORTEST_LN_M = math.log(1e-6)
-(_SIZE, _SHAPE, _CONTACT, _ATTEMPTS, _ROWS_AHEAD, _ROTATION, _PUSH, _EXPONENT, _AT, _GROWTH) = (
+(_SIZE, _SHAPE, _CONTACT, _ATTEMPTS, _ROWS_AHEAD, _ROTATION, _PUSH, _EXPONENT, _AT) = (
     PARAMETERS.index(name)
     for name in (
         "spread.size",
@@ -41,7 +43,6 @@ _SHORTEST_LN_M = math.log(1e-6)
         "behaviour.push_force_n",
         "behaviour.push_exponent",
         "behaviour.push_length_cm",
-        "haul.catch_growth",
     )
 )
 
@@ -68,6 +69,8 @@ class Crowd(NamedTuple):
     """Share of each mesh in its row, (k,)."""
     netting: NDArray[np.int64]
     """Number of the netting a mesh is of, the same for all with its shape, bar and knot, (k,)."""
+    part: NDArray[np.int64]
+    """Number of the part of the codend that a mesh lies in, (k,)."""
 
 
 class Nodes(NamedTuple):
@@ -78,13 +81,29 @@ class Nodes(NamedTuple):
     rotation: Floats
     rotation_weight: Floats
     steps: int
+    openings: int
+    """Intervals of half opening angles at whose ends lengths are tabled and read off in between; 0: all are exact."""
+
+
+class Trying(NamedTuple):
+    """Where fish try, besides the numbers of ``PARAMETERS``."""
+
+    zone: NDArray[np.int64]
+    """Zone of every part of the codend: 0 where fish try as the species' numbers say, 1 and so on for others, (p,)."""
+    contact: Floats
+    attempts: Floats
+    """In each zone, (z + 1,); those of zone 0 are not read."""
+    rows: Floats
+    weight: Floats
+    """Distribution of attempts over the distance from the front in zone 0; empty: even over ``rows_ahead``."""
 
 
 @njit(cache=True, nogil=True)
 def ideals_of(crowd: Crowd, values: Floats, nodes: Nodes) -> Floats:
     """Ideal openings of every netting for every shape, (nettings, shapes, IDEALS); nan where no push needs them."""
-    ideals = np.full((np.max(crowd.netting) + 1 if len(crowd.netting) else 0, len(nodes.shape), IDEALS), np.nan)
-    if values[_PUSH] > 0.0:
+    nettings = np.max(crowd.netting) + 1 if len(crowd.netting) else 0
+    ideals = np.full((nettings, len(nodes.shape), IDEALS), np.nan)
+    if values[_PUSH] > 0.0 and nodes.openings == 0:
         sought = np.ones(len(ideals), dtype=np.bool_)
         for mesh in range(len(crowd.netting)):
             netting = crowd.netting[mesh]
@@ -125,60 +144,139 @@ def _fish(values: Floats, shape: float) -> Fish:
 
 
 @njit(cache=True, nogil=True)
+def tables_of(crowd: Crowd, values: Floats, nodes: Nodes) -> Floats:
+    """Longest fish by netting, shape and half opening angle, at the best rotation and those of the nodes, m.
+
+    (nettings, shapes, openings + 1, rotations + 1); nothing where all lengths are exact.
+    """
+    nettings = np.max(crowd.netting) + 1 if nodes.openings and len(crowd.netting) else 0
+    tables = np.zeros((nettings, len(nodes.shape), nodes.openings + 1, len(nodes.rotation) + 1))
+    sought = np.ones(nettings, dtype=np.bool_)
+    for mesh in range(len(crowd.netting) if nettings else 0):
+        netting = crowd.netting[mesh]
+        if not sought[netting] or crowd.shape[mesh] == RECTANGLE:
+            continue
+        sought[netting] = False
+        hole = _hole(crowd, mesh)
+        for node in range(len(nodes.shape)):
+            fish = _fish(values, nodes.shape[node])
+            for i in range(1, nodes.openings):
+                phi = 0.5 * math.pi * i / nodes.openings
+                best = best_rotation(hole, phi, fish, nodes.steps)
+                tables[netting, node, i, 0] = longest_turned(hole, phi, fish, best)
+                for k in range(len(nodes.rotation)):
+                    turned = best + math.radians(values[_ROTATION]) * nodes.rotation[k]
+                    tables[netting, node, i, k + 1] = longest_turned(hole, phi, fish, turned)
+    return tables
+
+
+@njit(cache=True, nogil=True)
 def add_terms(
-    crowd: Crowd, catch: int, values: Floats, nodes: Nodes, ideals: Floats, ln_length: Floats, escape: Floats
+    crowd: Crowd,
+    catch: int,
+    values: Floats,
+    nodes: Nodes,
+    trying: Trying,
+    ideals: Floats,
+    tables: Floats,
+    ln_length: Floats,
+    escape: Floats,
 ) -> int:
     """Write the terms of one catch into ``ln_length`` and ``escape``; how many there are.
 
-    ``ideals`` are those of ``ideals_of``.
+    ``ideals`` are those of ``ideals_of`` and ``tables`` those of ``tables_of``.
     """
-    contact, attempts, rows = values[_CONTACT], values[_ATTEMPTS], values[_ROWS_AHEAD]
     rotations = len(nodes.rotation)
     first, end = crowd.start[catch], crowd.start[catch + 1]
-    weight = np.zeros((end - first) * rotations)
-    ln_g = np.empty(len(weight))
-    total = 0.0
-    for mesh in range(first, end):
-        total += _tried(crowd, mesh, rows)
-    if total == 0.0:
-        return 0
+    tried = tried_shares(crowd, first, end, values[_ROWS_AHEAD], trying)
+    zones = len(trying.contact)
+    contact, attempts = trying.contact.copy(), trying.attempts.copy()
+    contact[0], attempts[0] = values[_CONTACT], values[_ATTEMPTS]
+    weight, ln_g = np.empty((end - first) * rotations), np.empty((end - first) * rotations)
+    zone = np.empty(len(weight), dtype=np.int64)
+    probability, kept = np.empty(zones), np.empty(zones)
     written = 0
     for node in range(len(nodes.shape)):
         fish = _fish(values, nodes.shape[node])
         count = 0
         for mesh in range(first, end):
-            tried = _tried(crowd, mesh, rows)
-            if tried == 0.0:
+            if tried[mesh - first] == 0.0:
                 continue
             hole, effort = _hole(crowd, mesh), _effort(values, nodes)
-            phi = best_opening(hole, crowd.half_angle[mesh], fish, math.nan, effort, ideals[crowd.netting[mesh], node])
-            best = best_rotation(hole, phi, fish, nodes.steps)
+            phi, netting = crowd.half_angle[mesh], crowd.netting[mesh]
+            tabled = nodes.openings > 0 and hole.shape != RECTANGLE
+            left, share, best = 0, 0.0, 0.0
+            if tabled:
+                at = table_opening(hole, phi, tables[netting, node], effort) / (0.5 * math.pi) * nodes.openings
+                left = min(int(at), nodes.openings - 1)
+                share = at - left
+            else:
+                phi = best_opening(hole, phi, fish, math.nan, effort, ideals[netting, node])
+                best = best_rotation(hole, phi, fish, nodes.steps)
             for k in range(rotations):
-                turned = best + math.radians(values[_ROTATION]) * nodes.rotation[k]
-                length = longest_turned(hole, phi, fish, turned)
+                if tabled:
+                    ends = tables[netting, node, left, k + 1], tables[netting, node, left + 1, k + 1]
+                    length = (1.0 - share) * ends[0] + share * ends[1]
+                else:
+                    turned = best + math.radians(values[_ROTATION]) * nodes.rotation[k]
+                    length = longest_turned(hole, phi, fish, turned)
                 ln_g[count] = math.log(length) if length > 0.0 else _SHORTEST_LN_M
-                weight[count] = tried / total * nodes.rotation_weight[k]
+                weight[count] = tried[mesh - first] * nodes.rotation_weight[k]
+                zone[count] = trying.zone[crowd.part[mesh]]
                 count += 1
-        order = np.argsort(-ln_g[:count])
-        probability, escaped = 0.0, 0.0
-        for k in order:
-            probability = min(probability + weight[k], 1.0)
-            risen = 1.0 - (1.0 - probability) ** attempts
+        probability[:], kept[:], escaped = 0.0, 1.0, 0.0
+        for k in np.argsort(-ln_g[:count]):
+            z = zone[k]
+            probability[z] = min(probability[z] + weight[k], 1.0)
+            kept[z] = 1.0 - contact[z] * (1.0 - (1.0 - probability[z]) ** attempts[z])
+            risen = 1.0 - float(np.prod(kept))
             ln_length[written] = ln_g[k]
-            escape[written] = contact * nodes.shape_weight[node] * (risen - escaped)
+            escape[written] = nodes.shape_weight[node] * (risen - escaped)
             escaped = risen
             written += 1
     return written
 
 
 @njit(cache=True, nogil=True)
-def _tried(crowd: Crowd, mesh: int, rows: float) -> float:
-    """Weight of a mesh among those tried: full over ``rows`` rows, falling to nothing over one row at either end.
+def tried_shares(crowd: Crowd, first: int, end: int, rows: float, trying: Trying) -> Floats:
+    """Share that each mesh of a catch has of the attempts in its zone, (end - first,); see ``retention``."""
+    tried, gap = np.empty(end - first), np.empty(end - first)
+    zones = len(trying.contact)
+    widest, total = np.zeros(zones), np.zeros(zones)
+    for mesh in range(first, end):
+        zone = trying.zone[crowd.part[mesh]]
+        tried[mesh - first] = _tried(crowd, mesh, rows, trying)
+        sides = sides_of(_hole(crowd, mesh), crowd.half_angle[mesh])
+        gap[mesh - first] = min(sides[1], sides[3], sides[5])
+        if tried[mesh - first] > 0.0:
+            widest[zone] = max(widest[zone], gap[mesh - first])
+    for mesh in range(first, end):
+        i, zone = mesh - first, trying.zone[crowd.part[mesh]]
+        if widest[zone] > 0.0:
+            tried[i] *= min(max((gap[i] / widest[zone] - SHUT) / (OPEN - SHUT), 0.0), 1.0)
+        total[zone] += tried[i]
+    for mesh in range(first, end):
+        zone = trying.zone[crowd.part[mesh]]
+        tried[mesh - first] /= total[zone] if total[zone] > 0.0 else 1.0
+    return tried
 
-    As rows are one apart the weights add to the same whole wherever the front stands between two of them.
+
+@njit(cache=True, nogil=True)
+def _tried(crowd: Crowd, mesh: int, rows: float, trying: Trying) -> float:
+    """Weight of a mesh among those tried, were all open; it rises from nothing over the first row ahead of the front.
+
+    In zone 0 it follows the distribution given, or is full over ``rows`` rows and falls to nothing over one more: as
+    rows are one apart the weights add to the same whole wherever the front stands between two of them.
     """
     ahead = crowd.rows_ahead[mesh]
-    return crowd.share[mesh] * min(max(ahead, 0.0), 1.0) * min(max(rows + 1.0 - ahead, 0.0), 1.0)
+    weight = crowd.share[mesh] * min(max(ahead, 0.0), 1.0)
+    if trying.zone[crowd.part[mesh]] > 0:
+        return weight
+    if len(trying.rows) == 0:
+        return weight * min(max(rows + 1.0 - ahead, 0.0), 1.0)
+    if ahead > trying.rows[-1]:
+        return 0.0
+    return weight * float(np.interp(ahead, trying.rows, trying.weight))
 
 
 @njit(cache=True, nogil=True)
@@ -224,56 +322,3 @@ def ln_length_at(ln_g: Floats, escape: Floats, spread: float, retention: float) 
             break
         tried = tried + step if low < tried + step < high else 0.5 * (low + high)
     return tried
-
-
-@njit(cache=True, nogil=True)
-def time_shares(time: Floats) -> Floats:
-    """Share of the haul for which each catch stands, (c,), adding to 1: trapezoidal rule, constant before the first."""
-    share = np.zeros(len(time))
-    share[0] = time[0]
-    for i in range(1, len(time)):
-        half = 0.5 * (time[i] - time[i - 1])
-        share[i - 1] += half
-        share[i] += half
-    return share
-
-
-@njit(cache=True, nogil=True)
-def retain_hauls(
-    crowd: Crowd,
-    volume: Floats,
-    values: Floats,
-    nodes: Nodes,
-    ln_lengths: Floats,
-    l50_sr: Floats,
-    retained: Floats,
-) -> None:
-    """Write L50 and SR, (m, 2), and the retention at every length, (m, n), for many sets of values (m, 15)."""
-    most = 0
-    for catch in range(len(volume)):
-        most = max(most, crowd.start[catch + 1] - crowd.start[catch])
-    most *= len(nodes.shape) * len(nodes.rotation)
-    ln_g, escape = np.empty(most), np.empty(most)
-    place, mass = np.empty(_BINS + 1), np.empty(_BINS + 1)
-    for m in range(len(values)):
-        share = time_shares((volume / volume[-1]) ** (1.0 / values[m, _GROWTH]))
-        ideals = ideals_of(crowd, values[m], nodes)
-        gathered = np.zeros(_BINS + 1)
-        for catch in range(len(volume)):
-            for k in range(add_terms(crowd, catch, values[m], nodes, ideals, ln_g, escape)):
-                bins = min(max((ln_g[k] - _LEAST_LN_M) / BIN, 0.0), _BINS - 1e-6)
-                left = int(bins)
-                weight = share[catch] * escape[k]
-                gathered[left] += weight * (left + 1 - bins)
-                gathered[left + 1] += weight * (bins - left)
-        count = 0
-        for k in range(_BINS + 1):
-            if gathered[k] > 0.0:
-                place[count], mass[count] = _LEAST_LN_M + BIN * k, gathered[k]
-                count += 1
-        spread = values[m, _SIZE]
-        l25 = ln_length_at(place[:count], mass[:count], spread, 0.25)
-        l50 = ln_length_at(place[:count], mass[:count], spread, 0.50)
-        l75 = ln_length_at(place[:count], mass[:count], spread, 0.75)
-        l50_sr[m, 0], l50_sr[m, 1] = 100.0 * math.exp(l50), 100.0 * (math.exp(l75) - math.exp(l25))
-        retained_at(place[:count], mass[:count], spread, ln_lengths, retained[m])

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_models.fish import PARAMETERS, Species
-from codend.selectivity.escape.haul import Haul, many_hauls
+from codend.selectivity.escape.haul import Haul, many_hauls, trying_of
 from codend.selectivity.escape.retention import nodes_of
 
 Floats = NDArray[np.float64]
@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 SAMPLES: Final = 128
 """Of the Sobol design; a power of 2. (number of ranges + 2) times as many hauls are computed."""
 MOST_CATCHES: Final = 6
-COARSE: Final = nodes_of(shapes=3, rotations=8, steps=8)
+COARSE: Final = nodes_of(shapes=3, rotations=8, steps=8, openings=45)
 BAND: Final = (2.5, 97.5)
 """Percentiles of the retention that the ranges allow."""
 
@@ -79,9 +79,10 @@ def sensitivity(haul: Haul, species: Species, samples: int = SAMPLES, seed: int 
     design[:, column] = np.concatenate([a, b, mixed.reshape(-1, count)])
 
     singles = np.vstack([species.values, single.reshape(-1, len(PARAMETERS))])
-    ends, _ = many_hauls(haul, singles, COARSE, np.empty(0))
-    of_a, retained = many_hauls(haul, design[:samples], COARSE, species.length_cm)
-    of_others, _ = many_hauls(haul, design[samples:], COARSE, np.empty(0))
+    trying = trying_of(haul, species)
+    ends, _ = many_hauls(haul, singles, COARSE, np.empty(0), trying)
+    of_a, retained = many_hauls(haul, design[:samples], COARSE, species.length_cm, trying)
+    of_others, _ = many_hauls(haul, design[samples:], COARSE, np.empty(0), trying)
     found = np.concatenate([of_a, of_others])
     first_order, total = np.full((2, count, 2), np.nan)
     for quantity in range(2):

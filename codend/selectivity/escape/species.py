@@ -6,6 +6,8 @@ import json
 from importlib.resources import files
 from pathlib import Path
 
+import numpy as np
+
 from catch_models.fish import PARAMETERS, Species
 from codend.errors import InputError
 from codend.io.toml import read_toml
@@ -40,16 +42,21 @@ def species_toml(species: Species) -> str:
     tables = species.model_dump(exclude_none=True)
     lines += [f"{key} = {_text(value)}" for key, value in tables.items() if isinstance(value, str)]
     for name, table in tables.items():
-        if isinstance(table, dict):
-            lines += ["", f"[{name}]", *(f"{key} = {_entry(value)}" for key, value in table.items())]
+        headed = [(f"[[{name}]]", one) for one in table] if isinstance(table, tuple) else [(f"[{name}]", table)]
+        for head, one in headed:
+            if isinstance(one, dict):
+                lines += ["", head, *(f"{key} = {_entry(value)}" for key, value in one.items())]
     return "\n".join(lines) + "\n"
 
 
-def _entry(value: float | dict[str, float | str]) -> str:
+def _entry(value: object) -> str:
+    if isinstance(value, str):
+        return _text(value)
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(repr, value))}]"
     if not isinstance(value, dict):
         return repr(value)
-    parts = (f"{key} = {_text(part) if isinstance(part, str) else repr(part)}" for key, part in value.items())
-    return f"{{ {', '.join(parts)} }}"
+    return f"{{ {', '.join(f'{key} = {_entry(part)}' for key, part in value.items())} }}"
 
 
 def _text(value: str) -> str:
@@ -65,6 +72,12 @@ def _check(species: Species, path: str | Path) -> None:
         raise InputError(path, "section.exponent", species.section.exponent.value, 'only with shape = "superellipse"')
     if species.lengths.to_cm <= species.lengths.from_cm:
         raise InputError(path, "lengths.to_cm", species.lengths.to_cm, f"above {species.lengths.from_cm:g}, from_cm")
+    along = species.along
+    if along is not None and (np.diff(along.rows_ahead) <= 0.0).any():
+        raise InputError(path, "along.rows_ahead", list(along.rows_ahead), "rows in rising order")
+    if along is not None and (len(along.weight) != len(along.rows_ahead) or max(along.weight) == 0.0):
+        allowed = f"{len(along.rows_ahead)} weights, one for each of rows_ahead, of which one is above 0"
+        raise InputError(path, "along.weight", list(along.weight), allowed)
     step_cm = species.lengths.step_cm
     if species.lengths.to_cm - species.lengths.from_cm >= MOST_LENGTH_CLASSES * step_cm:
         allowed = f"so long that there are at most {MOST_LENGTH_CLASSES} length classes"

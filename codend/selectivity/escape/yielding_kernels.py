@@ -12,7 +12,9 @@ from codend.compiled import njit
 from codend.selectivity.escape.passage_kernels import RECTANGLE, Fish, Hole, longest_at
 
 NARROWED: Final = 1e-10
-"""Interval of half opening angles, rad, within which the edge of a push's reach is found."""
+ROUGHLY: Final = 1e-4
+"""Interval of half opening angles, rad, within which the edge of a push's reach is found, exactly and by a table."""
+MOST_STEPS: Final = 200
 
 
 class Effort(NamedTuple):
@@ -79,11 +81,82 @@ def _within_reach(hole: Hole, computed: float, phi: float, fish: Fish, rotation:
 def _edge_of_reach(
     hole: Hole, computed: float, within: float, beyond: float, fish: Fish, rotation: float, effort: Effort
 ) -> float:
-    """The last opening within reach between one that is and one that is not, by bisection."""
-    while abs(beyond - within) > NARROWED:
+    """The last opening within reach between one that is and one that is not: by bisection, and regula falsi between."""
+    spare, lacking = math.nan, math.nan
+    for step in range(MOST_STEPS):
+        if abs(beyond - within) <= NARROWED:
+            break
         middle = 0.5 * (within + beyond)
-        if _within_reach(hole, computed, middle, fish, rotation, effort):
-            within = middle
+        if step % 3 and spare - lacking > 0.0:
+            share = min(max(spare / (spare - lacking), 0.01), 0.99)
+            middle = within + share * (beyond - within)
+        push = effort.push
+        if effort.exponent != 0.0:
+            length = longest_at(hole, middle, fish, rotation, effort.steps)
+            push *= (length / effort.at) ** effort.exponent
+        left = push - force_to(hole, computed, middle)
+        if left >= 0.0:
+            within, spare = middle, left
         else:
-            beyond = middle
+            beyond, lacking = middle, left
     return within
+
+
+@njit(cache=True, nogil=True)
+def table_opening(hole: Hole, phi: float, table: NDArray[np.float64], effort: Effort) -> float:
+    """``best_opening`` from a table of the longest fish at even half opening angles from 0 to 90 degrees, (n + 1, ...).
+
+    The first column is that at the best rotation, linear between its rows.
+    """
+    if effort.push <= 0.0:
+        return phi
+    last = len(table) - 1
+    width = 0.5 * math.pi / last
+    best, value = phi, _tabled(table, phi / width)
+    for side in (1, -1):
+        reached = phi
+        at = int(phi / width) + (1 if side > 0 else 0)
+        if at * width == phi:
+            at += side
+        while 0 < at < last:
+            here = table[at, 0]
+            peak = here >= table[at - 1, 0] and here >= table[at + 1, 0]
+            if peak:
+                push = effort.push * (here / effort.at) ** effort.exponent
+                if force_to(hole, phi, at * width) <= push:
+                    tried = reached = at * width
+                else:
+                    tried = _table_edge(hole, phi, reached, at * width, table, effort)
+                length = _tabled(table, tried / width)
+                if length > value:
+                    best, value = tried, length
+            at += side
+    return best
+
+
+@njit(cache=True, nogil=True)
+def _table_edge(
+    hole: Hole, computed: float, within: float, beyond: float, table: NDArray[np.float64], effort: Effort
+) -> float:
+    width = 0.5 * math.pi / (len(table) - 1)
+    spare, lacking = math.nan, math.nan
+    for step in range(MOST_STEPS):
+        if abs(beyond - within) <= ROUGHLY:
+            break
+        middle = 0.5 * (within + beyond)
+        if step % 3 and spare - lacking > 0.0:
+            share = min(max(spare / (spare - lacking), 0.01), 0.99)
+            middle = within + share * (beyond - within)
+        push = effort.push * (_tabled(table, middle / width) / effort.at) ** effort.exponent
+        left = push - force_to(hole, computed, middle)
+        if left >= 0.0:
+            within, spare = middle, left
+        else:
+            beyond, lacking = middle, left
+    return within
+
+
+@njit(cache=True, nogil=True)
+def _tabled(table: NDArray[np.float64], at: float) -> float:
+    left = min(int(at), len(table) - 2)
+    return table[left, 0] + (at - left) * (table[left + 1, 0] - table[left, 0])

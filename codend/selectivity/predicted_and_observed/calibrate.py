@@ -9,10 +9,11 @@ the catch is known, and that of the whole study otherwise:
 The maximum is found by Fisher scoring with derivatives by central differences, kept within the bounds of every number.
 Intervals are those of the profile likelihood, 2 (l_max - l(x)) <= 3.84 times the dispersion factor (see
 ``codend.selectivity.fits.fit.dispersion_factor``). A number is identified when the likelihood limits it on at least one
-side; an end that the allowed range sets is told apart.
+side and the estimate is not at an end of its range; an end that the allowed range sets is told apart.
 
 All other numbers of the species are taken as exact, and so is the computed codend: what is wrong with them goes into
-the calibrated numbers. Lack of fit (deviance, p-value) tells when no values of them can explain the trial. Hauls that
+the calibrated numbers. Lack of fit (deviance, p-value) tells when no values of them can explain the trial: below 0.001
+there is no calibration, and no species bears its numbers. Hauls that
 differ from each other by more than the dispersion factor says make the intervals too short.
 """
 
@@ -31,16 +32,27 @@ from catch_models.fish import Sourced, Species
 from codend.errors import OPTIONS, InputError
 from codend.selectivity.escape.haul import Haul
 from codend.selectivity.fits.fielddata import FieldData
-from codend.selectivity.predicted_and_observed.retention_likelihood import BOUNDS, SPLIT, RetentionLikelihood
+from codend.selectivity.predicted_and_observed.retention_likelihood import (
+    AT_BOUND,
+    BOUNDS,
+    SPLIT,
+    TOGETHER,
+    RetentionLikelihood,
+    Trialled,
+)
 
 Floats = NDArray[np.float64]
 
-NAMES: Final = {"spread": "spread.size"} | {name.split(".")[1]: name for name in BOUNDS}
-"""Short names; "spread" is the spread of sizes."""
+NAMES: Final = {"spread": "spread.size", "push": "behaviour.push_force_n"} | {
+    name.split(".")[1]: name for name in BOUNDS
+}
+"""Short names; "spread" is the spread of sizes, "compression" that of height and width."""
 MOST_CATCHES: Final = 12
 """Catches of the study through which the likelihood goes, evenly spread, the smallest and largest among them."""
 MARGIN: Final = 1e-3
 """By which a catch may exceed the largest computed: tables are rounded."""
+LEAST_P: Final = 1e-3
+"""Chance of so large a deviance, below which no values of the numbers explain the trial."""
 CRITICAL: Final = float(chdtri(1, 0.05))
 
 
@@ -55,6 +67,8 @@ class Calibration:
     upper_95: Floats
     limited: NDArray[np.bool_]
     """Whether the likelihood, and not the allowed range, sets the lower and the upper end, (k, 2)."""
+    at_bound: NDArray[np.bool_]
+    """Whether the estimate lies at an end of the allowed range, (k,)."""
     deviance: float
     degrees_of_freedom: int
     p_value: float
@@ -62,12 +76,17 @@ class Calibration:
     converged: bool
     message: str
     species: Species
-    """With the calibrated numbers and their source; as it was where ``converged`` is False."""
+    """With the calibrated numbers and their source; as it was where they do not explain the trial."""
 
     @property
     def identified(self) -> NDArray[np.bool_]:
-        """Whether the data limit each number at all, (k,)."""
-        return np.asarray(self.limited.any(axis=1))
+        """Whether the data limit each number at all, and leave it within its range, (k,)."""
+        return np.asarray(self.limited.any(axis=1) & ~self.at_bound)
+
+    @property
+    def explains(self) -> bool:
+        """Whether the calibrated numbers explain the trial; where not, they are no calibration."""
+        return self.converged and not self.p_value < LEAST_P
 
 
 def calibrated_names(asked: Sequence[str]) -> tuple[str, ...]:
@@ -94,8 +113,9 @@ def calibrate(
     estimate_split: bool = False,
     volume_m3: Floats | None = None,
     source: str = "",
+    also: Sequence[Trialled] = (),
 ) -> Calibration:
-    """Estimate numbers of a species from a trial with the codend of a study.
+    """Estimate numbers of a species from a trial with the codend of a study, or from several, each with its own.
 
     Args:
         haul: the computed catches.
@@ -104,17 +124,20 @@ def calibrate(
         names: of the numbers, as in ``calibrated_names``.
         estimate_split: paired gear: estimate the split p, else it is 0.5.
         volume_m3: final catch of every haul of the trial, (H,); None: every haul is the whole of ``haul``.
-        source: what the calibrated species names as its numbers' source; left out, the data's file.
+        source: what the calibrated species names as its numbers' source; left out, the data's files.
+        also: other codends and the hauls with them, fitted jointly: one set of numbers for all.
 
     Raises:
-        InputError: an unknown name, or a field haul with a larger catch than any computed.
+        InputError: an unknown name, a field haul with a larger catch than any computed, or a split of several trials.
     """
     dotted = calibrated_names(names)
-    if volume_m3 is not None and volume_m3.max() > haul.volume_m3[-1] * (1.0 + MARGIN):
-        h = int(volume_m3.argmax())
-        allowed = f"at most {haul.volume_m3[-1]:.4g} m3, the largest computed: add larger catches to the plan"
-        raise InputError(data.source, f"catch of haul {data.haul_names[h]}", float(volume_m3[h]), allowed)
-    likelihood = RetentionLikelihood(haul.thinned(MOST_CATCHES), species, data, dotted, estimate_split, volume_m3)
+    trials = [Trialled(haul, data, volume_m3), *also]
+    if estimate_split and also:
+        raise InputError(OPTIONS, "split", "estimated", "equal where several codends are calibrated on jointly")
+    for one in trials:
+        _check_catches(one)
+    thinned = [replace(one, haul=one.haul.thinned(MOST_CATCHES)) for one in trials]
+    likelihood = RetentionLikelihood(thinned, species, dotted, estimate_split)
     k = len(likelihood.names)
     found = likelihood.maximise(likelihood.start(), np.ones(k, dtype=bool))
     deviance, degrees, dispersion = likelihood.lack_of_fit(found.x)
@@ -132,12 +155,17 @@ def calibrate(
         unknown = [name for name, sides in zip(likelihood.names, limited, strict=True) if not sides.any()]
         if unknown:
             message += f"; not identified, any allowed value will do: {', '.join(unknown)}"
+        # an end of the range that the estimate lies at is no answer of the data
+        bound = [name for name, at in zip(likelihood.names, _at_bound(found.x), strict=True) if at]
+        if bound:
+            message += f"; at the end of what is allowed, and so not identified: {', '.join(bound)}"
     result = Calibration(
         names=likelihood.names,
         values=numbers[0],
         lower_95=numbers[1],
         upper_95=numbers[2],
         limited=limited,
+        at_bound=_at_bound(found.x),
         deviance=deviance,
         degrees_of_freedom=degrees,
         p_value=float(chdtrc(degrees, deviance)) if degrees > 0 else np.nan,
@@ -146,7 +174,24 @@ def calibrate(
         message=message,
         species=species,
     )
-    return _with_species(result, source or Path(data.source).name) if converged else result
+    if converged and not result.explains:
+        message += f"; no calibration: no values of these numbers explain the trial (p = {result.p_value:.1g})"
+        return replace(result, message=message)
+    named = source or ", ".join(Path(one.data.source).name for one in trials)
+    return _with_species(result, named) if converged else result
+
+
+def _at_bound(x: Floats) -> NDArray[np.bool_]:
+    return np.asarray((x < AT_BOUND) | (x > 1.0 - AT_BOUND))
+
+
+def _check_catches(trial: Trialled) -> None:
+    """Refuse a haul whose catch is larger than any computed."""
+    largest, volume_m3, data = trial.haul.volume_m3[-1], trial.volume_m3, trial.data
+    if volume_m3 is not None and volume_m3.max() > largest * (1.0 + MARGIN):
+        h = int(volume_m3.argmax())
+        allowed = f"at most {largest:.4g} m3, the largest computed: add larger catches to the plan"
+        raise InputError(data.source, f"catch of haul {data.haul_names[h]}", float(volume_m3[h]), allowed)
 
 
 def _with_species(found: Calibration, source: str) -> Calibration:
@@ -155,8 +200,9 @@ def _with_species(found: Calibration, source: str) -> Calibration:
         if name == SPLIT:
             continue
         said = f"calibrated on {source}" if found.identified[i] else f"assumed: {source} does not identify it"
-        table, key = name.split(".")
         ends = {"low": float(found.lower_95[i]), "high": float(found.upper_95[i])}
         number = Sourced[float](value=float(found.values[i]), source=said, **ends)
-        tables[table][key] = number.model_dump()
+        for one in TOGETHER.get(name, (name,)):
+            table, key = one.split(".")
+            tables[table][key] = number.model_dump()
     return replace(found, species=Species.model_validate(tables))

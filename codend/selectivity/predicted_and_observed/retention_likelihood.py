@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -10,8 +11,9 @@ from numpy.typing import NDArray
 from scipy.special import expit, log_expit, xlogy
 
 from catch_models.fish import PARAMETERS, Species
-from codend.selectivity.escape.haul import Haul, shares_until
+from codend.selectivity.escape.haul import Haul, shares_until, trying_of
 from codend.selectivity.escape.retention import escape_terms, nodes_of
+from codend.selectivity.escape.retention_kernels import Nodes, Trying
 from codend.selectivity.fits.fielddata import FieldData
 from codend.selectivity.fits.fit import LEAST_EXPECTED, dispersion_factor
 
@@ -23,9 +25,17 @@ BOUNDS: Final = {
     "spread.shape": (0.0, 0.5),
     "behaviour.attempts": (0.5, 200.0),
     "behaviour.rotation_deg": (0.0, 45.0),
+    "behaviour.push_force_n": (0.01, 200.0),
+    "section.compression": (0.0, 0.5),
+    "section.height_compression": (0.0, 0.5),
+    "section.width_compression": (0.0, 0.5),
 }
 """Numbers that can be calibrated, and the range in which they are looked for."""
-LOGARITHMIC: Final = ("spread.size", "behaviour.attempts")
+LOGARITHMIC: Final = ("spread.size", "behaviour.attempts", "behaviour.push_force_n")
+TOGETHER: Final = {"section.compression": ("section.height_compression", "section.width_compression")}
+"""Names that stand for several numbers of a species, which are then the same."""
+AT_BOUND: Final = 2e-3
+"""Share of its range within which a number counts as at its bound."""
 SPLIT: Final = "split"
 SPLIT_BOUNDS: Final = (-6.0, 6.0)
 """Of the logit of the split."""
@@ -62,32 +72,67 @@ class End:
     """Why it is not to be believed; empty when it is."""
 
 
+@dataclass(frozen=True)
+class Trialled:
+    """A computed codend and hauls with it."""
+
+    haul: Haul
+    data: FieldData
+    volume_m3: Floats | None = None
+    """Final catch of every haul of the trial, (H,); None: every haul is the whole of ``haul``."""
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """A trial as the likelihood reads it, R rows."""
+
+    trial: Trialled
+    trying: Trying
+    shares: Floats
+    """Of the time for which each computed catch stands, (R, c)."""
+    length_cm: Floats
+    length: NDArray[np.intp]
+    """Number of each row's length, (R,)."""
+
+    @classmethod
+    def of(cls, trial: Trialled, species: Species) -> _Rows:
+        haul, data = trial.haul, trial.data
+        final = np.full(len(data.haul_names), haul.volume_m3[-1]) if trial.volume_m3 is None else trial.volume_m3
+        shares = np.array([shares_until(haul, species, volume) for volume in final])[data.haul]
+        length_cm, length = np.unique(data.length_cm, return_inverse=True)
+        return cls(trial, trying_of(haul, species), shares, length_cm, length)
+
+    def zeta(self, values: Floats, nodes: Nodes, split: float) -> Floats:
+        """Log-odds of the rows, (R,)."""
+        haul, data = self.trial.haul, self.trial.data
+        terms = [escape_terms(haul.crowd, i, values, nodes, self.trying) for i in range(len(haul.catches))]
+        of_catches = np.array([one.retention(self.length_cm) for one in terms])
+        r = np.einsum("rc,cr->r", self.shares, of_catches[:, self.length])
+        r = np.clip(r, LEAST_RETENTION, 1.0 - LEAST_RETENTION)
+        if data.design == "covered":
+            return np.asarray(np.log(r) - np.log1p(-r) + data.log_offset)
+        return np.asarray(np.log(r) + np.log(split / (1.0 - split)) + data.log_offset)
+
+
 class RetentionLikelihood:
-    """Log-likelihood of numbers scaled to x in [0, 1], (k,)."""
+    """Log-likelihood of numbers scaled to x in [0, 1], (k,), over trials with one codend or several."""
 
     def __init__(
-        self,
-        haul: Haul,
-        species: Species,
-        data: FieldData,
-        names: tuple[str, ...],
-        estimate_split: bool,
-        volume_m3: Floats | None,
+        self, trials: Sequence[Trialled], species: Species, names: tuple[str, ...], estimate_split: bool
     ) -> None:
         """Arguments as those of ``codend.selectivity.predicted_and_observed.calibrate.calibrate``, the names dotted."""
-        self.haul, self.data, self.given, self.nodes = haul, data, species.values, nodes_of()
-        self.columns = [PARAMETERS.index(name) for name in names]
+        self.trials = [_Rows.of(one, species) for one in trials]
+        self.given, self.nodes = species.values, nodes_of()
+        self.columns = [[PARAMETERS.index(one) for one in TOGETHER.get(name, (name,))] for name in names]
         self.names = (*names, SPLIT) if estimate_split else names
         ends = [BOUNDS[name] for name in names] + [SPLIT_BOUNDS] * estimate_split
         self.log = np.array([name in LOGARITHMIC for name in self.names])
         self.low, self.high = np.array(
             [tuple(np.log(e)) if log else e for e, log in zip(ends, self.log, strict=True)]
         ).T
-        hauls = len(data.haul_names)
-        final = np.full(hauls, haul.volume_m3[-1]) if volume_m3 is None else volume_m3
-        self.shares = np.array([shares_until(haul, species, volume) for volume in final])[data.haul]
-        self.length_cm, self.length = np.unique(data.length_cm, return_inverse=True)
-        self.fish = data.test_count + data.other_count
+        self.test = np.concatenate([one.data.test_count for one in trials])
+        self.other = np.concatenate([one.data.other_count for one in trials])
+        self.fish = self.test + self.other
 
     def natural(self, x: Floats) -> Floats:
         """Numbers as the species file and the fit have them."""
@@ -99,26 +144,20 @@ class RetentionLikelihood:
     def zeta(self, x: Floats) -> Floats:
         """Log-odds of every row, (R,)."""
         values, numbers = self.given.copy(), self.natural(x)
-        values[self.columns] = numbers[: len(self.columns)]
-        catches = range(len(self.haul.catches))
-        terms = [escape_terms(self.haul.crowd, i, values, self.nodes) for i in catches]
-        of_catches = np.array([one.retention(self.length_cm) for one in terms])
-        r = np.einsum("rc,cr->r", self.shares, of_catches[:, self.length])
-        r = np.clip(r, LEAST_RETENTION, 1.0 - LEAST_RETENTION)
-        if self.data.design == "covered":
-            return np.log(r) - np.log1p(-r) + self.data.log_offset
-        split = numbers[-1] if self.names[-1] == SPLIT else 0.5
-        return np.asarray(np.log(r) + np.log(split / (1.0 - split)) + self.data.log_offset)
+        for columns, number in zip(self.columns, numbers, strict=False):
+            values[columns] = number
+        split = float(numbers[-1]) if self.names[-1] == SPLIT else 0.5
+        return np.concatenate([one.zeta(values, self.nodes, split) for one in self.trials])
 
     def value(self, zeta: Floats) -> float:
         """Log-likelihood without the binomial coefficients."""
-        return float(self.data.test_count @ log_expit(zeta) + self.data.other_count @ log_expit(-zeta))
+        return float(self.test @ log_expit(zeta) + self.other @ log_expit(-zeta))
 
     def start(self) -> Floats:
         """The most likely of the species' own values and points spread over the range."""
         from scipy.stats import qmc
 
-        own = self.given[self.columns]
+        own = np.array([self.given[columns].mean() for columns in self.columns])
         log = self.log[: len(own)]
         own = np.where(log, np.log(np.maximum(own, 1e-9)), own)
         own = (own - self.low[: len(own)]) / (self.high - self.low)[: len(own)]
@@ -134,7 +173,7 @@ class RetentionLikelihood:
         for _ in range(MOST_ITERATIONS):
             slopes = self._slopes(x, free)
             phi = expit(zeta)
-            gradient = slopes.T @ (self.data.test_count - self.fish * phi)
+            gradient = slopes.T @ (self.test - self.fish * phi)
             information = slopes.T @ (slopes * (self.fish * phi * (1.0 - phi))[:, None])
             moving = free & ~((x <= 0.0) & (gradient <= 0.0)) & ~((x >= 1.0) & (gradient >= 0.0))
             which = np.flatnonzero(moving & (np.diag(information) > LEAST_INFORMATION))
@@ -206,7 +245,7 @@ class RetentionLikelihood:
 
     def lack_of_fit(self, x: Floats) -> tuple[float, int, float]:
         """Deviance, its degrees of freedom and the dispersion factor."""
-        zeta, test, other, n = self.zeta(x), self.data.test_count, self.data.other_count, self.fish
+        zeta, test, other, n = self.zeta(x), self.test, self.other, self.fish
         fished = n > 0.0
         test, other, n, zeta = test[fished], other[fished], n[fished], zeta[fished]
         deviance = 2.0 * (xlogy(test, test / n) + xlogy(other, other / n)).sum()

@@ -12,6 +12,7 @@ from codend.selectivity.fits.choices import allowed_choice
 from codend.selectivity.fits.fielddata import catch_volumes_m3, is_simulated
 from codend.selectivity.fits.haul_table import AS_IT_STANDS, HaulReading
 from codend.selectivity.predicted_and_observed.calibrate import calibrate, calibrated_names
+from codend.selectivity.predicted_and_observed.retention_likelihood import Trialled
 from codend.selectivity.predicted_and_observed.together import FieldTrial, Together, set_together
 
 
@@ -48,6 +49,7 @@ def set_beside(
     calibrated: Sequence[str] = (),
     *,
     estimate_split: bool = False,
+    also: Sequence[Trialled] = (),
 ) -> list[Together]:
     """Every prediction beside one trial, and with numbers calibrated on it.
 
@@ -56,6 +58,7 @@ def set_beside(
         trial: with the codend of the predictions' study.
         calibrated: names of numbers to calibrate; none for no calibration.
         estimate_split: calibration with paired gear: estimate the split.
+        also: other codends and hauls with them, calibrated on jointly.
 
     Raises:
         InputError: names that cannot be calibrated, or calibration of several species or speeds at once.
@@ -67,6 +70,7 @@ def set_beside(
         allowed = "one species and a run at one speed"
         raise InputError(OPTIONS, "calibrate", ",".join(calibrated), allowed, f"has {len(predictions)} to serve")
     found = predictions[0]
+    first = f"{Path(trial.data.source).name}{' (simulated fish)' if trial.simulated else ''}"
     result = calibrate(
         found.haul,
         found.species,
@@ -74,7 +78,8 @@ def set_beside(
         names,
         estimate_split=estimate_split,
         volume_m3=trial.volume_m3,
-        source=f"{Path(trial.data.source).name}{' (simulated fish)' if trial.simulated else ''}",
+        source=", ".join([first, *(Path(one.data.source).name for one in also)]),
+        also=also,
     )
-    again = predict_haul(result.species, found.haul, n_bootstrap=0, samples=0) if result.converged else None
+    again = predict_haul(result.species, found.haul, n_bootstrap=0, samples=0) if result.explains else None
     return [set_together(found, trial, result, again)]

@@ -1,0 +1,132 @@
+"""Lastridge ropes: bars from knot to knot straight along the netting.
+
+A rope lies on a meridian. In netting whose rows are turned against each other by half a mesh it meets a knot in every
+second row, so that a piece of it is as long as a stretched mesh less the shortening. Ropes at equal angles lie on the
+nearest column of knots; one that runs half a mesh beside the knots of the entry starts at a point of the hoop.
+
+Smeared, a share of the ropes runs along every column of knots: all columns are alike, and one mesh is a sector.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from codend.bag.bag import Bag, around
+from codend.net.net import Floats, with_bars, with_held_node
+from codend.netting.knots import LEFT, Knots
+from codend.netting.parts import Lattice
+from codend.plan.plan import Plan
+from codend.plan.ropes import Rope
+
+BESIDE = 0.26
+"""Of a mesh: how far beside the rope a knot may lie that it is laced to. Knots of every other row lie half a mesh off."""
+
+
+@dataclass(frozen=True)
+class _Pieces:
+    """Bars of one rope, from the entry."""
+
+    ends: list[tuple[int, int]]
+    image: list[int]
+    row: list[int]
+    stretched_m: list[float]
+
+
+def with_ropes(bag: Bag, plan: Plan, knots: Knots, drag: tuple[int, float, float], smeared: bool) -> Bag:
+    """The bag with the ropes of its plan, their bars after all others."""
+    for index, rope in enumerate(plan.rope):
+        for number, fraction, share in _places(rope, knots.lattice, smeared):
+            bag = _with_rope(bag, plan, knots, drag, index, number, fraction, share)
+    return bag
+
+
+def _places(rope: Rope, lattice: Lattice, smeared: bool) -> Iterator[tuple[int, float, float]]:
+    """Number, place round the net (0 to 1) and share of a real one of every rope in the modelled sectors."""
+    columns, order = int(lattice.columns[0]), lattice.order
+    if smeared:
+        for column in range(columns):
+            yield column, column / (columns * order), rope.number / (columns * order)
+        return
+    for number in range(rope.number // order):
+        # of knots merged or not, the nearest column or half a mesh beside it
+        yield number, np.round(2 * number / rope.number * columns * order) / (2 * columns * order), 1.0
+
+
+def _with_rope(
+    bag: Bag,
+    plan: Plan,
+    knots: Knots,
+    drag: tuple[int, float, float],
+    index: int,
+    number: int,
+    fraction: float,
+    share: float,
+) -> Bag:
+    rope = plan.rope[index]
+    bag, pieces = _laid(bag, plan, knots, rope, fraction)
+    length = (1.0 - rope.shortening) * np.array(pieces.stretched_m)
+    density = np.nan if rope.density_kg_m3 is None else rope.density_kg_m3
+    roped = with_bars(
+        bag.net,
+        np.array(pieces.ends),
+        np.array(pieces.image),
+        bar_length=length,
+        bar_flexibility=0.0 if rope.axial_stiffness_n is None else 1.0 / (share * rope.axial_stiffness_n),
+        bar_drag_diameter=share * rope.diameter_m,
+        bar_solid_diameter=np.sqrt(share) * rope.diameter_m,
+        bar_density=density,
+        bar_diameter=rope.diameter_m,
+        bar_is_rope=True,
+        bar_drag_law=drag[0],
+        bar_normal_drag=drag[1],
+        bar_tangential_drag=drag[2],
+    )
+    own = np.arange(len(bag.bar_band), len(roped.bars), dtype=np.int32)
+    return replace(
+        around(bag, roped, np.array(pieces.row)),
+        ropes=np.append(bag.ropes, own),
+        rope_share=np.append(bag.rope_share, np.full(len(own), 1.0 / share)),
+        rope_name=np.append(bag.rope_name, np.full(len(own), 1000 * index + number, dtype=np.int32)),
+    )
+
+
+def _laid(bag: Bag, plan: Plan, knots: Knots, rope: Rope, fraction: float) -> tuple[Bag, _Pieces]:
+    """A rope's pieces, and the bag with the point of the hoop that it starts from where no knot is there."""
+    lattice, g = knots.lattice, knots.lattice.globalisation
+    bands = lattice.bands
+    aft, fore = 0, bands
+    if rope.meshes_from_codline is not None:
+        aft, fore = (int(plan.rows_to_codline(meshes) or 0) // g for meshes in rope.meshes_from_codline)
+    stretched = np.append(0.0, np.cumsum([g * (s.bar_m + s.knot_along_m) for s in lattice.sections]))
+    nodes: list[tuple[int, int, int]] = []
+    for row in range(bands - fore, bands - aft + 1):
+        if row == bands:
+            nodes.append((row, knots.codline, 0))
+            continue
+        count = int(lattice.knots[row])
+        ahead = max(row - 1, 0)
+        owner = ahead if lattice.columns[ahead] == count else row
+        place = (fraction - lattice.phase[owner] / (2.0 * np.pi)) * count * lattice.order - 0.5 * lattice.shift[row]
+        column = round(place)
+        if abs(place - column) <= BESIDE:
+            ring = knots.ring(LEFT, np.array([row]), np.array([column]), np.array([count]))
+            nodes.append((row, int(ring.node[0]), int(ring.image[0])))
+        elif row == 0:
+            bag = _on_the_hoop(bag, 2.0 * np.pi * fraction)
+            nodes.append((0, len(bag.node_row) - 1, 0))
+    pairs = list(zip(nodes[:-1], nodes[1:], strict=True))
+    return bag, _Pieces(
+        ends=[(first[1], second[1]) for first, second in pairs],
+        image=[0 if knots.codline in (first[1], second[1]) else second[2] - first[2] for first, second in pairs],
+        row=[first[0] for first, _ in pairs],
+        stretched_m=[float(stretched[second[0]] - stretched[first[0]]) for first, second in pairs],
+    )
+
+
+def _on_the_hoop(bag: Bag, azimuth: float) -> Bag:
+    """The bag with a held node on the hoop, so far round from its first knot."""
+    start = bag.net.positions[0]
+    cosine, sine = np.cos(azimuth), np.sin(azimuth)
+    place: Floats = np.array([start[0], cosine * start[1] - sine * start[2], sine * start[1] + cosine * start[2]])
+    return replace(around(bag, with_held_node(bag.net, place), 0), anchors=bag.anchors + 1)

@@ -1,0 +1,73 @@
+"""What wrinkles may change of an equilibrium that is the same all round, by the strength of what grows there.
+
+The strength of a growth is the size of its eigenvalue over a bar's stiffness under tension. The law was found on nets
+that were shaken and followed gently (``python -m validation.shaken``): changes rise about as the root of the
+strength, up to ``STRONGEST``, beyond which they do not rise any more. Openings ahead of the catch change where the
+growth moves the rows there, and with the drag.
+"""
+
+import numpy as np
+
+from codend.bag.bag import Bag
+from codend.bag.measures import Measures, opening_rows_ahead
+from codend.equilibrium.accuracy import Errors
+from codend.equilibrium.stability import Stability
+from codend.net.net import Floats
+from codend.plan.plan import Case, Plan
+from codend.solvers.outcome import Solution
+
+STRONGEST = 50.0
+BY_STRENGTH = np.array([0.04, 0.2, 0.03, 0.004])
+"""Relative change of drag, volume, largest radius and opening ahead, over the root of the strength."""
+BY_REACH = np.array([0.0, 0.0, 0.4])
+"""Relative change of drag, volume and largest radius over the reach: the root of the strength times the largest move of
+a knot in the rows ahead, over the largest of all."""
+OPENING_BY_REACH_DEG = 40.0
+CONTACT = 0.25, 0.05
+"""Strength and reach that netting which lies on netting counts as at least: those of a T90 codend of 100 meshes round
+that, followed with contact between its layers, changed by 0.6 % in drag and 1.8 degrees in opening."""
+
+
+def changed_by_wrinkles(
+    bag: Bag, case: Case, solution: Solution, stability: Stability, measures: Measures, touching: bool
+) -> Floats:
+    """Largest changes of drag, volume, largest radius and opening ahead by wrinkles, N, m3, m and degrees, (4,).
+
+    All 0 where nothing grows and no netting lies on netting (``touching``); nan where it is not known what grows.
+    """
+    if stability.stable == "unknown":
+        return np.full(4, np.nan)
+    if not stability.growths and not touching:
+        return np.zeros(4)
+    strength, reach = CONTACT if touching else (0.0, 0.0)
+    ahead = _knots_ahead(bag, solution.share)
+    for growth in stability.growths:
+        own = min(-float(growth.eigenvalues[0].real) / stability.scale, STRONGEST)
+        moved = np.abs(growth.shape).max(axis=1)
+        strength = max(strength, own)
+        reach = max(reach, float(np.sqrt(own) * moved[ahead].max(initial=0.0) / moved.max()))
+    sizes = np.array([measures.drag_n, measures.catch_volume_m3, measures.max_radius_m, measures.opening_ahead_deg])
+    changed = sizes * BY_STRENGTH * np.sqrt(strength)
+    changed[:3] += sizes[:3] * BY_REACH * reach
+    changed[3] += OPENING_BY_REACH_DEG * reach
+    if case.catch_kind in ("volume_m3", "mass_kg"):
+        changed[1] = 0.0
+    return changed
+
+
+def within_accuracy(plan: Plan, measures: Measures, errors: Errors) -> bool:
+    """Whether estimates are within the accuracy that a plan asks for in drag and, where it does, in opening."""
+    asked_deg = plan.model.opening_accuracy_deg
+    if asked_deg is not None and not errors.opening_ahead_error_deg <= asked_deg:
+        return False
+    return errors.drag_error_n <= plan.model.accuracy * measures.drag_n
+
+
+def _knots_ahead(bag: Bag, share: Floats) -> Floats:
+    """Numbers of the knots of the rows over which ``opening_ahead_deg`` is the mean."""
+    middles = opening_rows_ahead(bag, share)
+    if len(middles) == 0:
+        return np.zeros(0, dtype=int)
+    ring = np.flatnonzero(bag.node_row >= 0)
+    place = bag.row_place[bag.node_row[ring]]
+    return ring[(place >= middles.min() - 0.5) & (place <= middles.max() + 0.5 + 1e-9)]

@@ -1,0 +1,122 @@
+"""Gentle motion from a shape that does not last to one that does, with nothing passing through anything.
+
+Implicit steps (K + s T / l) dx = F, F what is out of balance, K its tangent, T / l the tension over the length of the
+bars at a node, so that a step is one of an overdamped motion. None is longer than ``LONGEST`` of a bar. The shift s
+falls as the motion calms, but not to nothing, and not under what makes the shifted tangent's pivots positive: the
+motion then runs away from unstable equilibria, where Newton's method would stay. Netting that would pass through
+netting stops it: where layers touch, contact decides, which is no part of the model.
+"""
+
+from dataclasses import dataclass
+from enum import Enum, auto
+
+import numpy as np
+
+from codend.mechanics import newton_step
+from codend.mechanics.bars import bar_lengths
+from codend.mechanics.newton_state import State, measure
+from codend.mechanics.problem import Problem
+from codend.solvers import newton
+from codend.solvers.newton import DIRECT, Prepared
+from codend.solvers.outcome import Outcome, Progress, Solution
+from codend.solvers.refusal import passage
+
+METHOD = "gentle steps"
+LONGEST = 0.15
+"""Longest move of a node in a step, and longest change of a taut bar's vector, over the length of a bar."""
+FIRST_SHIFT, LEAST_SHIFT, MOST_SHIFT = 0.1, 1e-3, 1e4
+FALL, RISE = 0.6, 3.0
+"""Factors on the shift after a step that was not cut, and where pivots are negative or a step passes through."""
+CALM = 1e-6
+"""Residual at which Newton's method takes over."""
+HALVINGS = 5
+"""Most halvings of a step that would carry netting through netting."""
+
+
+class End(Enum):
+    """How a gentle motion ended."""
+
+    SETTLED = auto()
+    """In balance."""
+    TOUCHING = auto()
+    """Netting meets netting."""
+    STEPS_SPENT = auto()
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Where a gentle motion led."""
+
+    end: End
+    solution: Solution
+    """The equilibrium; where none was reached, the last shape, its report that of the start."""
+    steps: int
+
+
+def follow(
+    problem: Problem,
+    tolerance: float,
+    start: Solution,
+    prepared: Prepared,
+    progress: Progress | None = None,
+    steps_allowed: int = 400,
+) -> Motion:
+    """Move a net gently from a start to an equilibrium, polished by Newton's method.
+
+    Args:
+        problem: the net under its loads.
+        tolerance: largest residual and axial imbalance of the equilibrium.
+        start: positions and tensions to start from, with nothing passing through anything.
+        prepared: what ``newton.prepare`` returned for this structure.
+        progress: told the residual of every step.
+        steps_allowed: before it is given up.
+    """
+    structure, loading, system = problem.structure, problem.loading, prepared.system
+    here, there, _ = prepared.states
+    step, tension = prepared.step, float(start.bar_tension.mean())
+    bar = float(np.median(structure.length))
+    here.position[:] = start.positions
+    bar_lengths(start.positions, structure, here.length)
+    np.divide(start.bar_tension, here.length, out=here.density, where=here.length > 0.0)
+    measure(structure, loading, tension, DIRECT.switches[0], 0.0, here)
+    shift = FIRST_SHIFT
+    for number in range(1, steps_allowed + 1):
+        while True:
+            sides = newton_step.linearise(structure, loading, prepared.pattern, tension, shift, 0.0, here, step)
+            negative = system.factorise(step.blocks)
+            if (negative == 0 and system.negative_pivots() == 0) or shift > MOST_SHIFT:
+                break
+            shift *= RISE
+        _, turned, _ = newton_step.finish_step(structure, here, here, system.solve(step.right[:sides]), step)
+        farthest = float(np.sqrt(np.einsum("ij,ij->i", step.move, step.move).max()))
+        size = min(1.0, LONGEST * bar / farthest) if farthest > 0.0 else 1.0
+        size = min(size, LONGEST / turned) if turned > 0.0 else size
+        for _ in range(HALVINGS):
+            newton_step.take(structure, loading, tension, DIRECT.switches[0], 0.0, size, here, here, step, there)
+            if passage(problem, there.position, gathered=False) is None:
+                break
+            size *= 0.5
+        else:
+            return Motion(End.TOUCHING, _as_is(start, here), number)
+        here, there = there, here
+        residual = float(max(here.residual, here.imbalance))
+        if progress is not None:
+            progress(METHOD, residual)
+        if not np.isfinite(residual):
+            break
+        shift = max(FALL * shift, LEAST_SHIFT) if size == 1.0 else shift
+        if residual <= CALM and size == 1.0:
+            reached = _as_is(start, here)
+            polished = newton.solve(problem, tolerance, reached, DIRECT, progress, prepared)
+            if polished.report.outcome is Outcome.PASSED_THROUGH:
+                return Motion(End.TOUCHING, reached, number)
+            near = np.abs(polished.positions - reached.positions).max() <= LONGEST * bar
+            if polished.report.outcome.converged and near:
+                return Motion(End.SETTLED, polished, number)
+            break
+    return Motion(End.STEPS_SPENT, _as_is(start, here), number)
+
+
+def _as_is(start: Solution, state: State) -> Solution:
+    tension = np.maximum(state.density * state.length, 0.0)
+    return Solution(state.position.copy(), tension, state.share.copy(), start.report)
