@@ -19,10 +19,22 @@ if TYPE_CHECKING:
     from codend.net.net import Net
     from codend.plan.plan import Plan, load_plan
     from codend.solvers.solve import find_equilibrium
+    from codend.studies.many import sweep
     from codend.studies.opening_force import pull_mesh
     from codend.studies.study import Study, solve
 
-__all__ = ["InputError", "Net", "Plan", "Problem", "Study", "find_equilibrium", "load_plan", "pull_mesh", "solve"]
+__all__ = [
+    "InputError",
+    "Net",
+    "Plan",
+    "Problem",
+    "Study",
+    "find_equilibrium",
+    "load_plan",
+    "pull_mesh",
+    "solve",
+    "sweep",
+]
 
 _HOME = {
     "InputError": "codend.errors",
@@ -34,6 +46,7 @@ _HOME = {
     "load_plan": "codend.plan.plan",
     "pull_mesh": "codend.studies.opening_force",
     "solve": "codend.studies.study",
+    "sweep": "codend.studies.many",
 }
 
 

@@ -1,4 +1,4 @@
-"""The one exception for errors a user can mend: a file, a key in it, the value found and what is allowed there."""
+"""Errors a user can mend: a file, a key in it, the value found and what is allowed there; a net too large."""
 
 from collections.abc import Mapping, Sequence
 from datetime import date, time
@@ -54,6 +54,10 @@ class InputError(Exception):
     def __str__(self) -> str:
         found = self.key if self.value is None else f"{self.key} = {_shown(self.value)}"
         return _one_line(f"{self.file}: {found} {self.problem}; allowed: {self.allowed}")
+
+
+class TooLittleMemory(MemoryError):
+    """A net that does not fit into memory; ``str()`` says how large it is and which would fit."""
 
 
 def all_at_once(found: Sequence[InputError]) -> InputError:

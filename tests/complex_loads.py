@@ -126,6 +126,19 @@ def catch_pressure(problem: Problem, position: np.ndarray, share: np.ndarray) ->
     return gathered(net, *((net.facets[:, i], net.facet_image[:, i], third) for i in range(3)))
 
 
+def catch_weight(problem: Problem, position: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """d g (z_f - z) at the middle of every facet on its area vector, a third to each corner."""
+    net, catch = problem.net, problem.loading.catch
+    corners = facet_corners(net, position)
+    area = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    front = int(np.flatnonzero(share.real)[0])
+    fore, aft = (position[catch.node_row == row, 2].mean() for row in (front, front + 1))
+    height = share[front] * fore + (1.0 - share[front]) * aft
+    filled = share[catch.facet_band] * net.facet_weight
+    third = (filled * catch.weight_density * (height - corners[:, :, 2].mean(axis=1)) / 3.0)[:, None] * area
+    return gathered(net, *((net.facets[:, i], net.facet_image[:, i], third) for i in range(3)))
+
+
 def corner_twines(net: Net, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Vectors from the middle of every corner along its two twines."""
     middle, first, second = np.moveaxis(rotate(position[net.corners], net.corner_image, net.order), 1, 0)

@@ -12,9 +12,12 @@ import click
 import numpy as np
 import pandas as pd
 
+from codend.mechanics.weight import GRAVITY_M_S2
 from codend.plan.plan import Plan, plan_from_dict
 from codend.studies.study import solve
 
+WATER = 1000.0
+"""kg/m3."""
 QUANTITIES = {
     "drag_n": "drag_error_n",
     "catch_volume_m3": "catch_volume_error_m3",
@@ -43,7 +46,7 @@ def weighed_plan(seed: int, number: int) -> tuple[Plan, float]:
     plan = plan_from_dict(
         {
             "title": f"weighed {number}",
-            "tow": {"speed_m_s": 0.6, "water_density_kg_m3": 1000.0},
+            "tow": {"speed_m_s": 0.6, "water_density_kg_m3": WATER},
             "entry": {"radius_m": float(rng.uniform(0.25, 0.6)) * meshes_round * across_mm / 1000.0 / np.pi},
             "netting": sections,
             "catch": {"filled_meshes": float(rng.uniform(0.15, 0.8)) * long, "pressure": "sphere"},
@@ -53,26 +56,32 @@ def weighed_plan(seed: int, number: int) -> tuple[Plan, float]:
     return plan, share
 
 
-def with_density(plan: Plan, density: float, fidelity: str) -> Plan:
-    """The plan with twine of a density, modelled as asked."""
+def with_density(plan: Plan, fidelity: str, twine: float = WATER, catch: float = WATER) -> Plan:
+    """The plan with twine and catch of these densities, modelled as asked."""
     tables = plan.to_dict()
     for part in tables["netting"]:
-        part["twine_density_kg_m3"] = density
+        part["twine_density_kg_m3"] = twine
+    tables["catch"]["density_kg_m3"] = catch
     tables["model"]["fidelity"] = fidelity
     return plan_from_dict(tables)
 
 
-def errors_of(seed: int, number: int) -> dict[str, float | str] | None:
-    """True errors of the sector, relative, and over its estimates; None where a net was not solved."""
+def errors_of(seed: int, number: int, of_catch: float = 0.0) -> dict[str, float | str] | None:
+    """True errors of the sector, relative, and over its estimates; None where a net was not solved.
+
+    The catch bears the share ``of_catch`` of the weight.
+    """
     plan, share = weighed_plan(seed, number)
     light = solve(plan).cases[0]
     if not light.converged:
         return None
-    per_kg_m3 = solve(with_density(plan, 2000.0, "sector")).choice.unseen_weight_n / 1000.0
-    density = 1000.0 + share * light.measures.drag_n / per_kg_m3
-    if not density < 10_000.0:
+    per_kg_m3 = solve(with_density(plan, "sector", twine=2.0 * WATER)).choice.unseen_weight_n / WATER
+    weight = share * light.measures.drag_n
+    twine = WATER + (1.0 - of_catch) * weight / per_kg_m3
+    catch = WATER + of_catch * weight / (GRAVITY_M_S2 * light.measures.catch_volume_m3)
+    if not (twine < 10_000.0 and catch < 5000.0):
         return None
-    sector, full = (solve(with_density(plan, density, kind)).cases[0] for kind in ("sector", "full"))
+    sector, full = (solve(with_density(plan, kind, twine, catch)).cases[0] for kind in ("sector", "full"))
     if not (sector.converged and full.converged):
         return None
     stable = sector.stability.stable if sector.stability else "unknown"
@@ -85,17 +94,18 @@ def errors_of(seed: int, number: int) -> dict[str, float | str] | None:
     return found
 
 
-def table_of(nets: int, seed: int) -> pd.DataFrame:
+def table_of(nets: int, seed: int, of_catch: float = 0.0) -> pd.DataFrame:
     """A row a net that was solved."""
-    return pd.DataFrame([row for number in range(nets) if (row := errors_of(seed, number)) is not None])
+    return pd.DataFrame([row for number in range(nets) if (row := errors_of(seed, number, of_catch)) is not None])
 
 
 @click.command()
 @click.option("--nets", default=60, show_default=True)
 @click.option("--seed", default=0, show_default=True)
-def main(nets: int, seed: int) -> None:
+@click.option("--of-catch", default=0.0, show_default=True, help="Share of the weight that the catch bears.")
+def main(nets: int, seed: int, of_catch: float) -> None:
     """Print the errors, net by net and at most."""
-    table = table_of(nets, seed)
+    table = table_of(nets, seed, of_catch)
     print(table.round(4).to_string(index=False))
     worst = 0.0
     for stable, rows in table.groupby("stable"):

@@ -31,9 +31,11 @@ def assembled(
     def of_section(value: str) -> Floats:
         return np.array([getattr(s, value) for s in lattice.sections], dtype=np.float64)[band]
 
-    stiffness = np.array(
-        [np.inf if s.axial_stiffness_n is None else g * s.axial_stiffness_n for s in lattice.sections]
-    )[band]
+    def softness(of: str) -> Floats:
+        """Strain per newton of the (merged) bars or knots, 0 where they do not stretch."""
+        given = (getattr(s, of) for s in lattice.sections)
+        return np.array([0.0 if stiffness is None else 1.0 / (g * stiffness) for stiffness in given])[band]
+
     facets, weight = parts.facet_table()
     around = lattice.order * lattice.columns[facets[:, 6]]
     weight *= _polygon_area(g * around) / _polygon_area(around)
@@ -56,7 +58,7 @@ def assembled(
         bars=bars[:, :2].astype(np.int32),
         bar_image=bars[:, 2].astype(np.int32),
         bar_length=g * np.where(is_knot, of_section("knot_m"), of_section("bar_m")),
-        bar_flexibility=np.where(is_knot, 0.0, 1.0 / stiffness),  # a knot is a lump that does not stretch
+        bar_flexibility=np.where(is_knot, softness("knot_axial_stiffness_n"), softness("axial_stiffness_n")),
         bar_drag_diameter=np.where(is_knot, 0.0, g * of_section("drag_width_m")),
         bar_solid_diameter=np.sqrt(g) * of_section("solid_diameter_m"),
         bar_density=np.array([np.nan if s.density_kg_m3 is None else s.density_kg_m3 for s in lattice.sections])[band],

@@ -47,6 +47,8 @@ class Bag:
 
     globalisation: int = 1
     """Real meshes merged into one, each way."""
+    abreast: int = 1
+    """Sectors that would be equal but for the ropes, side by side in one that is modelled."""
     straps: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
     """Bars that are ropes round the netting, (s,)."""
     strap_share: Floats = field(default_factory=lambda: np.zeros(0))
@@ -102,18 +104,23 @@ class WholeBag:
     """The sectors of a bag set side by side all round: for pictures, files and sums over the whole net."""
 
     positions: Floats
-    """All nodes, (order * n, 3); nodes on the axis occur once a sector."""
+    """All nodes, (sectors * n, 3); nodes on the axis occur once a sector."""
     bars: Ints
-    """(order * m, 2); bar i of sector s is number s * m + i."""
+    """(sectors * m, 2); bar i of sector s is number s * m + i."""
     meshes: Ints
-    """Ends of the four sides of a mesh, (order * k, 8), walking round it; corners may repeat."""
+    """Ends of the four sides of a mesh, (sectors * k, 8), walking round it; corners may repeat."""
 
 
 def all_round(bag: Bag, positions: Floats) -> WholeBag:
-    """Repeat one sector all round; values of bars and meshes are repeated with ``numpy.tile(values, net.order)``."""
+    """Repeat one sector all round; values of bars and meshes are repeated with ``numpy.tile(values, net.sectors)``."""
     net = bag.net
-    sector = np.arange(net.order)
-    whole = rotate(np.broadcast_to(positions, (net.order, *positions.shape)), sector[:, None], net.order)
+    sectors = net.sectors
+    if sectors != net.order:
+        # as many as there is room for, each a little wider or narrower
+        azimuth = net.order / sectors * np.arctan2(positions[:, 2], positions[:, 1])
+        radius = np.hypot(positions[:, 1], positions[:, 2])
+        positions = np.stack([positions[:, 0], radius * np.cos(azimuth), radius * np.sin(azimuth)], axis=1)
+    whole = rotate(np.broadcast_to(positions, (sectors, *positions.shape)), np.arange(sectors)[:, None], sectors)
     bar_images = np.stack([np.zeros_like(net.bar_image), net.bar_image], axis=1)
     return WholeBag(
         positions=whole.reshape(-1, 3),
@@ -143,7 +150,7 @@ def with_hinges(bag: Bag) -> Bag:
 
 
 def around(bag: Bag, net: Net, band: int | Ints) -> Bag:
-    """The bag of a net that has more nodes and bars after the bag's own: no knots of a row, no twine, in given bands."""
+    """The bag of a net that has more nodes and bars after its own: no knots of a row, no twine, in given bands."""
     nodes, bars = len(net.positions) - len(bag.node_row), len(net.bars) - len(bag.bar_band)
     return replace(
         bag,

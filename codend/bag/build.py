@@ -1,9 +1,12 @@
 """Plan to bag: sectors, globalisation, and the shape in which a solver starts."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from codend.bag.assemble import assembled
 from codend.bag.bag import Bag, with_hinges
+from codend.bag.near_ratio import NearRatio
 from codend.bag.ropes import with_ropes
 from codend.bag.straps import with_straps
 from codend.errors import InputError
@@ -23,6 +26,7 @@ def build_bag(
     smeared: bool = False,
     rows: tuple[Floats, Floats] | None = None,
     azimuth_rad: float = 0.0,
+    near: NearRatio | None = None,
 ) -> Bag:
     """Bag of a plan, in the shape in which a solver starts.
 
@@ -37,13 +41,14 @@ def build_bag(
         smeared: ropes spread evenly over all columns of knots, which leaves the sectors as narrow as without ropes.
         rows: positions along the axis and radii of the rows, each (rows + 1,); a crude bag by default.
         azimuth_rad: turns the whole net about the axis.
+        near: a sector of nearly the ratio of the sections' counts, in place of an exact one.
 
     Raises:
         InputError: the globalisation does not divide the mesh counts, a strap is too short for its row, or bending
             stiffness has no place in the model.
     """
     _check_bending(plan)
-    lattice = _lattice_of(plan, globalisation, sectors, smeared)
+    lattice = _lattice_of(plan, globalisation, sectors, smeared, near)
     x, radius = rows if rows is not None else crude_rows(plan, globalisation)
     shape = RowShape(x, np.concatenate([[plan.entry_radius_m], radius[1:-1], [0.0]]), azimuth_rad)
     knots = knots_of(lattice)
@@ -51,12 +56,13 @@ def build_bag(
     entry = np.arange(knots.fore_start[1])
     drag_law = drag(plan.drag.law, *plan.drag.coefficients)
     bag = assembled(parts_of(knots), lattice, positions, node_row, entry, drag_law)
+    bag = replace(bag, abreast=lattice.abreast)
     if plan.model.bars_per_side == 2:
         bag = with_hinges(bag)
     return with_ropes(with_straps(bag, plan, knots, drag_law), plan, knots, drag_law, smeared)
 
 
-def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool) -> Lattice:
+def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool, near: NearRatio | None) -> Lattice:
     if globalisation not in plan.globalisations:
         raise InputError(
             file=plan.source,
@@ -65,6 +71,9 @@ def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bo
             allowed="a common divisor of all mesh counts: " + ", ".join(map(str, plan.globalisations)),
         )
     sections = rows_of(plan, globalisation)
+    if near is not None:
+        columns = np.array(near.columns)[list(plan.sections_of_bands(globalisation))]
+        return Lattice(sections, columns, 1, near.order, globalisation)
     meshes_round = np.array([s.meshes_round // globalisation for s in sections])
     most = int(np.gcd.reduce(meshes_round))
     # n equal ropes leave n equal sectors
@@ -104,9 +113,9 @@ def crude_rows(plan: Plan, globalisation: int = 1) -> tuple[Floats, Floats]:
     from_wide_entry = np.minimum(plan.entry_radius_m - 0.6 * from_entry, 0.9 * bound)
     wanted = np.maximum(0.55 * bound, from_wide_entry)
     wanted[0], wanted[-1] = plan.entry_radius_m, 0.0
-    for strap, rows in zip(plan.strap, plan.strap_rows, strict=True):
+    for strap, rows in zip(plan.straps, plan.strap_rows, strict=True):
         row = len(sections) - rows // globalisation
-        wanted[row] = min(wanted[row], 0.9 * strap.length_m / (2.0 * np.pi))
+        wanted[row] = min(wanted[row], 0.9 * strap.around_m / (2.0 * np.pi))
     # no row is wider than the slopes of the bag from any other row allow
     widening = np.minimum.accumulate(wanted - 0.4 * from_entry) + 0.4 * from_entry
     narrowing = np.minimum.accumulate((wanted + 0.6 * from_entry)[::-1])[::-1] - 0.6 * from_entry

@@ -11,13 +11,15 @@ from codend.io.input_table import read_table
 from codend.mechanics.pressure import FILLED_MESHES, FRONT_FROM_CODLINE, VOLUME, Catch
 from codend.mechanics.problem import Problem
 from codend.mechanics.water import uniform_flow
+from codend.mechanics.weight import GRAVITY_M_S2
 from codend.plan.plan import Case, Plan
 
 
 def problem_of(bag: Bag, plan: Plan, case: Case) -> Problem:
     """The net of a bag under the loads of one of the cases of its plan.
 
-    Wet weight acts on full nets only, and only where the plan gives the twine's density: it has no place in a sector.
+    Wet weight, of twine and straps whose density the plan gives and of a catch that is not as dense as the water, acts
+    on full nets only: it has no place in a sector.
     """
     water = uniform_flow(plan.tow.water_density_kg_m3, np.array([case.speed_m_s, 0.0, 0.0]))
     return Problem.of(bag.net, water=water, weight=bag.net.order == 1, catch=catch_of(bag, plan, case))
@@ -44,7 +46,13 @@ def catch_of(bag: Bag, plan: Plan, case: Case) -> Catch:
         stagnation_pressure=0.5 * plan.tow.water_density_kg_m3 * case.speed_m_s**2,
         angles=np.ascontiguousarray(pressure_law.angles_rad),
         coefficients=np.ascontiguousarray(pressure_law.coefficients),
+        weight_density=catch_weight_density(plan) if bag.net.order == 1 else 0.0,
     )
+
+
+def catch_weight_density(plan: Plan) -> float:
+    """Weight in water of a cubic metre of the catch, N/m3; below 0 where it floats."""
+    return GRAVITY_M_S2 * (plan.catch_density_kg_m3 - plan.tow.water_density_kg_m3)
 
 
 def pressure_law_of(plan: Plan) -> PressureLaw:

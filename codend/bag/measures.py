@@ -11,7 +11,7 @@ from catch_models.filling import enclosed_volume
 from catch_models.pressure import PressureLaw
 from codend.bag.bag import Bag, mesh_corners, real_tensions
 from codend.bag.supports import held_by_the_entry, loads_and_supports, sideways_imbalance
-from codend.mechanics import drag, pressure
+from codend.mechanics import catch_weight, drag, pressure
 from codend.mechanics.catch_front import band_geometry
 from codend.mechanics.crossing import band_turns
 from codend.mechanics.problem import Problem
@@ -141,12 +141,14 @@ def measure_meshes(bag: Bag, problem: Problem, solution: Solution) -> Meshes:
     behind = np.minimum(bag.mesh_row, bag.bands - 1)
     ahead = np.where(bag.mesh_is_staggered, np.maximum(behind - 1, 0), behind)
     filled = 0.5 * (solution.share[ahead] + solution.share[behind])
+    centre = corners.mean(axis=(1, 2))
+    by_water = _pressure_at(problem, normal[:, 0], np.hypot(normal[:, 1], normal[:, 2]))
     return Meshes(
-        centre_m=corners.mean(axis=(1, 2)),
+        centre_m=centre,
         opening_deg=opening,
         bar_tension_n=tension,
         opening_force_n=np.where(bag.mesh_opens, mesh_opening_force(bag, tension, opening), np.nan),
-        pressure_pa=filled * _pressure_at(problem, normal[:, 0], np.hypot(normal[:, 1], normal[:, 2])),
+        pressure_pa=filled * (by_water + _pressure_by_weight(problem, solution, centre[:, 2])),
     )
 
 
@@ -195,24 +197,27 @@ def measure_rows(bag: Bag, problem: Problem, solution: Solution, meshes: Meshes)
     by_band = _mean_by(bag.bar_band[twine], real_tensions(bag, solution.bar_tension)[twine], bag.bands)
     tension = 0.5 * (np.concatenate([by_band[:1], by_band]) + np.concatenate([by_band, by_band[-1:]]))
     filled = 0.5 * (np.concatenate([[0.0], solution.share]) + np.concatenate([solution.share, solution.share[-1:]]))
+    by_water = _pressure_at(problem, -np.gradient(r), np.abs(np.gradient(x)))
+    by_weight = _pressure_by_weight(problem, solution, ring_middles(bag, solution.positions)[:, 1])
     return Rows(
         x_m=x,
         radius_m=r,
         opening_deg=_mean_by(bag.mesh_row, meshes.opening_deg, bag.bands + 1),
         bar_tension_n=tension,
         opening_force_n=_mean_by(bag.mesh_row, meshes.opening_force_n, bag.bands + 1),
-        pressure_pa=filled * _pressure_at(problem, -np.gradient(r), np.abs(np.gradient(x))),
+        pressure_pa=filled * (by_water + by_weight),
     )
 
 
 def current_loads(problem: Problem, solution: Solution) -> tuple[Floats, Floats]:
-    """Forces of the current on the nodes, N: its drag on the twine, and the catch's pressure, each (n, 3)."""
+    """Forces on the nodes, N: the current's drag on the twine, and the pressure of the catch, each (n, 3)."""
     position = np.ascontiguousarray(solution.positions)
     on_twine, by_catch = np.zeros_like(position), np.zeros_like(position)
     structure, loading = problem.structure, problem.loading
     at_rest = np.zeros((0, 3))
     drag.add_force(position, at_rest, structure, loading.water, loading.catch, solution.share, on_twine)
     pressure.add_force(position, structure, loading.catch, solution.share, by_catch)
+    catch_weight.add_force(position, structure, loading.catch, solution.share, by_catch)
     return on_twine, by_catch
 
 
@@ -276,10 +281,17 @@ def opening_rows_ahead(bag: Bag, share: Floats) -> Floats:
 
 
 def _pressure_at(problem: Problem, x: Floats, across: Floats) -> Floats:
-    """Net pressure in the catch, Pa, on netting whose normals have the parts ``x`` along the flow and ``across`` it."""
+    """Net pressure of the water in the catch, Pa, where the normals have ``x`` along the flow and ``across`` it."""
     catch = problem.loading.catch
     law = PressureLaw("", catch.angles, catch.coefficients)
     return np.asarray(catch.stagnation_pressure * law(np.arctan2(across, -x)))
+
+
+def _pressure_by_weight(problem: Problem, solution: Solution, height: Floats) -> Floats:
+    """What the catch's own weight adds at some heights, Pa."""
+    catch = problem.loading.catch
+    front = catch_weight.front_height(np.ascontiguousarray(solution.positions), catch, solution.share)
+    return catch.weight_density * (front - height)
 
 
 def _mean_over(values: Floats, index: np.ndarray) -> Floats:

@@ -9,6 +9,7 @@ Smeared, a share of the ropes runs along every column of knots: all columns are 
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from codend.plan.plan import Plan
 from codend.plan.ropes import Rope
 
 BESIDE = 0.26
-"""Of a mesh: how far beside the rope a knot may lie that it is laced to. Knots of every other row lie half a mesh off."""
+"""Of a mesh: how far beside the rope a knot may lie that it is laced to. Every other row's are half a mesh off."""
 
 
 @dataclass(frozen=True)
@@ -48,9 +49,9 @@ def _places(rope: Rope, lattice: Lattice, smeared: bool) -> Iterator[tuple[int, 
         for column in range(columns):
             yield column, column / (columns * order), rope.number / (columns * order)
         return
-    for number in range(rope.number // order):
+    for number in range(int(rope.number // order)):
         # of knots merged or not, the nearest column or half a mesh beside it
-        yield number, np.round(2 * number / rope.number * columns * order) / (2 * columns * order), 1.0
+        yield number, np.floor(2 * number / rope.number * columns * order + 0.5 + 1e-9) / (2 * columns * order), 1.0
 
 
 def _with_rope(
@@ -115,7 +116,7 @@ def _laid(bag: Bag, plan: Plan, knots: Knots, rope: Rope, fraction: float) -> tu
         elif row == 0:
             bag = _on_the_hoop(bag, 2.0 * np.pi * fraction)
             nodes.append((0, len(bag.node_row) - 1, 0))
-    pairs = list(zip(nodes[:-1], nodes[1:], strict=True))
+    pairs = list(pairwise(nodes))
     return bag, _Pieces(
         ends=[(first[1], second[1]) for first, second in pairs],
         image=[0 if knots.codline in (first[1], second[1]) else second[2] - first[2] for first, second in pairs],

@@ -32,7 +32,7 @@ def with_straps(bag: Bag, plan: Plan, knots: Knots, drag: tuple[int, float, floa
     Raises:
         InputError: a strap is shorter than the netting of its row allows.
     """
-    for index, strap in enumerate(plan.strap):
+    for index, strap in enumerate(plan.straps):
         row = knots.lattice.bands - plan.strap_rows[index] // knots.lattice.globalisation
         across_m = knots.lattice.sections[row - 1].knot_m if knots.across[row] else 0.0
         _check_length(plan, index, knots, row, across_m)
@@ -42,7 +42,7 @@ def with_straps(bag: Bag, plan: Plan, knots: Knots, drag: tuple[int, float, floa
 
 def _check_length(plan: Plan, index: int, knots: Knots, row: int, across_m: float) -> None:
     """Refuse a strap too short for the knots of its row, for their twines, or for the netting from the entry."""
-    lattice, strap = knots.lattice, plan.strap[index]
+    lattice, strap = knots.lattice, plan.straps[index]
     section = lattice.sections[row - 1]
     real = lattice.globalisation * lattice.order * int(lattice.knots[row])
     # the circle round the sections of the twines that pass through the ring, two from a knot or in square mesh one
@@ -53,9 +53,9 @@ def _check_length(plan: Plan, index: int, knots: Knots, row: int, across_m: floa
         side = _side_and_slope(radius, real, across_m)[0]
         bounds.append((real * (side + across_m), "as far as the netting from the entry reaches inwards"))
     least_m, reason = max(bounds)
-    if strap.length_m <= least_m:
+    if strap.around_m <= least_m:
         allowed = f"above {least_m:.4g} m, {reason}"
-        raise InputError(file=plan.source, key=f"strap.{index}.length_m", value=strap.length_m, allowed=allowed)
+        raise InputError(file=plan.source, key=f"strap.{index}.length_m", value=strap.around_m, allowed=allowed)
 
 
 def _with_strap(bag: Bag, strap: Strap, knots: Knots, row: int, across_m: float, drag: tuple[int, float, float]) -> Bag:
@@ -67,7 +67,7 @@ def _with_strap(bag: Bag, strap: Strap, knots: Knots, row: int, across_m: float,
 
     merged = lattice.order * bars
     real = g * merged
-    side = strap.length_m / real - across_m
+    side = strap.around_m / real - across_m
     # the triangle of one side and one knot, their corners on the circle
     across_both = np.sqrt(side**2 + across_m**2 + 2.0 * side * across_m * np.cos(np.pi / real))
     radius = across_both / (2.0 * np.sin(np.pi / real))
@@ -76,7 +76,7 @@ def _with_strap(bag: Bag, strap: Strap, knots: Knots, row: int, across_m: float,
     gain = real * slope / (merged * merged_slope)
     softness = 0.0 if strap.axial_stiffness_n is None else 1.0 / strap.axial_stiffness_n
     flexibility = softness * merged_slope * side / (slope * merged_side * gain)
-    longer = strap.length_m / (merged * merged_side)
+    longer = strap.around_m / (merged * merged_side)
 
     roped = with_bars(
         bag.net,
@@ -86,7 +86,7 @@ def _with_strap(bag: Bag, strap: Strap, knots: Knots, row: int, across_m: float,
         bar_flexibility=flexibility,
         bar_drag_diameter=longer * strap.diameter_m,
         bar_solid_diameter=float(np.sqrt(longer)) * strap.diameter_m,
-        bar_density=np.nan,
+        bar_density=np.nan if strap.density_kg_m3 is None else strap.density_kg_m3,
         bar_diameter=strap.diameter_m,
         bar_is_rope=True,
         bar_drag_law=drag[0],
@@ -101,7 +101,7 @@ def _with_strap(bag: Bag, strap: Strap, knots: Knots, row: int, across_m: float,
     )
 
 
-def _side_and_slope(radius: float, knots: int, across_m: float) -> tuple[float, float]:
+def _side_and_slope(radius: float, knots: float, across_m: float) -> tuple[float, float]:
     """Side between two of the knots of a ring on a circle, each ``across_m`` wide, and its derivative by the radius."""
     half = np.arcsin(0.5 * across_m / radius)
     between = np.pi / knots - half

@@ -29,6 +29,7 @@ REQUIRED = (
     "jinja2",
     "filelock",
     "formulaic",
+    "pyarrow",
 )
 FOR_TESTS = (
     "pytest",

@@ -30,11 +30,12 @@ from codend.cli.common import (
 from codend.cli.console import shown_progress, text_table
 from codend.cli.fit import fit
 from codend.cli.force import force
+from codend.cli.net_plan import net_plan
 from codend.cli.scene import scene
 from codend.cli.selectivity import selectivity, species
 from codend.cli.streams import Terminated, end_on_signals, give_up_output, say, take_any_text
 from codend.cli.sweep import sweep
-from codend.errors import OPTIONS, InputError
+from codend.errors import OPTIONS, InputError, TooLittleMemory
 
 if TYPE_CHECKING:
     from codend.io.table_form import TableForm
@@ -84,6 +85,8 @@ class _OneLineErrors(click.Group):
             _end(" ".join(error.format_message().split()), BAD_INPUT)
         except InputError as error:
             _end("\n".join(error.lines), BAD_INPUT)
+        except TooLittleMemory as error:
+            _end(f"too little memory: {error}", NO_MEANS)
         except MemoryError:
             _end("too little memory", NO_MEANS)
         except BrokenExecutor:
@@ -196,7 +199,8 @@ def _told_what_is_kept(kept: "KeptCases", cases: int, table: Path) -> Iterator[N
             case KeyboardInterrupt():
                 raise Stopped(f"interrupted; {told}", INTERRUPTED) from None
             case MemoryError():
-                raise Stopped(f"too little memory; {told}", NO_MEANS) from None
+                why = f": {error}" if isinstance(error, TooLittleMemory) else ""
+                raise Stopped(f"too little memory{why}; {told}", NO_MEANS) from None
             case InputError() | OSError():
                 raise
         say(f"codend: an error of the program; {told}")
@@ -311,7 +315,7 @@ def doctor(warm_up: bool) -> int:
     return 1 if failed or any(finding.missing for finding in findings) else 0
 
 
-for _command in (bow_wave, scene, sweep, chart, force, selectivity, species, fit):
+for _command in (bow_wave, net_plan, scene, sweep, chart, force, selectivity, species, fit):
     main.add_command(_command)
 
 

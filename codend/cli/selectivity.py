@@ -78,7 +78,8 @@ def selectivity(
     from codend.selectivity.escape.species import load_species
 
     species = [load_species(file) for file in files]
-    from codend.report.selectivity_page import FILES, notes, write_selectivity
+    from codend.report.selectivity_page import FILES, write_selectivity
+    from codend.report.selectivity_words import answers, notes
     from codend.selectivity.escape.tables import HAUL, selectivity_table
 
     check_writable(folder, FILES)
@@ -102,11 +103,22 @@ def selectivity(
     for note in trial.data.notes if trial else ():
         click.echo(note)
     table = selectivity_table(found)
-    columns = ["species", "speed_m_s", "catch_volume_m3", "opening_ahead_deg", "l50_cm", "sr_cm"]
-    columns += ["l50_logit_cm", "l50_lower_95_cm", "l50_upper_95_cm"]
-    headers = ["species", "speed m/s", "m3", "opening deg", "L50 cm", "SR cm", "logit L50", "lower 95 %", "upper"]
-    click.echo("whole haul")
-    click.echo(text_table(headers, table.loc[table["case"] == HAUL, columns].itertuples(index=False)))
+    columns = ["species", "l50_logit_cm", "l50_lower_95_cm", "l50_upper_95_cm"]
+    columns += ["sr_logit_cm", "sr_lower_95_cm", "sr_upper_95_cm", "speed_m_s", "catch_volume_m3", "opening_ahead_deg"]
+    headers = ["species", "L50 cm", "lower 95 %", "upper", "SR cm", "lower 95 %", "upper"]
+    headers += ["speed m/s", "ends with m3", "mean opening deg"]
+    whole = table["case"] == HAUL
+    for answer in answers(found):
+        click.echo(answer)
+    click.echo("as a trial would report it: a logit curve fitted to the whole haul")
+    click.echo(text_table(headers, table.loc[whole, columns].itertuples(index=False)))
+    columns = ["species", "speed_m_s", "catch_volume_m3", "l50_cm", "sr_cm", "haul_l50_cm", "haul_sr_cm"]
+    columns += ["haul_l50_logit_cm", "haul_sr_logit_cm"]
+    headers = ["species", "speed m/s", "m3", "L50 fish that meet it", "SR", "L50 hauls that end with it", "SR"]
+    headers += ["L50 logit of such hauls", "SR"]
+    last = table[~whole].groupby(["species", "speed_m_s"], sort=False).tail(1)
+    click.echo("the largest catch, off the computed curve and as fitted; all catches are in selectivity.csv")
+    click.echo(text_table(headers, last[columns].itertuples(index=False)))
     for note in notes(found):
         click.echo(note)
     status = _print_together(together)

@@ -1,11 +1,17 @@
 """The command ``codend sweep``: studies over many plans."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from codend.cli.common import NOT_CONVERGED, SeveralPairs, check_writable, out_option, set_option, written_into
 from codend.cli.console import shown_progress, text_table
+from codend.errors import OPTIONS, InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 SUMMARY = {
     "cases": ("converged", "size"),
@@ -16,28 +22,105 @@ SUMMARY = {
     "most opening deg": ("opening_ahead_deg", "max"),
 }
 """What is printed of every run: heading, column of ``results.csv``, and what of it."""
+MOST_PRINTED = 30
+"""Runs of a study that are printed each; of more, all in one."""
+MOST_TOLD = 10
+"""Cases not solved that are told each."""
+FILES = ("sweep.csv", "sweep.png")
 
 
 @click.command(cls=SeveralPairs)
-@click.argument("plan", metavar="PLAN.toml")
+@click.argument("study", metavar="STUDY.toml|PLAN.toml")
 @out_option
 @click.option(
     "--vary",
     multiple=True,
-    required=True,
     metavar="KEY=[VALUE,...]",
-    help="Values a key is to take, such as --vary netting.0.bar_mm=[20,25,30]. May be repeated: all combinations.",
+    help="Values a key of a PLAN is to take, such as --vary netting.0.bar_mm=[20,25,30]. May be repeated: all "
+    "combinations.",
 )
 @set_option
-@click.option("--processes", default=1, show_default=True, type=click.IntRange(1, 64), help="Runs solved at once.")
-def sweep(plan: str, folder: Path, vary: tuple[str, ...], changes: tuple[str, ...], processes: int) -> int:
-    """Solve a plan with every combination of some values.
+@click.option(
+    "--workers",
+    "--processes",
+    "workers",
+    default=None,
+    type=click.IntRange(1, 1024),
+    help="Processes that solve. Left out: one for every core.",
+)
+@click.option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster that solves a STUDY instead.")
+def sweep(
+    study: str,
+    folder: Path,
+    vary: tuple[str, ...],
+    changes: tuple[str, ...],
+    workers: int | None,
+    scheduler: str | None,
+) -> int:
+    """Solve many designs: those of a study, or a plan with every combination of some values.
 
-    Writes sweep.csv (results.csv of all runs with columns for what varies) and sweep.png into DIR, and every run's
-    plan and tables into DIR/runs/NUMBER, where `codend selectivity` and `codend compare` take them. A sweep that was
-    interrupted goes on where it stopped: runs that DIR holds already are not solved again, unless the program, a file
-    that the plan names or the run's tables have changed. Runs that a longer sweep left in DIR/runs are removed.
+    A STUDY.toml names a plan or several designs, what varies (lists, ranges, linked keys, samples) and species, whose
+    L50 and SR become columns. Writes sweep.csv, a row a case, and sweep.png into DIR, and DIR/parts, the same table in
+    Parquet, part by part as it is solved.
+
+    With --vary, writes sweep.csv and sweep.png into DIR, and every run's plan and tables into DIR/runs/NUMBER, where
+    `codend selectivity` and `codend compare` take them; runs that a longer sweep left there are removed.
+
+    A sweep that was interrupted goes on where it stopped: what DIR holds already is not solved again, unless the
+    program, the study, a file that it names or what was written has changed.
     """
+    from codend.studies.workers import cores
+
+    many = workers or cores()
+    if vary:
+        if scheduler is not None:
+            raise InputError(OPTIONS, "--scheduler", scheduler, "with a STUDY.toml, without --vary")
+        return _sweep_of_plan(study, folder, vary, changes, many)
+    if changes:
+        allowed = "together with --vary; the designs of a study have tables set"
+        raise InputError(OPTIONS, "--set", list(changes), allowed)
+    return _sweep_of_study(study, folder, many, scheduler)
+
+
+def _sweep_of_study(path: str, folder: Path, workers: int, scheduler: str | None) -> int:
+    from codend.io.files import whole_file
+    from codend.io.toml import read_toml
+    from codend.report.own_look import own_look
+    from codend.report.style import png
+    from codend.report.sweep_plot import MOST_DRAWN, sweep_figure
+    from codend.studies.many import solve_parts
+    from codend.studies.parts import FOLDER, read_parts, write_csv
+    from codend.studies.study_file import looks_like_a_plan, study_from_dict
+
+    data = read_toml(path, "study file in TOML")
+    if looks_like_a_plan(data):
+        raise InputError(path, "", None, "a study file, or --vary KEY=[VALUE,...] with a plan", "is a plan")
+    study = study_from_dict(data, path)
+    study.designs.check_any()
+    check_writable(folder, (*FILES, f"{FOLDER}/part-000000.parquet"))
+    with shown_progress() as progress, written_into(folder, FILES):
+        parts = solve_parts(study, folder, workers, scheduler, progress)
+        write_csv(parts, folder / "sweep.csv")
+        table = read_parts(parts)
+        runs = study.designs.some(MOST_DRAWN)
+        with whole_file(folder / "sweep.png") as temporary, own_look():
+            temporary.write_bytes(png(sweep_figure(table, {run.number: run.label for run in runs})))
+    keys = [name for name in table.columns[: list(table.columns).index("case")] if name != "run"]
+    if len(study.designs) <= MOST_PRINTED:
+        _print_runs(table, keys)
+    else:
+        click.echo(text_table(list(SUMMARY), [[table[of].agg(how) for of, how in SUMMARY.values()]]))
+    click.echo(f"{len(study.designs)} runs, {len(table)} cases in {folder / 'sweep.csv'}; see {folder / 'sweep.png'}")
+    failed = table[~table["converged"].astype(bool)]
+    for row in failed.head(MOST_TOLD).to_dict("records"):
+        case = "" if row["case"] != row["case"] else f", case {row['case']:g}"
+        click.echo(f"run {row['run']}{case} was not solved: {row['reason']}", err=True)
+    if len(failed) > MOST_TOLD:
+        click.echo(f"and {len(failed) - MOST_TOLD} more, each with its reason in sweep.csv", err=True)
+    return NOT_CONVERGED if len(failed) else 0
+
+
+def _sweep_of_plan(plan: str, folder: Path, vary: Sequence[str], changes: Sequence[str], workers: int) -> int:
     from codend.io.files import whole_file, write_table
     from codend.report.own_look import own_look
     from codend.report.style import png
@@ -45,19 +128,22 @@ def sweep(plan: str, folder: Path, vary: tuple[str, ...], changes: tuple[str, ..
     from codend.studies.sweep import files_of, runs_of, solve_runs, why_again
 
     runs = runs_of(plan, vary, changes)
-    check_writable(folder, ("sweep.csv", "sweep.png", *files_of(runs)))
+    check_writable(folder, (*FILES, *files_of(runs)))
     for reason, numbers in why_again(runs, folder).items():
         which = f"run {numbers[0]} is" if len(numbers) == 1 else f"runs {', '.join(map(str, numbers))} are"
         click.echo(f"{which} solved again: {reason}", err=True)
-    with shown_progress() as progress, written_into(folder, ("sweep.csv", "sweep.png")):
-        table = solve_runs(runs, folder, processes, progress)
+    with shown_progress() as progress, written_into(folder, FILES):
+        table = solve_runs(runs, folder, workers, progress)
         write_table(table, folder / "sweep.csv")
         with whole_file(folder / "sweep.png") as temporary, own_look():
             temporary.write_bytes(png(sweep_figure(table, {run.number: run.label for run in runs})))
-    keys = list(runs[0].values)
-    summary = table.groupby(["run", *keys], sort=False).agg(**SUMMARY).reset_index()
-    click.echo(text_table(["run", *keys, *SUMMARY], summary.itertuples(index=False)))
+    _print_runs(table, list(runs[0].values))
     click.echo(f"{len(runs)} runs, {len(table)} cases in {folder / 'sweep.csv'}; see {folder / 'sweep.png'}")
     for case in table[~table["converged"]].itertuples():
         click.echo(f"run {case.run}, case {case.case} was not solved: codend run its plan.toml says why", err=True)
     return 0 if table["converged"].all() else NOT_CONVERGED
+
+
+def _print_runs(table: "pd.DataFrame", keys: list[str]) -> None:
+    summary = table.groupby(["run", *keys], sort=False, dropna=False).agg(**SUMMARY).reset_index()
+    click.echo(text_table(["run", *keys, *SUMMARY], summary.itertuples(index=False)))

@@ -8,7 +8,9 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from codend.bag.loads import catch_weight_density
 from codend.bag.measures import Measures, current_loads, measure_all
+from codend.bag.near_ratio import narrower, near_enough
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.net.net import Floats
@@ -32,8 +34,22 @@ and 2.8 w, where it is not by 0.66, 0.64, 0.5 and 6.8 w, and on other nets by up
 in waves, which ``wrinkles`` tells of. Merged meshes bear the weight, but in a bag of fewer rows and wider
 meshes: they may be off by as much."""
 
+OF_THE_CATCH = np.array([0.0, 0.0, 1.5, 0.0])
+"""What the catch's own weight changes beyond that, in its w: it presses from below, and bags it out. On 128 nets
+(``--of-catch 1`` and ``0.5``) largest radii of stable sectors were off by up to 1.3 w, all else as above."""
+
 
 NO_WRINKLES = np.zeros(4)
+SMEARED = np.array([[0.015, 12.0], [0.03, 18.0], [0.02, 8.0], [2.0, 700.0]])
+"""Change by smearing ropes of drag, volume, largest radius (relative) and opening ahead (degrees), at most: what
+there is in any case, and by the square of the shortening over the number of ropes
+(``python -m validation.smeared_ropes``)."""
+
+
+def smeared_errors(plan: Plan) -> np.ndarray:
+    """How far smeared ropes may be off: relative in drag, volume and largest radius, degrees in opening, (4,)."""
+    most = max(max(rope.shortening, 0.0) ** 2 / rope.number for rope in plan.rope)
+    return np.asarray(SMEARED @ [1.0, most])
 
 
 @dataclass(frozen=True)
@@ -68,7 +84,8 @@ def estimate(
 
     The solver's part is the distance to an answer that Newton's method finds from the result at a far smaller residual.
     With measures of the meridian method beside the solution of a sector, that distance is the membrane's error.
-    ``unseen_weight_n`` is the wet weight that the model leaves out. Netting so heavy that it can fold over has none.
+    ``unseen_weight_n`` is the wet weight of net and straps that the model leaves out; that of the catch is found here.
+    Netting so heavy that it can fold over has none.
     ``by_wrinkles`` is what these may change, (4,), where something grows (``wrinkles``).
     The part of a globalised net is the distance between a sector of it and one of the real net, under the loads that
     are the same all round.
@@ -80,14 +97,19 @@ def estimate(
         return Errors.unknown()
     exact = measure_all(model.bag, problem, polished)[2]
     solver = _distance(measures, exact)
-    globalised = np.zeros(len(_QUANTITIES))
+    globalised = by_ratio(model, case, exact)
     if model.globalisation > 1:
-        globalised = _distance(*(sector_measures(model.plan, case, g) for g in (1, model.globalisation)))
+        globalised += _distance(*(sector_measures(model.plan, case, g) for g in (1, model.globalisation)))
     sizes = np.abs([getattr(measures, name) for name in _QUANTITIES])
-    borne_by_globalised_n = float(np.abs(problem.loading.dead).sum()) if model.globalisation > 1 else 0.0
-    share = (unseen_weight_n + borne_by_globalised_n) / measures.drag_n
-    weight = WEIGHT_LEFT_OUT @ [share, share**2]
+    # N per m3 of the catch, in all and as the model bears it
+    of_catch, borne = catch_weight_density(model.plan), problem.loading.catch.weight_density
+    catch_n = abs(of_catch - borne if model.globalisation == 1 else of_catch) * measures.catch_volume_m3
+    net_n = unseen_weight_n + (float(np.abs(problem.loading.dead).sum()) if model.globalisation > 1 else 0.0)
+    share = (net_n + catch_n) / measures.drag_n
+    weight = WEIGHT_LEFT_OUT @ [share, share**2] + OF_THE_CATCH * catch_n / measures.drag_n
     errors = SAFETY * (solver + globalised) + (NOISE + weight) * sizes + by_wrinkles
+    if model.smeared and model.plan.rope:
+        errors += smeared_errors(model.plan) * [*sizes[:3], 1.0]
     if any(share > kind.folds_over_from for kind in set(model.bag.band_kind)):
         errors = np.full(len(_QUANTITIES), np.nan)
     drag, volume, radius, opening = map(float, errors)
@@ -97,13 +119,38 @@ def estimate(
 def sector_measures(plan: Plan, case: Case, globalisation: int) -> Measures:
     """Measures of one sector of the merged net, under the loads that are the same all round; nan if it is not solved.
 
-    The difference that merging makes there stands for the difference it makes in the full net. Mesh counts without a
-    common divisor make a sector of the whole net, which bears its weight and cannot be merged.
+    The difference that merging makes there stands for the difference it makes in the full net. Sections whose counts
+    share little have a sector of nearly their ratio. Counts of a small net without a common divisor make a sector of
+    the whole net, which bears its weight and cannot be merged.
     """
-    quickly = plan.model_copy(update={"model": plan.model.model_copy(update={"method": "auto"})})
-    model = model_of(quickly, globalisation, 1)
+    near = near_enough(plan) if globalisation == 1 else None
+    return _solved(model_of(_quick(plan), globalisation, 1, near=near), case)
+
+
+def _quick(plan: Plan) -> Plan:
+    """The same plan, solved by whichever method finds its equilibria."""
+    return plan.model_copy(update={"model": plan.model.model_copy(update={"method": "auto"})})
+
+
+def _solved(model: BagModel, case: Case) -> Measures:
     problem, solution = equilibrium.solve(model, case, (), None)
     return measure_all(model.bag, problem, solution)[2] if solution.report.outcome.converged else Measures.unknown()
+
+
+def by_ratio(model: BagModel, case: Case, measures: Measures) -> np.ndarray:
+    """What a sector of nearly the ratio of the counts is off by: the distance to a narrower one, which is further off.
+
+    Answers are linear in the mismatch of the counts, as far as that is small.
+    """
+    near = model.near
+    if near is None:
+        return np.zeros(len(_QUANTITIES))
+    other = narrower(model.plan, near)
+    if other is None:
+        return np.full(len(_QUANTITIES), np.nan)
+    here, there = np.array(near.mismatch), np.array(other.mismatch)
+    part = np.linalg.norm(here) / np.linalg.norm(here - there)
+    return np.asarray(part * _distance(measures, _solved(model_of(_quick(model.plan), 1, 1, near=other), case)))
 
 
 def _distance(first: Measures, second: Measures) -> np.ndarray:

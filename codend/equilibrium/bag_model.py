@@ -5,6 +5,7 @@ from functools import cached_property
 
 from codend.bag.bag import Bag
 from codend.bag.build import build_bag
+from codend.bag.near_ratio import NearRatio
 from codend.errors import InputError
 from codend.mechanics.structure import structure_of
 from codend.plan.plan import Plan
@@ -23,6 +24,8 @@ class BagModel:
     globalisation: int
     smeared: bool = False
     """Whether ropes are spread over all columns of knots."""
+    near: NearRatio | None = None
+    """Nearly the ratio of the sections' counts, where a sector of it is modelled."""
 
     @cached_property
     def prepared(self) -> newton.Prepared:
@@ -35,15 +38,18 @@ class BagModel:
         return Ring(structure_of(self.bag.net), self.bag.bands)
 
 
-def model_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool = False) -> BagModel:
+def model_of(
+    plan: Plan, globalisation: int, sectors: int | None, smeared: bool = False, near: NearRatio | None = None
+) -> BagModel:
     """Build the net of a plan.
 
     Raises:
-        InputError: the plan asks for rigid bars and gives elastic twine.
+        InputError: the plan asks for rigid bars and gives elastic twine or knots.
     """
-    stretching = [s.axial_stiffness_n for s in plan.netting if s.axial_stiffness_n is not None]
-    if plan.model.method == "rigid-bars" and stretching:
-        allowed = 'left out with model.method = "rigid-bars": rigid bars do not stretch'
-        raise InputError(file=plan.source, key="netting.axial_stiffness_n", value=stretching[0], allowed=allowed)
-    bag = build_bag(plan, globalisation=globalisation, sectors=sectors, smeared=smeared)
-    return BagModel(plan, bag, sectors, globalisation, smeared)
+    if plan.model.method == "rigid-bars":
+        for key in ("axial_stiffness_n", "knot_axial_stiffness_n"):
+            for value in filter(None, (getattr(s, key) for s in plan.netting)):
+                allowed = 'left out with model.method = "rigid-bars": rigid bars do not stretch'
+                raise InputError(file=plan.source, key=f"netting.{key}", value=value, allowed=allowed)
+    bag = build_bag(plan, globalisation=globalisation, sectors=sectors, smeared=smeared, near=near)
+    return BagModel(plan, bag, sectors, globalisation, smeared, near)

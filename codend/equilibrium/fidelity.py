@@ -7,14 +7,13 @@ from enum import Enum, auto
 import numpy as np
 
 from codend.bag.build import build_bag
-from codend.equilibrium.accuracy import WEIGHT_LEFT_OUT, sector_measures
+from codend.bag.loads import catch_weight_density
+from codend.bag.near_ratio import DRAG_BY_MISMATCH, SLOW_KNOTS, SLOW_MESHES, NearRatio, near_enough
+from codend.equilibrium.accuracy import WEIGHT_LEFT_OUT, sector_measures, smeared_errors
 from codend.mechanics.weight import wet_weight
 from codend.net.net import Net
 from codend.plan.plan import Plan
 
-SLOW_KNOTS, SLOW_MESHES = 3000, 10
-"""Knots of a model, and meshes round it, from which a case takes seconds or more: full nets of joined sections took 2 s
-with 3 800 knots and 23 s with 15 000. Narrow sectors, however long, take milliseconds."""
 HEAVIEST_GLOBALISED = 0.5
 """Weight over the drag of the smallest catch up to which diamond and T90 meshes are merged: there they were off by no
 more than weightless sectors are; at a weight like the drag by ten times that."""
@@ -27,8 +26,12 @@ class Reason(Enum):
 
     ASKED = auto()
     """The plan names it."""
+    ROPES = auto()
+    """The plan is the same all round but for its equal ropes, and sectors as wide as they are apart are exact."""
+    SMEARED = auto()
+    """Ropes smeared over all meshes are near enough for the accuracy in opening that was asked for."""
     NO_WEIGHT = auto()
-    """The plan is the same all round, and no density of twine is given."""
+    """The plan is the same all round, and nothing is given a density other than the water's."""
     LITTLE_WEIGHT = auto()
     """The plan is the same all round but for a wet weight that does not matter."""
     WEIGHT = auto()
@@ -51,60 +54,76 @@ class Choice:
     drag_error: float
     """Relative error in drag that the choice of model costs; nan where it was the user's and is not known ahead."""
     unseen_weight_n: float
-    """Wet weight that the model does not see."""
+    """Wet weight of net and straps that the model does not see."""
     order: int
     """Equal sectors that the plan can be divided into."""
     meshes_round: tuple[int, ...]
     """Of the sections from the entry, each count once."""
     weight_n: float
-    """Wet weight of the whole net, that of twine that floats counted alike."""
+    """Wet weight of the whole net with its straps, that of what floats counted alike."""
+    catch_weight_n: float
+    """That of the smallest or the largest catch, whichever weighs more with the net over its drag."""
     least_drag_n: float
-    """Drag of the smallest catch at the lowest speed; infinite where it does not matter."""
+    """Drag of that catch at the lowest speed; infinite where it does not matter."""
     accuracy: float
     """What the choice may cost, relative (``model.accuracy``)."""
     knots: int
     """Of the model."""
     slow: bool
     """Whether a case takes seconds to minutes."""
+    near: NearRatio | None = None
+    """The sector of nearly the ratio of the counts that stands for one too wide."""
 
     @property
     def weight_over_drag(self) -> float:
-        """Wet weight over the least drag; 0 where that does not matter."""
-        return self.weight_n / self.least_drag_n
+        """Wet weight of net and catch over the drag; 0 where that does not matter."""
+        return (self.weight_n + self.catch_weight_n) / self.least_drag_n
+
+    @property
+    def sees_weight(self) -> bool:
+        """Whether wet weight acts on the model: on a full net, and on the sector of one that has no narrower."""
+        return self.sectors is None or (self.order == 1 and self.fidelity != "meridian" and self.near is None)
 
     @property
     def weight_matters(self) -> bool:
         """Whether the weight breaks the symmetry by more than is allowed."""
-        return self.weight_n > self.accuracy * self.least_drag_n
+        return self.weight_n + self.catch_weight_n > self.accuracy * self.least_drag_n
 
 
 def choose(plan: Plan) -> Choice:
     """The model that the plan names, or for ``auto`` the smallest one that is exact enough for it.
 
-    A plan that is the same all round needs one rotational sector of the real net, which is exact. Wet weight breaks
-    that symmetry: openings then differ from top to bottom, by as much as the weight over the drag, which counts once it
-    exceeds ``model.accuracy``. Then as many meshes are merged as that allows in drag, judged by sectors of the merged
-    and of the real net, but none where the weight is so large that such sectors, which know none, tell nothing.
+    A plan that is the same all round needs one rotational sector of the real net, which is exact. Wet weight, of the
+    net or of a catch that is not as dense as the water, breaks that symmetry: openings then differ from top to bottom,
+    by as much as the weight over the drag, which counts once it exceeds ``model.accuracy``. Then as many meshes are
+    merged as that allows in drag, judged by sectors of the merged and of the real net, but none where the weight is so
+    large that such sectors, which know none, tell nothing.
     """
     asked = plan.model.fidelity
     sector = build_bag(plan, sectors=1).net
     # twine that floats counts like twine that sinks: in different sections they bend the bag all the same
     weight = sector.order * float(np.abs(wet_weight(sector, plan.tow.water_density_kg_m3)).sum())
-    drag = _least_drag(plan) if weight > 0.0 and asked in ("auto", "sector", "meridian") else math.inf
+    heavy_catch = catch_weight_density(plan) != 0.0
+    of_catch, drag = 0.0, math.inf
+    if (weight > 0.0 or heavy_catch) and asked in ("auto", "sector", "meridian"):
+        of_catch, drag = _heaviest(plan, weight)
     # the sector of counts without a common divisor is the whole net, which bears its weight
-    unseen = 0.0 if sector.order == 1 and asked != "meridian" else weight
-    dense = any(part.density_kg_m3 is not None for part in plan.netting)
+    sees_weight = sector.order == 1 and asked != "meridian"
+    unseen = 0.0 if sees_weight else weight
+    left_out = 0.0 if sees_weight else (weight + of_catch) / drag
+    dense = heavy_catch or bool(np.isfinite(sector.bar_density).any())
     knots, slow = _size(plan, sector, None)
     by_sector = Choice(
         fidelity="sector",
         globalisation=1,
         sectors=1,
-        reason=Reason.LITTLE_WEIGHT if dense else Reason.NO_WEIGHT,
-        drag_error=float(WEIGHT_LEFT_OUT[0] @ [unseen / drag, (unseen / drag) ** 2]),
+        reason=Reason.ROPES if plan.rope else Reason.LITTLE_WEIGHT if dense else Reason.NO_WEIGHT,
+        drag_error=float(WEIGHT_LEFT_OUT[0] @ [left_out, left_out**2]),
         unseen_weight_n=unseen,
-        order=sector.order,
+        order=sector.sectors,
         meshes_round=tuple(dict.fromkeys(part.meshes_round for part in plan.netting)),
         weight_n=weight,
+        catch_weight_n=of_catch,
         least_drag_n=drag,
         accuracy=plan.model.accuracy,
         knots=knots,
@@ -129,7 +148,7 @@ def choose(plan: Plan) -> Choice:
         case "sector":
             return replace(by_sector, reason=Reason.ASKED)
         case "smeared":
-            return replace(by_sector, fidelity="smeared", reason=Reason.ASKED)
+            return replace(by_sector, fidelity="smeared", reason=Reason.ASKED, slow=False)
         case "meridian":
             return replace(by_sector, fidelity="meridian", reason=Reason.ASKED, drag_error=math.nan, slow=False)
         case "globalised":
@@ -138,28 +157,57 @@ def choose(plan: Plan) -> Choice:
         case "full":
             return all_round(1, Reason.ASKED, 0.0)
     if not by_sector.weight_matters:
-        return by_sector
+        asked_deg = plan.model.opening_accuracy_deg
+        if plan.rope and asked_deg is not None and smeared_errors(plan)[3] <= asked_deg:
+            return replace(
+                by_sector, fidelity="smeared", reason=Reason.SMEARED, drag_error=float(smeared_errors(plan)[0])
+            )
+        near = near_enough(plan)
+        return by_sector if near is None else _in_its_place(by_sector, plan, near, (weight + of_catch) / drag)
     if by_sector.weight_over_drag <= min(HEAVIEST_GLOBALISED, *(part.kind.folds_over_from for part in plan.netting)):
         globalisation, error = _largest_globalisation(plan)
         return all_round(globalisation, Reason.WEIGHT, error)
     return all_round(1, Reason.TOO_HEAVY_TO_GLOBALISE, 0.0)
 
 
-def _least_drag(plan: Plan) -> float:
-    """Drag of the smallest catch at the lowest speed, N; stagnation pressure on the entry's area if it is not found."""
-    case = min(plan.cases(), key=lambda case: (case.speed_m_s, case.catch_value))
-    drag = sector_measures(plan, case, 1).drag_n
-    area = math.pi * plan.entry_radius_m**2
-    return drag if drag > 0.0 else 0.5 * plan.tow.water_density_kg_m3 * case.speed_m_s**2 * area
+def _in_its_place(exact: Choice, plan: Plan, near: NearRatio, left_out: float) -> Choice:
+    """A sector of nearly the ratio of the counts in place of the exact one; it sees no weight."""
+    return replace(
+        exact,
+        near=near,
+        drag_error=float(DRAG_BY_MISMATCH * near.largest + WEIGHT_LEFT_OUT[0] @ [left_out, left_out**2]),
+        unseen_weight_n=exact.weight_n,
+        knots=len(build_bag(plan, near=near).net.positions),
+        slow=False,
+    )
+
+
+def _heaviest(plan: Plan, weight_n: float) -> tuple[float, float]:
+    """Weight in water and drag of the smallest or the largest catch at the lowest speed, N.
+
+    Of the two it is that which with the net weighs more over its drag. Where the drag is not found, the stagnation
+    pressure on the entry's area stands in for it.
+    """
+    slowest = min(plan.tow.speed_m_s)
+    cases = sorted((case for case in plan.cases() if case.speed_m_s == slowest), key=lambda case: case.catch_value)
+    stand_in_n = 0.5 * plan.tow.water_density_kg_m3 * slowest**2 * math.pi * plan.entry_radius_m**2
+    density = abs(catch_weight_density(plan))
+    found: list[tuple[float, float]] = []
+    # a net alone weighs most over the drag of its smallest catch
+    for case in (cases[0], cases[-1])[: 1 + int(density > 0.0 and len(cases) > 1)]:
+        measures = sector_measures(plan, case, 1)
+        drag = measures.drag_n if measures.drag_n > 0.0 else stand_in_n
+        found.append((float(np.nan_to_num(density * measures.catch_volume_m3)), drag))
+    return max(found, key=lambda pair: (weight_n + pair[0]) / pair[1])
 
 
 def _size(plan: Plan, sector: Net, globalisation: int | None) -> tuple[int, bool]:
     """Knots of a model, and whether it is slow: of the full net with so many meshes merged, or of the sector."""
-    sectors, g = (1, 1) if globalisation is None else (sector.order, globalisation)
+    sectors, g = (1, 1) if globalisation is None else (sector.sectors, globalisation)
     # all knots but the codline, which every sector has
     knots = 1 + (len(sector.positions) - 1) * sectors // g**2
     widest = max(part.meshes_round for part in plan.netting)
-    return knots, knots >= SLOW_KNOTS and widest * sectors // sector.order >= SLOW_MESHES * g
+    return knots, knots >= SLOW_KNOTS and widest * sectors // sector.sectors >= SLOW_MESHES * g
 
 
 def _largest_globalisation(plan: Plan) -> tuple[int, float]:

@@ -147,12 +147,14 @@ class _Following:
 
 def meshes_wide(bag: Bag, meshes_round: int) -> int:
     """Real meshes that a bag's sector is wide, of so many round."""
-    return meshes_round // bag.net.order
+    return round(meshes_round / bag.net.order)
 
 
 def _fitting(model: BagModel, stability: Stability) -> Iterator[tuple[int, Growth]]:
     """The narrowest sectors that growing harmonics fit, over the model's own width, each with the strongest of them."""
-    order = model.bag.net.order
+    if model.near is not None:  # a fraction of a sector has no whole number of harmonics
+        return
+    order = model.bag.net.sectors
     fitting: dict[int, Growth] = {}
     for growth in sorted(stability.growths, key=lambda growth: growth.eigenvalues[0].real):
         fitting.setdefault(order // gcd(order, growth.harmonic), growth)
@@ -166,7 +168,7 @@ def _starts(
     model: BagModel, case: Case, solution: Solution, stability: Stability
 ) -> Iterator[tuple[BagModel, int, Growth, Solution]]:
     """Models so many sectors wide, what grows there, and where to start: along it, and of the widest shaken as well."""
-    order, sectors = model.bag.net.order, model.sectors
+    order, sectors = model.bag.net.sectors, model.sectors
     for width, growth in _fitting(model, stability):
         wide = model
         if width > 1:

@@ -99,7 +99,7 @@ class Situation:
         found = self.solve(sector, self.case)
         if not found.report.outcome.converged:
             return None
-        sectors = sector.bag.net.order // self.model.bag.net.order
+        sectors = sector.bag.net.sectors // self.model.bag.net.sectors
         start = all_round_start(sector.bag, found.positions, found.bar_tension, sectors, self.model.bag)
         return replace(start, report=found.report)
 
@@ -109,16 +109,20 @@ class Situation:
 
         Weight may hide below the tolerance of single nodes.
         """
+        loading = self.problem.loading
+        heavy = loading.dead.any() or loading.catch.weight_density != 0.0
         brief = self.by_meshes and len(self.model.bag.net.corners) == 0
-        return replace(BRIEF if brief else DIRECT, least_iterations=int(self.problem.loading.dead.any()))
+        return replace(BRIEF if brief else DIRECT, least_iterations=int(heavy))
 
     def by_newton(self, problem: Problem, start: Solution | None, settings: NewtonSettings = DIRECT) -> Solution:
         """Newton's method to the plan's tolerance."""
         return newton.solve(problem, self.tolerance, start, settings, self.progress, self.model.prepared)
 
-    def through_the_interior(self, problem: Problem) -> Solution:
-        """The interior-point method to the plan's tolerance, from the crude bag the net was built as."""
-        return interior_point.solve(problem, self.tolerance, None, progress=self.progress, prepared=self.model.prepared)
+    def through_the_interior(self, problem: Problem, start: Solution | None = None) -> Solution:
+        """The interior-point method to the plan's tolerance, from a start or the crude bag the net was built as."""
+        return interior_point.solve(
+            problem, self.tolerance, start, progress=self.progress, prepared=self.model.prepared
+        )
 
     def relaxed(self, start: Solution | None) -> Solution:
         """Relaxation to the plan's tolerance."""

@@ -1,13 +1,17 @@
 """Whether an equilibrium is stable: of a sector by all its harmonics, of a full net by its tangent's eigenvalues."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from codend.bag.build import build_bag
 from codend.equilibrium.bag_model import BagModel
+from codend.equilibrium.start_shapes import set_round
+from codend.mechanics.problem import Problem
+from codend.solvers import newton
 from codend.solvers.harmonics import Growth, harmonics_of, stiffness_under_tension
 from codend.solvers.newton import TangentAtEquilibrium
-from codend.solvers.whole_tangent import WholeTangent
+from codend.solvers.whole_tangent import FIRST_EIGENVALUES, MOST_EIGENVALUES, WholeTangent
 
 
 @dataclass(frozen=True)
@@ -32,23 +36,40 @@ def stability_of(model: BagModel, tangent: TangentAtEquilibrium) -> Stability:
         grows = growth is not None and len(growth.eigenvalues) > 0
         stable = "unknown" if growth is None else "no" if grows else "yes"
         return Stability(stable, (), (growth,) if growth is not None and grows else (), scale)
+    if len(model.bag.ropes) > 0 and not model.smeared:
+        # a sector with real ropes is so wide that its harmonics cost more than the whole net does
+        return Stability(stability_of_whole(_tangent_of_whole(model, tangent), FIRST_EIGENVALUES))
     harmonics = harmonics_of(tangent.problem, tangent.solution, model.ring)
     growing = tuple(growth.harmonic for growth in harmonics.growing)
     stable = "no" if growing else "unknown" if harmonics.undecided else "yes"
     return Stability(stable, growing, harmonics.growing, scale)
 
 
-def stability_of_whole(tangent: TangentAtEquilibrium) -> str:
+def _tangent_of_whole(model: BagModel, tangent: TangentAtEquilibrium) -> TangentAtEquilibrium:
+    """The tangent of the whole net at the equilibrium of a sector, under the sector's loads."""
+    whole = replace(model, bag=build_bag(model.plan, globalisation=model.globalisation), sectors=None)
+    solution = set_round(model.bag, whole.bag, tangent.solution)
+    loading = tangent.problem.loading
+    catch = loading.catch._replace(
+        bar_band=whole.bag.bar_band,
+        facet_band=whole.bag.facet_band,
+        node_row=whole.bag.node_row,
+        row_size=loading.catch.row_size * np.where(loading.catch.row_size > 1.0, model.bag.net.order, 1.0),
+    )
+    return newton.tangent_at(Problem.of(whole.bag.net, water=loading.water, catch=catch), solution, whole.prepared)
+
+
+def stability_of_whole(tangent: TangentAtEquilibrium, most: int = MOST_EIGENVALUES) -> str:
     """Stability of a full net, or of moves that are the same in all sectors: ``yes``, ``no`` or ``unknown``."""
     if tangent.singular:
         return "unknown"
-    growth = _growth_of_whole(tangent, stiffness_under_tension(tangent.problem, tangent.solution))
+    growth = _growth_of_whole(tangent, stiffness_under_tension(tangent.problem, tangent.solution), most)
     return "unknown" if growth is None else "no" if len(growth.eigenvalues) else "yes"
 
 
-def _growth_of_whole(tangent: TangentAtEquilibrium, scale: float) -> Growth | None:
+def _growth_of_whole(tangent: TangentAtEquilibrium, scale: float, most: int = MOST_EIGENVALUES) -> Growth | None:
     """What grows of a whole net, nothing of it perhaps; None if that was not found out."""
-    found = WholeTangent.at(tangent).growing(scale)
+    found = WholeTangent.at(tangent).growing(scale, most)
     if found is None:
         return None
     eigenvalues, vectors = found

@@ -1,5 +1,7 @@
 """Shapes and tensions to start from that nobody has solved on the net itself."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from codend.bag.bag import Bag
@@ -14,7 +16,9 @@ START = SolverReport("start", Outcome.NOT_IMPROVING, 0, np.inf, np.inf, np.inf, 
 """Report of a shape that nobody has solved yet."""
 
 
-def all_round_start(sector: Bag, positions: Floats, tension: Floats, sectors: int, wider: Bag | None = None) -> Solution:
+def all_round_start(
+    sector: Bag, positions: Floats, tension: Floats, sectors: int, wider: Bag | None = None
+) -> Solution:
     """A start for a bag of several sectors, from the shape (n, 3) and tensions (m,) of one without hinges.
 
     Nodes and bars of the wider net are numbered row by row, and those that differ by whole sectors one after the other.
@@ -32,13 +36,29 @@ def all_round_start(sector: Bag, positions: Floats, tension: Floats, sectors: in
     return Solution(np.concatenate(nodes), pulls, np.zeros(sector.bands), START)
 
 
+def set_round(sector: Bag, whole: Bag, solution: Solution) -> Solution:
+    """The equilibrium of a sector with its ropes as one of the whole bag."""
+    order, abreast, anchors = sector.net.sectors, sector.abreast, len(sector.net.positions) - sector.anchors
+
+    def repeated(values: Floats) -> Floats:
+        return np.repeat(values.reshape(-1, 1, abreast, *values.shape[1:]), order, axis=1)
+
+    places = solution.positions[: anchors - 1]
+    nodes = repeated(places)
+    turned = rotate(nodes, np.broadcast_to(np.arange(order)[:, None], nodes.shape[:-1]), order).reshape(-1, 3)
+    pulls = [repeated(np.delete(solution.bar_tension, sector.ropes)).ravel()]
+    of_ropes, table = solution.bar_tension[sector.ropes], sector.rope_name // 1000
+    pulls += [np.tile(of_ropes[table == which], order) for which in np.unique(table)]
+    held = whole.net.positions[len(whole.net.positions) - whole.anchors :]
+    codline = solution.positions[anchors - 1 : anchors]
+    positions = np.concatenate([turned, codline, held])
+    return replace(solution, positions=positions, bar_tension=np.concatenate(pulls))
+
+
 def laid_out(model: BagModel, shape: MeridianShape) -> Solution:
     """Shape and tensions of the meridian method on the model's net, which has no hinges."""
     g = model.globalisation
-    sector = build_bag(
-        model.plan, globalisation=g, sectors=1, smeared=True, rows=(shape.x_m[::g], shape.radius_m[::g])
-    )
+    sector = build_bag(model.plan, globalisation=g, sectors=1, smeared=True, rows=(shape.x_m[::g], shape.radius_m[::g]))
     tension = g * tensions_on(sector, shape, g)
-    return all_round_start(
-        sector, sector.net.positions, tension, sector.net.order // model.bag.net.order, None if model.smeared else model.bag
-    )
+    sectors = sector.net.sectors // model.bag.net.sectors
+    return all_round_start(sector, sector.net.positions, tension, sectors, model.bag)

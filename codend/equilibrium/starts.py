@@ -49,6 +49,12 @@ def _from_a_sector(s: Situation) -> Solution | None:
     return _later(s.by_newton(s.problem, s.sector_all_round, s.first_settings), s.sector_all_round.report.solve_ms)
 
 
+def _from_a_sector_through_the_interior(s: Situation) -> Solution | None:
+    if s.sector_all_round is None:
+        return None
+    return s.through_the_interior(s.problem, s.sector_all_round)
+
+
 def _relaxed_from_a_sector(s: Situation) -> Solution | None:
     if s.sector_all_round is None:
         return None
@@ -120,6 +126,12 @@ A_SECTOR = Start(
     _from_a_sector,
 )
 """Led to all of 418 full nets, in 14 ms with the sector's own equilibrium."""
+SMEARED = Start(
+    "smeared ropes, through the interior",
+    lambda s: s.has_sector and len(s.plan.rope) > 0,
+    _from_a_sector_through_the_interior,
+)
+"""Ropes draw in the columns that they are laced to, and those alone: many of the bars beside them go slack."""
 CRUDE = Start(
     "a crude bag",
     lambda s: True,
@@ -173,7 +185,7 @@ RIGID_SLACK = Start(
 )
 """Led to bags of square mesh, whose rings go slack, where bars that push had not."""
 
-_BY_NEWTON = (LED, A_SECTOR, CRUDE, MERIDIAN, STEPS, CRUDE_RELAXED, HALF_A_BAG)
+_BY_NEWTON = (LED, A_SECTOR, SMEARED, CRUDE, MERIDIAN, STEPS, CRUDE_RELAXED, HALF_A_BAG)
 _BY_RELAXATION = (A_SECTOR_RELAXED, RELAXED_TO_THE_END)
 
 STARTS: Final[dict[str, tuple[Start, ...]]] = {

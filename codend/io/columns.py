@@ -50,6 +50,11 @@ ROPE_COLUMNS = ["max_rope_tension_n"]
 OF_ROPES = ["case", "rope", "number", "place_deg", "length_m", "max_tension_n", "tension_ahead_n", "slack_share"]
 """Columns of ``ropes.csv``."""
 
+REASON = "reason"
+"""Column of a study's table that says why a case was not solved."""
+TEXT_COLUMNS = ("design", "fidelity", "method", "stable", "growing_harmonics", REASON)
+"""Those of a study's table that hold text, also where no row has one."""
+
 SECTION = "section"
 PLACE = [SECTION, "meshes_from_entry"]
 """Name or number of the section, and the place in real meshes, however many are merged: of a row of knots in

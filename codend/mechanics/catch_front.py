@@ -9,7 +9,7 @@ import numpy as np
 
 from catch_models.filling import fill_by_meshes, fill_to_plane, fill_to_volume
 from codend.compiled import njit
-from codend.mechanics import drag, pressure
+from codend.mechanics import catch_weight, drag, pressure
 from codend.mechanics.images import add_turned_back
 from codend.mechanics.pressure import FILLED_MESHES, FRONT_FROM_CODLINE, Catch, area_vector, corners_of_facet
 from codend.mechanics.structure import Structure
@@ -143,8 +143,10 @@ def share_gradient(
 
 
 @njit(cache=True, error_model="numpy")
-def load_by_share(position: Floats, structure: Structure, water: Water, catch: Catch, band: int, load: Floats) -> None:
-    """Write the derivative of the nodal loads with respect to the share of a band, N, (n, 3)."""
+def load_by_share(
+    position: Floats, structure: Structure, water: Water, catch: Catch, filled: Floats, band: int, load: Floats
+) -> None:
+    """Write the derivative of the nodal loads at given shares with respect to that of the front's band, N, (n, 3)."""
     load[:] = 0.0
     # the pressure is linear in the share and the drag in 1 - share, both band by band
     share = np.ones(len(catch.band_meshes))
@@ -156,3 +158,14 @@ def load_by_share(position: Floats, structure: Structure, water: Water, catch: C
     share[:] = 0.0
     share[band] = 1.0
     pressure.add_force(position, structure, catch, share, load)
+    if catch.weight_density == 0.0:
+        return
+    height = catch_weight.front_height(position, catch, filled)
+    catch_weight.add_force_below(position, structure, catch, share, height, load)
+    # with its share the middle of the front moves from that of one ring to that of the next
+    rise = catch_weight.ring_height(position, catch, band) - catch_weight.ring_height(position, catch, band + 1)
+    by_height = np.empty_like(load)
+    catch_weight.force_by_height(position, structure, catch, filled, by_height)
+    for node in range(len(load)):
+        for i in range(3):
+            load[node, i] += rise * by_height[node, i]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics import bending, drag, points, pressure, seabed
+from codend.mechanics import bending, catch_weight, drag, points, pressure, seabed
 from codend.mechanics.points import Points
 from codend.mechanics.pressure import Catch
 from codend.mechanics.seabed import Seabed
@@ -48,6 +48,7 @@ def add_moving_force(
     drag.add_force(position, velocity, structure, loading.water, loading.catch, share, force)
     points.add_force(position, velocity, loading.points, loading.water, force)
     pressure.add_force(position, structure, loading.catch, share, force)
+    catch_weight.add_force(position, structure, loading.catch, share, force)
     seabed.add_force(position, loading.seabed, force)
 
 
@@ -55,11 +56,12 @@ def add_moving_force(
 def add_tangent(
     position: Floats, structure: Structure, loading: Loading, pattern: Pattern, share: Floats, blocks: Floats
 ) -> None:
-    """Add minus the derivative of all loads at given shares of the catch to the tangent."""
+    """Add minus the derivative of all loads to the tangent, at given shares of the catch and height of its front."""
     bending.add_tangent(position, structure, pattern, blocks)
     drag.add_tangent(position, structure, loading.water, loading.catch, pattern, share, blocks)
     points.add_tangent(position, loading.points, loading.water, pattern, blocks)
     pressure.add_tangent(position, structure, loading.catch, pattern, share, blocks)
+    catch_weight.add_tangent(position, structure, loading.catch, pattern, share, blocks)
     seabed.add_tangent(position, loading.seabed, pattern, blocks)
 
 
@@ -71,4 +73,5 @@ def add_bound(position: Floats, structure: Structure, loading: Loading, share: F
     """
     bending.add_bound(position, structure, bound)
     pressure.add_bound(position, structure, loading.catch, share, bound)
+    catch_weight.add_bound(position, structure, loading.catch, share, bound)
     seabed.add_bound(position, loading.seabed, bound)

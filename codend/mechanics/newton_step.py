@@ -15,6 +15,7 @@ from codend.compiled import njit
 from codend.mechanics.bars import add_bar_tangent, bar_vector
 from codend.mechanics.broyden import PastSteps, no_steps
 from codend.mechanics.catch_front import front_band, load_by_share, share_gradient
+from codend.mechanics.catch_weight import force_by_height, height_gradient
 from codend.mechanics.images import add_turned_back
 from codend.mechanics.loads import Loading, add_tangent
 from codend.mechanics.newton_state import State, measure
@@ -31,11 +32,11 @@ class Step(NamedTuple):
     blocks: Floats
     """Tangent, (b, 3, 3)."""
     right: Floats
-    """Right side, and the loads by the share of the front's band, (2, n, 3)."""
+    """Right side, and the loads by what moves with the front: its band's share, its height, (1 + 2, n, 3)."""
     gradient: Floats
-    """Derivative of that share, (n, 3)."""
+    """Derivatives of these, (2, n, 3)."""
     solved: Floats
-    """Solutions for the right sides, (2, n, 3)."""
+    """Solutions for the right sides, (1 + 2, n, 3)."""
     move: Floats
     """Change of the positions, (n, 3)."""
     simplified: Floats
@@ -52,9 +53,9 @@ def empty_step(structure: Structure, pattern: Pattern) -> Step:
     nodes, bars = len(structure.free), len(structure.first)
     return Step(
         np.zeros((len(pattern.row), 3, 3)),
+        np.zeros((3, nodes, 3)),
         np.zeros((2, nodes, 3)),
-        np.zeros((nodes, 3)),
-        np.zeros((2, nodes, 3)),
+        np.zeros((3, nodes, 3)),
         np.zeros((nodes, 3)),
         np.zeros((nodes, 3)),
         np.zeros(bars),
@@ -98,7 +99,7 @@ def linearise(
     """Write tangent and right sides at a state, shifted by ``shift`` times a bound on the taut net's own stiffness.
 
     Returns:
-        the number of right sides: 2 if the front's share follows the net.
+        the number of right sides: one more where the front's share follows the net, one where its height counts.
     """
     firsts, seconds, rests, flexibilities = structure.first, structure.second, structure.length, structure.flexibility
     position, density, gaps, lengths = state.position, state.density, state.gap, state.length
@@ -120,36 +121,56 @@ def linearise(
             for i in range(3):
                 blocks[diagonal[firsts[bar]], i, i] += stiffness
                 blocks[diagonal[seconds[bar]], i, i] += stiffness
-    band = front_band(loading.catch, state.share)
-    if band < 0:
-        return 1
-    share_gradient(position, structure, loading.catch, state.share, band, step.gradient)
-    load_by_share(position, structure, loading.water, loading.catch, band, step.right[1])
-    return 2
+    catch, share, sides = loading.catch, state.share, 1
+    band = front_band(catch, share)
+    if band >= 0:
+        share_gradient(position, structure, catch, share, band, step.gradient[0])
+        load_by_share(position, structure, loading.water, catch, share, band, step.right[1])
+        sides = 2
+    if catch.weight_density != 0.0:
+        height_gradient(catch, share, step.gradient[sides - 1])
+        force_by_height(position, structure, catch, share, step.right[sides])
+        sides += 1
+    return sides
 
 
 @njit(cache=True, error_model="numpy")
 def combine(solved: Floats, step: Step, move: Floats) -> float:
-    """Write the move of the nodes from the solutions of the linear system (Sherman and Morrison).
+    """Write the move of the nodes from the solutions of the linear system (Sherman, Morrison and Woodbury).
 
     Returns:
-        the factor 1 - v . K^-1 u by which the moving front changes the tangent's determinant.
+        the factor det(I - V^T K^-1 U) by which the moving front changes the tangent's determinant.
     """
     for node in range(len(move)):
         for i in range(3):
             move[node, i] = solved[0, node, i]
     if len(solved) == 1:
         return 1.0
-    gradient = step.gradient
-    along, determinant = 0.0, 1.0
+    first = step.gradient[0]
+    a, b, c, d = 1.0 - _along(first, solved[1]), 0.0, 0.0, 1.0
+    by_first, by_second = _along(first, solved[0]), 0.0
+    if len(solved) == 3:
+        second = step.gradient[1]
+        b, c, d = -_along(first, solved[2]), -_along(second, solved[1]), 1.0 - _along(second, solved[2])
+        by_second = _along(second, solved[0])
+    determinant = a * d - b * c
+    by_first, by_second = (d * by_first - b * by_second) / determinant, (a * by_second - c * by_first) / determinant
     for node in range(len(move)):
         for i in range(3):
-            along += gradient[node, i] * solved[0, node, i]
-            determinant -= gradient[node, i] * solved[1, node, i]
-    for node in range(len(move)):
-        for i in range(3):
-            move[node, i] += along / determinant * solved[1, node, i]
+            move[node, i] += by_first * solved[1, node, i]
+            if len(solved) == 3:
+                move[node, i] += by_second * solved[2, node, i]
     return determinant
+
+
+@njit(cache=True, error_model="numpy")
+def _along(gradient: Floats, move: Floats) -> float:
+    """Change of what has this gradient under a move of the nodes."""
+    change = 0.0
+    for node in range(len(move)):
+        for i in range(3):
+            change += gradient[node, i] * move[node, i]
+    return change
 
 
 @njit(cache=True, error_model="numpy")

@@ -157,7 +157,9 @@ def first_pierced(
     angle = 2.0 * math.pi / order
     cosines, sines = np.empty(sectors), np.empty(sectors)
     for turn in range(sectors):
-        cosines[turn], sines[turn] = math.cos(angle * turn), math.sin(angle * turn)
+        # each the nearer way round: with a fraction of a sector to spare the two ways differ
+        nearer = turn if 2 * turn <= sectors else turn - sectors
+        cosines[turn], sines[turn] = math.cos(angle * nearer), math.sin(angle * nearer)
     corners, boxes, planes, spans = (
         np.empty((count, 3, 3)),
         np.empty((count, 6)),

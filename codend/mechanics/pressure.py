@@ -38,6 +38,8 @@ class Catch(NamedTuple):
     """Breaks of the pressure law in theta, rad, (k + 1,)."""
     coefficients: Floats
     """Piecewise cubic net pressure coefficient, (4, k)."""
+    weight_density: float = 0.0
+    """Weight of the catch in water, N/m3, 0 where none acts; see ``catch_weight``."""
 
 
 @njit(cache=True)

@@ -23,7 +23,7 @@ class Rings(NamedTuple):
     """Image in which the node takes its place in the ring."""
 
 
-def rings_of(built: Floats, node_row: Ints, order: int) -> Rings:
+def rings_of(built: Floats, node_row: Ints, order: float) -> Rings:
     """Rings of a net by the azimuths of its knots as it was built, (n, 3), and their rows, -1 between rings, (n,)."""
     ring = np.flatnonzero(node_row >= 0)
     row = node_row[ring]
@@ -88,7 +88,7 @@ def first_crossed_ring(
         ring = np.empty((count, 3))
         for i in range(count):
             place = start[row] + i % width
-            angle = 2.0 * math.pi * ((image[place] + i // width) % sectors) / order
+            angle = 2.0 * math.pi * (image[place] + i // width) / order
             x, y, z = position[node[place], 0], position[node[place], 1], position[node[place], 2]
             cosine, sine = math.cos(angle), math.sin(angle)
             ring[i, 0], ring[i, 1], ring[i, 2] = x, cosine * y - sine * z, sine * y + cosine * z

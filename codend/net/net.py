@@ -21,8 +21,8 @@ class Net:
 
     positions: Floats
     """Shape in which the solver starts, (n, 3)."""
-    order: int
-    """Number of equal sectors all round, 1 for a full net."""
+    order: float
+    """Number of equal sectors all round, 1 for a full net; not whole where one stands for sectors nearly its like."""
     fixed: NDArray[np.bool_]
     """Coordinates that are held, (n, 3)."""
 
@@ -79,6 +79,11 @@ class Net:
     """Lift area Cl A, m2, (p,)."""
     point_lift_towards: Floats
     """Direction of its lift, of which the part across the flow counts, (p, 3)."""
+
+    @property
+    def sectors(self) -> int:
+        """Equal sectors that are set side by side to show it all round."""
+        return round(self.order)
 
     @classmethod
     def from_bars(
@@ -173,7 +178,7 @@ BAR_ARRAYS = [field.name for field in fields(Net) if field.name.startswith("bar"
 """Fields of a net that have a row a bar."""
 
 
-def rotate(points: Floats, image: NDArray[np.integer] | int, order: int) -> Floats:
+def rotate(points: Floats, image: NDArray[np.integer] | int, order: float) -> Floats:
     """Turn points (..., 3) about the x axis by ``image`` sectors of a net with ``order`` sectors all round."""
     angle = 2.0 * np.pi * np.asarray(image) / order
     cosine, sine = np.cos(angle), np.sin(angle)
@@ -269,7 +274,7 @@ def split_bars(net: Net, which: NDArray[np.bool_]) -> Net:
 
 
 def numbered_all_round(net: Net, node: Ints, image: Ints) -> Ints:
-    """Nodes of all sectors set side by side, sector by sector, (order * k, ...), from those of one and their images."""
-    sector = np.arange(net.order).reshape((-1,) + (1,) * node.ndim)
-    turned = (image[None] + sector) % net.order
+    """Nodes of all sectors side by side, sector by sector, (sectors * k, ...), from those of one and their images."""
+    sector = np.arange(net.sectors).reshape((-1,) + (1,) * node.ndim)
+    turned = (image[None] + sector) % net.sectors
     return (turned * len(net.positions) + node[None]).reshape(-1, *node.shape[1:]).astype(np.int32)

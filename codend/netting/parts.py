@@ -23,7 +23,7 @@ class Lattice:
     """Modelled (merged) meshes round of each band, (bands,)."""
     abreast: int
     """Equal sectors that are modelled side by side."""
-    order: int
+    order: float
     globalisation: int
 
     @property
@@ -130,7 +130,7 @@ class Parts:
         self.corners: list[NDArray] = []
 
     def add_bars(self, first: Corner, second: Corner, band: NDArray, is_knot: bool) -> None:
-        """Add a bar for every place of the pattern; knots carry no drag and do not stretch."""
+        """Add a bar for every place of the pattern; knots carry no drag."""
         image = np.where((first.node == self.codline) | (second.node == self.codline), 0, second.image - first.image)
         self.bars.append(np.stack([first.node, second.node, image, band, np.full_like(band, is_knot)], axis=1))
 

@@ -9,7 +9,7 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Final, Literal, Union, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt
-from pydantic import BaseModel
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from codend.errors import InputError
 
@@ -62,6 +62,47 @@ def input_errors(
     meant = meant_value(plan, location, value)
     problem = "is not allowed" + (f' (did you mean "{meant}"?)' if meant else "")
     return [InputError(file, _dotted(location[:depth]), value, allowed, problem)]
+
+
+def mistake_at(
+    plan: type[BaseModel], location: Sequence[str | int], value: object, file: str | Path, shown: str
+) -> InputError | None:
+    """What is wrong with a value at a place of a plan, whatever else the plan says; None where nothing is.
+
+    Args:
+        plan: the model of the whole plan.
+        location: parts of the key, positions as numbers.
+        value: to stand there.
+        file: that gives the value, for messages.
+        shown: the key under which it gives it.
+    """
+    annotation: Any = plan
+    for depth, part in enumerate(location):
+        if not _is_model(annotation):
+            return None  # a value of a list, which the plan's own checks take in
+        if part not in annotation.model_fields:
+            allowed = f"one of {', '.join(annotation.model_fields)}"
+            hint = _key_hint(plan, location[: depth + 1])
+            return InputError(file, shown, None, allowed, f"is not a known key of a plan{hint}")
+        annotation = _annotation_at(annotation, [part])
+        following = location[depth + 1 : depth + 2]
+        if following and isinstance(following[0], int):
+            annotation = _annotation_at(annotation, following)
+            return mistake_at(annotation, location[depth + 2 :], value, file, shown) if _is_model(annotation) else None
+    if _is_model(annotation):
+        return InputError(file, shown, None, "the key of a value in it", "is a whole table")
+    try:
+        TypeAdapter(annotation).validate_python(value)
+    except ValidationError:
+        meant = meant_value(plan, location, value)
+        problem = "is not allowed" + (f' (did you mean "{meant}"?)' if meant else "")
+        return InputError(file, shown, value, describe(annotation), problem)
+    return None
+
+
+def is_counted(plan: type[BaseModel], location: Sequence[str | int]) -> bool:
+    """Whether a plan has whole numbers at a place."""
+    return describe(_annotation_at(plan, location)).startswith("a whole number")
 
 
 def meant_key(plan: type[BaseModel], location: Sequence[str | int]) -> str | None:

@@ -15,6 +15,8 @@ MESH_SIZES: tuple[str, ...] = ("bar_mm", "mesh_mm", "inside_mesh_mm")
 """Keys of which each section of netting has exactly one."""
 TITRES: tuple[str, ...] = ("rtex", "runnage_m_kg", "twine_number")
 """Keys of which each section of netting has at most one."""
+STRAP_LENGTHS: tuple[str, ...] = ("length_m", "circumference_share")
+"""Keys of which each strap has exactly one."""
 ENTRY_SIZES: tuple[str, ...] = ("radius_m", "hanging_ratio")
 """Keys of which the entry has exactly one."""
 
@@ -32,8 +34,18 @@ def apply_overrides(data: Mapping[str, Any], overrides: Sequence[str], file: str
     Raises:
         InputError: an override is not KEY=VALUE, or its key leads into something that is no table or list.
     """
+    return apply_values(data, [parsed_override(override, file) for override in overrides], file)
+
+
+def apply_values(
+    data: Mapping[str, Any], wanted: Sequence[tuple[tuple[str, ...], Any]], file: str | Path
+) -> dict[str, Any]:
+    """``apply_overrides`` with keys in their parts and values as they are.
+
+    Raises:
+        InputError: a key leads into something that is no table or list.
+    """
     changed = deepcopy(dict(data))
-    wanted = [parsed_override(override, file) for override in overrides]
     overridden = {key for key, _ in wanted}
     for key, value in wanted:
         *parents, last = key
@@ -89,5 +101,6 @@ def _rivals(key: Sequence[str]) -> tuple[str, ...]:
         "catch": (CATCH_QUANTITIES,),
         "netting": (MESH_SIZES, TITRES),
         "entry": (ENTRY_SIZES,),
+        "strap": (STRAP_LENGTHS,),
     }
     return tuple(name for group in groups.get(key[0], ()) if key[-1] in group for name in group if name != key[-1])

@@ -33,9 +33,9 @@ _STAND_INS: Final = {
     "model": None,
     "netting.twine_mm": 1e-6,
     **{f"netting.{key}": None for key in ("name", "twines", "twine_density_kg_m3", "material", "axial_stiffness_n")},
-    **{f"netting.{key}": None for key in ("bending_stiffness_n_m2", "rest_opening_deg")},
+    **{f"netting.{key}": None for key in ("knot_axial_stiffness_n", "bending_stiffness_n_m2", "rest_opening_deg")},
     "strap.length_m": 1.0,
-    **{f"strap.{key}": None for key in ("axial_stiffness_n", "diameter_mm")},
+    **{f"strap.{key}": None for key in ("axial_stiffness_n", "diameter_mm", "density_kg_m3")},
     **{f"catch.{key}": None for key in ("coefficient", "sphere_cp_csv")},
 }
 """Good values for those that have no say in whether the netting closes and holds its catch and straps."""
@@ -140,15 +140,47 @@ class Plan(Table):
     def _straps_out_of_place(self) -> Iterator[Contradiction]:
         """Straps that lie on no row of knots, or two on one."""
         meshes_long = sum(part.meshes_long for part in self.netting)
-        for index, strap in enumerate(self.strap):
+        seen: list[float] = []
+        for index, strap in self._straps_with_table():
             key = f"strap.{index}.meshes_from_codline"
             if strap.meshes_from_codline >= meshes_long:
                 yield Contradiction(key, f"below {meshes_long}, the sum of meshes_long")
             elif self.rows_to_codline(strap.meshes_from_codline) is None:
                 halves = kinds_in_words(lambda kind: kind.staggered)
                 yield Contradiction(key, f"a row of knots: whole meshes, or half ones in {halves} netting")
-            elif strap.meshes_from_codline in [other.meshes_from_codline for other in self.strap[:index]]:
+            elif strap.meshes_from_codline in seen:
                 yield Contradiction(key, "a row that has no other strap")
+            seen.append(strap.meshes_from_codline)
+
+    def _straps_with_table(self) -> Iterator[tuple[int, Strap]]:
+        """Every strap, those that repeat one among them, with its length, and the number of its table."""
+        meshes_long = sum(part.meshes_long for part in self.netting)
+        for index, strap in enumerate(self.strap):
+            place = strap.meshes_from_codline
+            while place == strap.meshes_from_codline or place < meshes_long:
+                length_m = strap.length_m
+                if strap.circumference_share is not None:
+                    section = self._section_at(place)
+                    length_m = strap.circumference_share * section.meshes_round * section.full_mesh_m
+                own = {"meshes_from_codline": place, "length_m": length_m}
+                alone = {"circumference_share": None, "spacing_meshes": None}
+                yield index, strap.model_copy(update=own | alone)
+                if strap.spacing_meshes is None:
+                    break
+                place += strap.spacing_meshes
+
+    def _section_at(self, meshes_from_codline: float) -> Netting:
+        """The section at a place, the one nearer to the codline where two meet."""
+        for part in reversed(self.netting):
+            if meshes_from_codline <= part.meshes_long:
+                return part
+            meshes_from_codline -= part.meshes_long
+        return self.netting[0]
+
+    @property
+    def straps(self) -> tuple[Strap, ...]:
+        """Every strap with its place and length, those that repeat one among them."""
+        return tuple(strap for _, strap in self._straps_with_table())
 
     def _ropes_out_of_place(self) -> Iterator[Contradiction]:
         """Ropes that end at no row of knots, or more of them than there are meshes round."""
@@ -178,7 +210,7 @@ class Plan(Table):
     @property
     def strap_rows(self) -> tuple[int, ...]:
         """Rows from every strap to the codline."""
-        rows = (self.rows_to_codline(strap.meshes_from_codline) for strap in self.strap)
+        rows = (self.rows_to_codline(strap.meshes_from_codline) for strap in self.straps)
         return tuple(count for count in rows if count is not None)
 
     @property

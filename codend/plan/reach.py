@@ -7,7 +7,7 @@ from codend.plan.tables import Netting
 
 
 def least_radius_m(netting: Sequence[Netting], entry_radius_m: float, rows_to_codline: int) -> float:
-    """Radius to which a row of knots can be drawn in from the entry, whatever pulls, m; 0 where twine stretches.
+    """Radius to which a row of knots can be drawn in from the entry, whatever pulls, m; 0 where twine or knots stretch.
 
     From a ring of radius r a flat bar b reaches in to r', the lesser root of  b^2 = r^2 + r'^2 - 2 r r' cos(g),  where
     its ends differ in azimuth by g: by half a mesh pi/N, in T90 netting by as much less as the knots take at either
@@ -25,7 +25,7 @@ def least_radius_m(netting: Sequence[Netting], entry_radius_m: float, rows_to_co
     for part in netting:
         across_m = 0.0 if joined else part.knot_across_m
         for _ in range(min(rows, part.rows_per_mesh * part.meshes_long)):
-            if part.axial_stiffness_n is not None or radius <= part.bar_m + part.knot_m:
+            if part.stretches or radius <= part.bar_m + part.knot_m:
                 return 0.0
             # the nearest that the aft ring may come tells the most that its knots take, and so the least turn
             turn = math.pi / part.meshes_round if part.kind.staggered and not joined else 0.0

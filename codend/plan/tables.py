@@ -12,7 +12,7 @@ from pydantic import AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Strict
 
 from codend.plan.kinds import KINDS, Kind, MeshName
 from codend.plan.messages import Contradiction
-from codend.plan.overrides import CATCH_QUANTITIES, ENTRY_SIZES, MESH_SIZES, TITRES, CatchKind
+from codend.plan.overrides import CATCH_QUANTITIES, ENTRY_SIZES, MESH_SIZES, STRAP_LENGTHS, TITRES, CatchKind
 from codend.plan.twines import DENSITY_KG_M3, THICKNESS_MM, MaterialName, rtex_of_number, solid_diameter_m, thickness_mm
 
 Number = Annotated[float, Strict(), AllowInfNan(False)]
@@ -86,6 +86,8 @@ class Netting(Table):
     """None: that of the material; without one, the twine is taken as neutrally buoyant and wet weight is left out."""
     axial_stiffness_n: Annotated[Number, Gt(0), Le(1e9)] | None = None
     """EA of one bar, N; None: inextensible."""
+    knot_axial_stiffness_n: Annotated[Number, Gt(0), Le(1e9)] | None = None
+    """EA of a knot, N; None: knots do not stretch, however soft the twine."""
     bending_stiffness_n_m2: Annotated[Number, Ge(0), Le(100)] = 0.0
     """EI of one bar, N m^2."""
     rest_opening_deg: Annotated[Number, Ge(0), Lt(180)] = 20.0
@@ -99,6 +101,8 @@ class Netting(Table):
         self._check_twine()
         if self.kind.knots == "none" and self.knot_m > 0:
             raise Contradiction("knot_mm", f"0 for {self.kind.words} mesh")
+        if self.knot_axial_stiffness_n is not None and self.knot_mm == 0:
+            raise Contradiction("knot_axial_stiffness_n", "only with knot_mm above 0, without which there is no knot")
         if self.bar_m <= 0:
             size, knots, many = ("mesh_mm", 2, "two knots") if self.mesh_mm else ("inside_mesh_mm", 1, "a knot")
             raise Contradiction(size, f"more than {many}, {1000 * knots * self.knot_m:g} mm")
@@ -147,6 +151,11 @@ class Netting(Table):
     def knot_m(self) -> float:
         """Knot length l along the netting's N-direction, m."""
         return self.knot_mm / 1000
+
+    @property
+    def stretches(self) -> bool:
+        """Whether its twine or its knots do."""
+        return self.axial_stiffness_n is not None or self.knot_axial_stiffness_n is not None
 
     @property
     def crossing_m(self) -> float:
@@ -259,18 +268,40 @@ class Netting(Table):
 class Strap(Table):
     """A round strap: a rope ring on a row of knots that bounds its radius and is slack where the net is narrower.
 
-    It is laid through the knots and does not slide. Its drag is that of its whole length, slack or tight; its weight is
-    left out.
+    It is laid through the knots and does not slide. Its drag is that of its whole length, slack or tight.
     """
 
     meshes_from_codline: Annotated[Number, Gt(0)]
     """A row of knots: half meshes count in diamond and T90 netting."""
-    length_m: Annotated[Number, Gt(0), Le(1000)]
-    """The whole way round."""
+    length_m: Annotated[Number, Gt(0), Le(1000)] | None = None
+    """The whole way round; ``around_m`` of the straps of ``Plan.straps``, however the plan gives it."""
+    circumference_share: Annotated[Number, Gt(0), Le(1)] | None = None
+    """The same over the stretched meshes round the netting there."""
+    spacing_meshes: Annotated[Number, Ge(0.5)] | None = None
+    """Distance to the next such strap, and so on as far as the entry; None: a single one."""
     axial_stiffness_n: Annotated[Number, Gt(0), Le(1e9)] | None = None
     """EA of the rope, N; None: inextensible."""
     diameter_mm: Annotated[Number, Gt(0), Le(500)] | None = None
     """None: its drag is left out."""
+    density_kg_m3: Annotated[Number, Ge(100), Le(20_000)] | None = None
+    """Of its material; None: that of the water."""
+
+    @model_validator(mode="after")
+    def _has_a_size(self) -> Self:
+        if self.density_kg_m3 is not None and self.diameter_mm is None:
+            raise Contradiction("density_kg_m3", "only with diameter_mm, without which the strap has no weight")
+        return self
+
+    @model_validator(mode="after")
+    def _has_one_length(self) -> Self:
+        _exactly_one(self, STRAP_LENGTHS)
+        return self
+
+    @property
+    def around_m(self) -> float:
+        """Length the whole way round, m."""
+        assert self.length_m is not None
+        return self.length_m
 
     @property
     def diameter_m(self) -> float:

@@ -8,19 +8,24 @@ from codend.equilibrium.fidelity import Choice, Reason
 def reason_text(choice: Choice) -> str:
     """Why the model was chosen, and what it costs in accuracy and time."""
     g = choice.globalisation
-    weighed = (
-        f"wet weight {choice.weight_n:.3g} N, {100.0 * choice.weight_over_drag:.2g} % of the drag of the smallest catch"
-    )
+    weighed = _weighed(choice)
     match choice.reason:
         case Reason.ASKED:
             said = f"Asked for: {_model(choice)}"
-            if choice.weight_matters and choice.unseen_weight_n > 0.0:
+            if choice.weight_matters and not choice.sees_weight:
                 said += f"; it leaves out the wet weight, which here matters ({weighed})"
+        case Reason.ROPES:
+            said = f"The plan is the same all round but for equal ropes: {_sector(choice)}, as they repeat, is exact"
+        case Reason.SMEARED:
+            said = (
+                "Ropes smeared over all meshes round are near enough for the accuracy in opening that is asked for: "
+                f"one mesh is a sector, which costs {100.0 * choice.drag_error:.2g} % in drag"
+            )
         case Reason.NO_WEIGHT:
-            light = "no twine density is given, so wet weight is left out"
-            said = f"The plan is the same all round and {light}: {_sector(choice)} is exact"
+            light = "no twine density is given, so wet weight is left out, and the catch is as dense as the water"
+            said = f"The plan is the same all round and {light}: {_sector_enough(choice)}"
         case Reason.LITTLE_WEIGHT:
-            said = f"The plan is the same all round and {weighed}, is negligible: {_sector(choice)} is exact"
+            said = f"The plan is the same all round and {weighed}, is negligible: {_sector_enough(choice)}"
         case Reason.WEIGHT | Reason.TOO_HEAVY_TO_GLOBALISE:
             model = f"the full net, {g} x {g} meshes merged into one" if g > 1 else "the full net"
             cost = (
@@ -32,11 +37,22 @@ def reason_text(choice: Choice) -> str:
     return f"{said}.{_time(choice)}"
 
 
+def _weighed(choice: Choice) -> str:
+    """What net and catch weigh in water, over the drag."""
+    share = f"{100.0 * choice.weight_over_drag:.2g} % of the drag"
+    if choice.catch_weight_n == 0.0:
+        return f"wet weight {choice.weight_n:.3g} N, {share} of the smallest catch"
+    net = f" and of the net {choice.weight_n:.3g} N" if choice.weight_n > 0.0 else ""
+    return f"wet weight of the catch {choice.catch_weight_n:.3g} N{net}, {share} at the lowest speed"
+
+
 def _model(choice: Choice) -> str:
     g = choice.globalisation
     match choice.fidelity:
         case "sector":
             return _sector(choice)
+        case "smeared":
+            return "a sector one mesh wide with its share of the ropes"
         case "meridian":
             return "the netting as a membrane, the same all round"
         case "globalised":
@@ -54,6 +70,20 @@ def _sector(choice: Choice) -> str:
     return f"one of {choice.order} equal sectors{meshes} of the real net"
 
 
+def _sector_enough(choice: Choice) -> str:
+    """That the sector is exact, or why another stands for it and what that costs."""
+    near = choice.near
+    if near is None:
+        return f"{_sector(choice)} is exact"
+    stands_for = [near.order * columns for columns in dict.fromkeys(near.columns)]
+    round_ = _listed([f"{count:.1f}" for count in stands_for])
+    return (
+        f"{_sector(choice)} would be exact, but take minutes; in its place stands one {_listed(near.columns)} meshes "
+        f"wide, as of {round_} meshes round, which takes seconds and costs about {100.0 * choice.drag_error:.2g} % "
+        f"in drag where {100.0 * choice.accuracy:g} % is allowed"
+    )
+
+
 def _time(choice: Choice) -> str:
     """What a large model costs in time; empty for others."""
     if not choice.slow:
@@ -63,6 +93,6 @@ def _time(choice: Choice) -> str:
     return f" Its {choice.knots} knots take seconds to minutes a case{narrower}."
 
 
-def _listed(counts: Sequence[int]) -> str:
-    *others, last = map(str, counts)
+def _listed(counts: Sequence[object]) -> str:
+    *others, last = map(str, dict.fromkeys(counts))
     return f"{', '.join(others)} and {last}" if others else last

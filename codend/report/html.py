@@ -111,9 +111,13 @@ def notes(study: Study) -> list[str]:
             "without slack: the joint is no wider than the fewer meshes, with the shorter bar, pulled fully open."
         )
     if study.plan.catch_density_kg_m3 != study.plan.tow.water_density_kg_m3:
-        found.append("The catch's density gives its mass; its own weight in water does not act on the net.")
+        acts = "presses on the netting" if study.choice.sees_weight else "is left out of this model, as its errors tell"
+        found.append(f"The catch is not as dense as the water: its own weight in water {acts}.")
     if any(section.density_kg_m3 is None for section in study.plan.netting):
         found.append("Twine whose density the plan does not give is taken as neutrally buoyant.")
+    rigid = [s for s in study.plan.netting if s.knot_m > 0.0 and s.knot_axial_stiffness_n is None]
+    if any(section.axial_stiffness_n is not None for section in rigid):
+        found.append("Knots do not stretch where the plan gives no knot_axial_stiffness_n, however soft the twine.")
     return found
 
 

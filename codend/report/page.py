@@ -140,10 +140,15 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
     folder.mkdir(parents=True, exist_ok=True)
     copy = plan_toml(study.plan)
     remove_run(folder, but_tables_of=copy)
-    tables = {"results.csv": study.table, "profile.csv": study.profile, "meshes.csv": study.meshes}
+    tables = {
+        "results.csv": study.table,
+        "profile.csv": study.profile,
+        "meshes.csv": study.meshes,
+        "ropes.csv": study.ropes,
+    }
     writers: dict[Path, Callable[[Path], None]] = {folder / "plan.toml": partial(write_text, copy)}
     for name, table in tables.items():
-        if name == "meshes.csv" and table.empty:
+        if name in ("meshes.csv", "ropes.csv") and table.empty:
             (folder / name).unlink(missing_ok=True)
         else:
             writers[folder / name] = partial(write_table, table)

@@ -54,8 +54,8 @@ def net_picture(result: CaseResult) -> "Figure":
 
     most = 10.0 * np.ceil(np.nanmax(result.meshes.opening_deg) / 10.0)
     colours = ScalarMappable(Normalize(0.0, most), colormaps["viridis"])
-    opening = np.tile(result.meshes.opening_deg, result.net.order)
-    in_catch = np.tile(result.meshes.pressure_pa > 0.0, result.net.order)
+    opening = np.tile(result.meshes.opening_deg, result.net.sectors)
+    in_catch = np.tile(result.meshes.pressure_pa > 0.0, result.net.sectors)
     front = result.solution.front_row
     entry_ring, front_ring, *straps = (
         _ring(result, sectors, row) @ _screen_axes() for row in (0, round(front), *_strap_rows(result.bag))
@@ -135,7 +135,7 @@ def _draw_meshes(
 
 def _ring(result: CaseResult, sectors: WholeBag, row: int) -> Floats:
     """Nodes of a row of knots in order round the axis, the first one again at the end, (k + 1, 3)."""
-    ring = sectors.positions[np.tile(result.bag.node_row, result.net.order) == row]
+    ring = sectors.positions[np.tile(result.bag.node_row, result.net.sectors) == row]
     y, z = ring[:, 1] - ring[:, 1].mean(), ring[:, 2] - ring[:, 2].mean()
     return ring[np.append(order := np.argsort(np.arctan2(z, y)), order[0])]
 

@@ -11,6 +11,7 @@ from codend.io.files import SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_
 from codend.report.html import PageFigure
 from codend.report.own_look import own_look
 from codend.report.selectivity_plots import catch_plot, history_plot, mesh_plot, retention_plot, sensitivity_plot
+from codend.report.selectivity_words import answers, field_notes, notes
 from codend.report.style import column_text, png
 from codend.report.together_plot import together_plot
 from codend.selectivity.escape.predict import Prediction
@@ -48,11 +49,12 @@ PLOTS: dict[str, tuple[Callable[[Sequence[Prediction]], Figure], str]] = {
 COLUMNS = {
     "catch_volume_m3": ("Catch volume", "m³"),
     "opening_ahead_deg": ("Opening ahead", "degrees"),
-    "l50_cm": ("L50", "cm"),
-    "sr_cm": ("SR", "cm"),
-    "l50_logit_cm": ("L50 of logit", "cm"),
-    "l50_lower_95_cm": ("lower 95 %", "cm"),
-    "l50_upper_95_cm": ("upper 95 %", "cm"),
+    "haul_l50_logit_cm": ("L50 of a trial: logit of a haul that ends with it", "cm"),
+    "haul_sr_logit_cm": ("SR of such a trial", "cm"),
+    "haul_l50_cm": ("L50 of that haul, computed curve", "cm"),
+    "haul_sr_cm": ("SR of that haul", "cm"),
+    "l50_cm": ("L50 of fish that meet it, computed curve", "cm"),
+    "sr_cm": ("SR of those fish", "cm"),
 }
 TOGETHER = (
     "Predicted and fitted together. Left: retention of the computed haul, the curve fitted to the trial and the shares "
@@ -72,14 +74,17 @@ _SECTION = """{{ start }}
 <h2>Selectivity</h2>
 <p class="quiet">Predicted from the computed openings of the meshes ahead of the catch and the sections of fish; no
 trial enters but where it is said.</p>
-<div class="notes"><ul>{% for note in notes %}<li>{{ note }}</li>{% endfor %}</ul></div>
+{% for answer in answers %}<p><strong>{{ answer }}</strong></p>
+{% endfor %}{% for figure in figures[:1] %}<figure><img src="{{ figure.source }}" alt="{{ figure.caption }}">
+<figcaption>{{ figure.caption }}</figcaption></figure>
+{% endfor %}<div class="notes"><ul>{% for note in notes %}<li>{{ note }}</li>{% endfor %}</ul></div>
 <div class="wide"><table><thead><tr><th class="words">Species</th><th>Case</th>
 {% for name, unit in heads %}<th>{{ name }}<span class="unit">{{ unit }}</span></th>{% endfor %}</tr></thead><tbody>
 {% for row in rows %}<tr><td class="words">{{ row[0] }}</td>
 {% for cell in row[1:] %}<td>{{ cell }}</td>{% endfor %}</tr>
 {% endfor %}</tbody></table></div>
 {% for note in field_notes %}<p>{{ note }}</p>
-{% endfor %}{% for figure in figures %}<figure><img src="{{ figure.source }}" alt="{{ figure.caption }}">
+{% endfor %}{% for figure in figures[1:] %}<figure><img src="{{ figure.source }}" alt="{{ figure.caption }}">
 <figcaption>{{ figure.caption }}</figcaption></figure>
 {% endfor %}{{ end }}
 """
@@ -148,10 +153,12 @@ def section_html(
     predictions: Sequence[Prediction], figures: Sequence[PageFigure], together: Sequence[Together] = ()
 ) -> str:
     """The section of the report, everything from species files escaped."""
+    import pandas as pd
     from jinja2 import Environment, StrictUndefined
     from markupsafe import Markup
 
     table = selectivity_table(predictions)
+    table = pd.concat([table[table["case"] == HAUL], table[table["case"] != HAUL]])
     columns = [column_text(table[name].to_numpy(dtype=float), digits=4) for name in COLUMNS]
     cases = ["whole haul" if case == HAUL else case for case in table["case"]]
     return (
@@ -160,6 +167,7 @@ def section_html(
         .render(
             start=Markup(START),
             end=Markup(END),
+            answers=answers(predictions),
             notes=notes(predictions),
             field_notes=field_notes(together),
             heads=list(COLUMNS.values()),
@@ -169,60 +177,10 @@ def section_html(
     )
 
 
-def notes(predictions: Sequence[Prediction]) -> list[str]:
-    """What a reader must know before using the numbers."""
-    found = []
-    for species in {id(p.species): p.species for p in predictions}.values():
-        if species.assumed:
-            found.append(f"{species.name}: assumed, not measured: {', '.join(species.assumed)}.")
-    for one in predictions:
-        early = one.haul.time(one.species)[0]
-        if len(one.haul.catches) == 1:
-            found.append(f"{one.species.name}: a single catch was computed, and stands for the whole haul.")
-        elif early > 0.1:
-            found.append(
-                f"{one.species.name} at {one.haul.speed_m_s:g} m/s: {early:.0%} of the haul comes before the smallest "
-                "catch computed, and is given its openings."
-            )
-    return found
-
-
-def field_notes(together: Sequence[Together]) -> list[str]:
-    """What the trial is, and what was calibrated on it."""
-    found = []
-    for one in together[:1]:
-        data, kind = one.trial.data, "simulated" if one.trial.simulated else "counted in the field"
-        fish = int(one.fish.sum())
-        found.append(
-            f"Trial: {Path(data.source).name}, {data.design}, hauls: {len(data.haul_names)}, {fish} fish {kind}."
-        )
-        if not one.trial.fit.converged:
-            found.append(f"No curve was fitted to it: {one.trial.fit.pooled.outcome.value}.")
-        if one.calibration is not None:
-            numbers = zip(
-                one.calibration.names,
-                one.calibration.values,
-                one.calibration.lower_95,
-                one.calibration.upper_95,
-                one.calibration.identified,
-                strict=True,
-            )
-            said = [
-                f"{name} {value:.3g} (95 % {lower:.3g} to {upper:.3g})" + " not identified" * (not known)
-                for name, value, lower, upper, known in numbers
-            ]
-            values = f"{'; '.join(said)}; " if one.calibration.explains else ""
-            fit = f"deviance {one.calibration.deviance:.4g} on {one.calibration.degrees_of_freedom} degrees of freedom"
-            found.append(
-                f"Calibrated on it: {values}{one.calibration.message}; {fit}, p = {one.calibration.p_value:.2g}."
-            )
-    return found
-
-
 def with_section(page: str, section: str) -> str:
-    """A page with the section in the place of an earlier one, or before how it was solved, or at the end."""
+    """A page with the section as the first of the page, above the mechanics, or at the end of a page without others."""
     page = re.sub(f"{re.escape(START)}.*?{re.escape(END)}\n?", "", page, flags=re.DOTALL)
-    for mark in ("<h2>How each case was solved</h2>", "<h2>Inputs</h2>", "</body>"):
+    for mark in ("<h2", "</body>"):
         if mark in page:
             before, after = page.split(mark, 1)
             return f"{before}{section}{mark}{after}"

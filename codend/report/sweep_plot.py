@@ -18,6 +18,8 @@ PANELS = {
 """Columns of the panels and what stands beside their axes."""
 MOST_NAMED = 12
 """Most runs that are named; of more, the names are evenly spread."""
+MOST_DRAWN = 200
+"""Most runs of a study that are drawn, evenly spread."""
 
 
 def sweep_figure(table: pd.DataFrame, labels: dict[int, str]) -> "Figure":

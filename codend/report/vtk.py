@@ -74,10 +74,10 @@ def net_mesh(result: CaseResult) -> "meshio.Mesh":
     }
     no_value = np.full(len(whole.bars), np.nan)
     cell_data = {
-        name: [no_value] + [np.tile(values, net.order)[which] for which, _ in polygons]
+        name: [no_value] + [np.tile(values, net.sectors)[which] for which, _ in polygons]
         for name, values in of_meshes.items()
     }
-    cell_data["tension_n"][0] = np.tile(result.bar_tension_n, net.order)
+    cell_data["tension_n"][0] = np.tile(result.bar_tension_n, net.sectors)
     cells = [("line", whole.bars)]
     cells += [(CELL_OF_CORNERS.get(corners.shape[1], "polygon"), corners) for _, corners in polygons]
     return meshio.Mesh(whole.positions, cells, cell_data=cell_data)

@@ -57,7 +57,7 @@ class Growth:
 class Harmonics:
     """What grows of an equilibrium of a sector."""
 
-    order: int
+    order: float
     growing: tuple[Growth, ...]
     undecided: tuple[int, ...]
     """Harmonics whose eigenvalues were not found."""
@@ -90,7 +90,7 @@ def stiffness_under_tension(problem: Problem, solution: Solution) -> float:
 
 def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
     """What grows by the tangent that was gathered last; ``scale`` is a stiffness, N/m, of the net's order of size."""
-    asked = np.arange(ring.order // 2 + 1)
+    asked = np.arange(int(ring.order // 2) + 1)
     if not np.isfinite(ring.step.blocks).all():
         return Harmonics(ring.order, (), tuple(asked.tolist()))
     negative = negative_pivots(ring, asked, np.zeros(len(asked)))

@@ -15,6 +15,9 @@ from codend.solvers.outcome import Outcome
 
 LARGEST_TURN = 0.5 * math.pi
 """Turn about its axis, from entry to codline, up to which a net is not wrung, rad."""
+GATHERED = 0.25
+"""Of the shortest bar: depth up to which the last mesh of a net with ropes touches itself. Ropes shorter than netting
+fold it where the codline gathers it."""
 DEEPEST = 0.1
 """Of the shortest bar; see ``touching_m``."""
 _IMPOSSIBLE = {
@@ -57,12 +60,17 @@ def passage(problem: Problem, position: Floats, gathered: bool = True) -> Refusa
         round_axis = _rings(problem, position, touching)
         if round_axis is not None:
             return round_axis
-    bar, facet = first_pierced(position, *_sheet(problem, gathered), touching)
+    bar, facet = first_pierced(position, *_sheet(problem, 0 if gathered else 1), touching)
     if bar < 0:
         return None
     if not gathered:
         return Refusal(Outcome.PASSED_THROUGH, "a bar pierces the netting")
     band, met = catch.bar_band[bar] + 1, catch.facet_band[facet] + 1
+    if problem.structure.is_rope.any() and min(band, met) >= problem.bands - 1:
+        deeper = GATHERED * float(problem.structure.length.min())
+        ahead = first_pierced(position, *_sheet(problem, 2), touching)[0]
+        if ahead < 0 and first_pierced(position, *_sheet(problem), deeper)[0] < 0:
+            return None
     return Refusal(Outcome.PASSED_THROUGH, f"a bar of band {band} pierces band {met} of {problem.bands}")
 
 
@@ -71,7 +79,7 @@ def layers_touch(problem: Problem, position: Floats) -> bool:
     touching = TOUCHING * float(problem.structure.length.min())
     if problem.loading.catch.row_size.any() and _rings(problem, position, touching) is not None:
         return True
-    return bool(first_pierced(position, *_sheet(problem, True), touching)[0] >= 0)
+    return bool(first_pierced(position, *_sheet(problem), touching)[0] >= 0)
 
 
 def touching_m(problem: Problem) -> float:
@@ -108,12 +116,12 @@ def told(outcome: Outcome, refused: Refusal | None) -> str:
     return outcome.value if refused is None or refused.outcome is not outcome else f"{outcome.value} ({refused.where})"
 
 
-def _sheet(problem: Problem, gathered: bool) -> tuple:
-    """Bars and facets as ``first_pierced`` takes them; without those that end at the codline if not ``gathered``."""
-    s = problem.structure
-    if gathered:
+def _sheet(problem: Problem, left_out: int = 0) -> tuple:
+    """Bars and facets as ``first_pierced`` takes them, without those of the last so many bands before the codline."""
+    s, catch = problem.structure, problem.loading.catch
+    if left_out == 0:
         return s.first, s.second, s.image, s.facets, s.facet_image, s.facet_weight, s.order
-    last, catch = problem.bands - 1, problem.loading.catch
-    bars, facets = np.flatnonzero(catch.bar_band < last), np.flatnonzero(catch.facet_band < last)
+    end = problem.bands - left_out
+    bars, facets = np.flatnonzero(catch.bar_band < end), np.flatnonzero(catch.facet_band < end)
     of_facets = s.facets[facets], s.facet_image[facets], s.facet_weight[facets]
     return s.first[bars], s.second[bars], s.image[bars], *of_facets, s.order

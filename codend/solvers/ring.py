@@ -34,7 +34,8 @@ class Ring:
     """
 
     def __init__(self, structure: Structure, bands: int) -> None:
-        self.order = int(structure.order)
+        whole = structure.order.is_integer()
+        self.order = int(structure.order) if whole else structure.order
         self.pattern = pattern_of(structure, by_image=True)
         self.state, self.step = empty_state(structure, bands), empty_step(structure, self.pattern)
         self._gathered: Floats | None = None
@@ -143,7 +144,7 @@ class Ring:
             np.add.at(band, (half + row - column, column), value)
         front = None
         if harmonic == 0 and self.fronted:
-            front = self._of_harmonic_0(self.step.right[1]), self._of_harmonic_0(self.step.gradient)
+            front = self._of_harmonic_0(self.step.right[1]), self._of_harmonic_0(self.step.gradient[0])
         return HarmonicTangent(band, front)
 
     @property

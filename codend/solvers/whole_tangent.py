@@ -64,7 +64,7 @@ class WholeTangent:
         whole: Floats = self.matrix.toarray() - self.load.T @ self.gradient
         return whole
 
-    def growing(self, scale: float) -> tuple[Complex, Complex] | None:
+    def growing(self, scale: float, most: int = MOST_EIGENVALUES) -> tuple[Complex, Complex] | None:
         """Eigenvalues of K with negative real parts, those that were met first, and their vectors, (unknowns, k).
 
         None of either where none has; None if that was not found out. Those nearest to a lower bound of the symmetric
@@ -73,6 +73,7 @@ class WholeTangent:
 
         Args:
             scale: a stiffness of the net's order of size, N/m.
+            most: eigenvalues found at a time before the answer is None.
         """
         stable = np.zeros(0, dtype=complex), np.zeros((self.size, 0), dtype=complex)
         if not np.isfinite(self.matrix.data).all():
@@ -87,7 +88,7 @@ class WholeTangent:
         if self.size <= DENSE:
             return _with_negative_real_parts(*np.linalg.eig(self.dense()))
         centre, wanted = self._lower_bound(scale), min(expected, FIRST_EIGENVALUES)
-        while centre is not None and wanted <= MOST_EIGENVALUES:
+        while centre is not None and wanted <= most:
             found = self._nearest(centre, wanted)
             if found is None:
                 return None

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from codend.bag.bag import Bag, real_tensions
 from codend.bag.measures import Measures, Meshes, Rows
 from codend.equilibrium.accuracy import Errors
-from codend.equilibrium.following import Followed
+from codend.equilibrium.following import NOT_FOLLOWED, Followed
 from codend.equilibrium.stability import Stability
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Net
@@ -26,11 +26,11 @@ class CaseResult:
     """How far the measures may be off."""
     stability: Stability | None
     """Whether the net stays as it is; None where the case was not solved."""
-    followed: Followed
-    """What became of what grows of it."""
     rows: Rows | None
     """None where the case was not solved."""
     meshes: Meshes | None
+    followed: Followed = NOT_FOLLOWED
+    """What became of what grows of it."""
 
     @property
     def net(self) -> Net:

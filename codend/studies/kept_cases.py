@@ -28,7 +28,12 @@ class KeptCases:
     def __init__(self, plan: Plan, choice: Choice, folder: Path) -> None:
         self.count = 0
         self._plan, self._choice, self._folder = plan, choice, folder
-        self._texts: dict[str, dict[int, str]] = {"results.csv": {}, "profile.csv": {}, "meshes.csv": {}}
+        self._texts: dict[str, dict[int, str]] = {
+            "results.csv": {},
+            "profile.csv": {},
+            "meshes.csv": {},
+            "ropes.csv": {},
+        }
         self._begun, self._spent_s, self._written = monotonic(), 0.0, 0
 
     def add(self, result: CaseResult) -> None:
@@ -39,8 +44,14 @@ class KeptCases:
         """
         before = monotonic()
         one = Study(self._plan, self._choice, (result,))
-        for name, table in (("results.csv", one.table), ("profile.csv", one.profile), ("meshes.csv", one.meshes)):
-            if name != "meshes.csv" or not table.empty:
+        tables = {
+            "results.csv": one.table,
+            "profile.csv": one.profile,
+            "meshes.csv": one.meshes,
+            "ropes.csv": one.ropes,
+        }
+        for name, table in tables.items():
+            if name not in ("meshes.csv", "ropes.csv") or not table.empty:
                 self._texts[name][result.case.number] = table_text(table)
         self.count += 1
         if self._spent_s < _FREE_S + _SHARE * (before - self._begun):

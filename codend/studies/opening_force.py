@@ -155,7 +155,7 @@ def pull_mesh(
             converged=True,
         )
     found: list[Pull] = []
-    for sectors in _widths(bag.net.order):
+    for sectors in _widths(bag.net.sectors):
         start = all_round_start(bag, solution.positions, solution.bar_tension, sectors)
         pulled = _pulled(plan, sectors, row, start, pull, progress)
         attempts += tuple(f"{sectors} of {bag.net.order} sectors: {line}" for line in pulled.attempts)

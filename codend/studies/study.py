@@ -19,11 +19,13 @@ from codend.equilibrium.accuracy import Errors
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
 from codend.equilibrium.following import LYING_ON_ITSELF, NOT_FOLLOWED, follow
+from codend.equilibrium.room import check_room, too_little
 from codend.equilibrium.stability import Stability, stability_of
 from codend.equilibrium.wrinkles import changed_by_wrinkles, within_accuracy
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
 from codend.solvers import newton
+from codend.solvers.memory import free_bytes
 from codend.solvers.outcome import Progress, Solution, SolverReport
 from codend.solvers.refusal import layers_touch
 from codend.studies.case_result import CaseResult
@@ -69,12 +71,20 @@ class Study:
 
         return tables.mesh_table(self.plan, self.cases)
 
+    @cached_property
+    def ropes(self) -> "pd.DataFrame":
+        """``ropes.csv``: a row a rope along the netting of a case; empty of plans without."""
+        from codend.studies import tables
+
+        return tables.rope_table(self.plan, self.cases)
+
 
 def solve(
     plan: Plan,
     progress: StudyProgress | None = None,
     choice: Choice | None = None,
     keep: Callable[[CaseResult], None] | None = None,
+    near: Study | None = None,
 ) -> Study:
     """Solve every case of a plan.
 
@@ -83,12 +93,14 @@ def solve(
         progress: called before and during every case.
         choice: the model, where ``fidelity.choose`` has been asked already.
         keep: called with every case as it is done, in the order they are solved in.
+        near: a study of a plan much like this one: where its net has the same bars, its equilibria lead to the first.
 
     Returns:
         A study; a case that failed is in it, not converged, its numbers nan.
 
     Raises:
         InputError: the plan asks for what its netting does not allow.
+        TooLittleMemory: the model does not fit into memory; which merged net would is told.
     """
     choice = fidelity.choose(plan) if choice is None else choice
     if choice.fidelity == "meridian":
@@ -98,9 +110,12 @@ def solve(
             if keep is not None:
                 keep(result)
         return Study(plan, choice, tuple(done_cases))
-    model = model_of(plan, choice.globalisation, choice.sectors, choice.fidelity == "smeared")
+    check_room(plan, choice)
+    smeared = choice.fidelity == "smeared"
+    model = model_of(plan, choice.globalisation, choice.sectors, smeared, choice.near)
     cases = plan.cases()
     known: list[tuple[Case, Solution]] = []
+    neighbours = _equilibria_of(near, model)
     results: dict[int, CaseResult] = {}
     # by growing catch, whatever the plan's order: each equilibrium leads to the next
     for done, case in enumerate(sorted(cases, key=lambda case: (case.speed_m_s, case.catch_value))):
@@ -111,10 +126,15 @@ def solve(
 
         if progress is not None:
             progress(done, len(cases), f"case {case.number}")
-        problem, solution = equilibrium.solve(model, case, known, report)
+        try:
+            problem, solution = equilibrium.solve(model, case, known or neighbours, report)
+        except MemoryError:
+            raise too_little(plan, choice, free_bytes()) from None
         result = measured(model.bag, case, problem, solution)
         if result.converged:
             known.append((case, solution))
+            if progress is not None:
+                progress(done, len(cases), f"case {case.number}: its stability and errors")
             result = _judged(model, result, choice.unseen_weight_n, report)
         results[case.number] = result
         if keep is not None:
@@ -137,7 +157,7 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     errors = accuracy.estimate(model, case, tangent, result.measures, unseen_weight_n, changed)
     followed = replace(NOT_FOLLOWED, folds=True, reason=LYING_ON_ITSELF) if touching else NOT_FOLLOWED
     result = replace(result, errors=errors, stability=stability, followed=followed)
-    if stability.stable != "no" or plan.model.wrinkles is False or plan.model.bars_per_side > 1:
+    if stability.stable != "no" or plan.model.wrinkles is False or plan.model.bars_per_side > 1 or plan.rope:
         return result
     if plan.model.wrinkles == "auto" and within_accuracy(plan, result.measures, errors):
         return result
@@ -159,13 +179,24 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     return replace(found, errors=errors, stability=shape.stability, followed=followed)
 
 
+def _equilibria_of(near: Study | None, model: BagModel) -> list[tuple[Case, Solution]]:
+    """Equilibria of another study, where a model has the same bars between as many nodes."""
+    if near is None or near.choice.fidelity == "meridian":
+        return []
+    mine, solved = model.bag.net, [result for result in near.cases if result.converged]
+    same = bool(solved) and np.array_equal(solved[0].net.bars, mine.bars)
+    if not same or solved[0].positions.shape != mine.positions.shape:
+        return []
+    return [(result.case, result.solution) for result in solved if result.case.catch_kind == model.plan.catch.kind]
+
+
 def measured(bag: Bag, case: Case, problem: Problem, solution: Solution) -> CaseResult:
     """What was found of a case, with its measures but without errors; a case that failed has none."""
     if not solution.report.outcome.converged:
         nothing = Measures.unknown(), Errors.unknown()
-        return CaseResult(case, bag, problem, solution, *nothing, None, NOT_FOLLOWED, None, None)
+        return CaseResult(case, bag, problem, solution, *nothing, None, None, None)
     meshes, rows, measures = measure_all(bag, problem, solution)
-    return CaseResult(case, bag, problem, solution, measures, Errors.unknown(), None, NOT_FOLLOWED, rows, meshes)
+    return CaseResult(case, bag, problem, solution, measures, Errors.unknown(), None, rows, meshes)
 
 
 def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) -> Iterator[CaseResult]:

@@ -1,16 +1,11 @@
 """Studies over many plans: every combination of chosen values, solved side by side and taken up where it stopped."""
 
 import math
-import os
 import re
-import signal
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from itertools import product
-from multiprocessing import active_children, connection, get_context, parent_process
 from pathlib import Path
-from threading import Thread
 from typing import Any
 
 import pandas as pd
@@ -24,6 +19,7 @@ from codend.plan.overrides import parsed_override
 from codend.plan.plan import Plan, load_plan
 from codend.studies.run_record import RECORD, TABLES, inputs_of, remove_run, why_not_done, write_record
 from codend.studies.study import solve
+from codend.studies.workers import done_by_workers
 
 SweepProgress = Callable[[int, int, str], None]
 """Told how many runs are done, of how many, and what was done last."""
@@ -153,34 +149,16 @@ def _solved(runs: Sequence[SweepRun], folder: Path, processes: int) -> Iterator[
         yield run
     if processes == 1 or len(waiting) < 2:
         return
-    others = set(active_children())
-    with ProcessPoolExecutor(processes, get_context("spawn"), _end_with_parent) as pool:
-        futures = {pool.submit(_tables_of, run.plan): (run, inputs) for run, inputs in waiting[1:]}
-        try:
-            for future in as_completed(futures):
-                run, inputs = futures[future]
-                _write(run, inputs, future.result(), folder)
-                yield run
-        except BaseException:  # what the workers still do is of no use to anyone
-            for future in futures:
-                future.cancel()
-            for worker in set(active_children()) - others:
-                worker.terminate()
-            raise
+    plans = {run.number: (run, inputs) for run, inputs in waiting[1:]}
+    jobs = [(run.number, run.plan) for run, _ in waiting[1:]]
+    for (number, _), tables in done_by_workers(_numbered_tables, jobs, min(processes, len(jobs))):
+        run, inputs = plans[number]
+        _write(run, inputs, tables, folder)
+        yield run
 
 
-def _end_with_parent() -> None:
-    """Have this worker end when the process that started it does, however that ends, and without a word."""
-    parent = parent_process()
-    assert parent is not None
-
-    def watch() -> None:
-        connection.wait([parent.sentinel])
-        os._exit(1)
-
-    Thread(target=watch, daemon=True).start()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: os._exit(1))
+def _numbered_tables(job: tuple[int, Plan]) -> dict[str, str]:
+    return _tables_of(job[1])
 
 
 def files_of(runs: Sequence[SweepRun]) -> list[str]:

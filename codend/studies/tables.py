@@ -12,6 +12,7 @@ from codend.equilibrium.following import meshes_wide
 from codend.equilibrium.stability import ranges_text
 from codend.io.columns import (
     MESH_COLUMNS,
+    OF_ROPES,
     OPENING_FORCE_COLUMNS,
     PROFILE_COLUMNS,
     RESULT_COLUMNS,
@@ -32,11 +33,16 @@ def opening_force_table(pulls: Sequence[Pull]) -> pd.DataFrame:
 
 def results_table(plan: Plan, fidelity: str, cases: Sequence[CaseResult]) -> pd.DataFrame:
     """A row a case; nan where a case was not solved, but for what the case asked for."""
-    columns = RESULT_COLUMNS + (STRAP_COLUMNS if plan.strap else []) + (ROPE_COLUMNS if plan.rope else [])
-    return pd.DataFrame([_result_row(plan, fidelity, result) for result in cases], columns=columns)
+    return pd.DataFrame([result_row(plan, fidelity, result) for result in cases], columns=result_columns(plan))
 
 
-def _result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, object]:
+def result_columns(plan: Plan) -> list[str]:
+    """Columns of ``results.csv`` of a plan."""
+    return RESULT_COLUMNS + (STRAP_COLUMNS if plan.strap else []) + (ROPE_COLUMNS if plan.rope else [])
+
+
+def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, object]:
+    """A row of ``results.csv``, by column."""
     measures = asdict(result.measures)
     density = plan.catch_density_kg_m3
     measures["catch_mass_kg"] = density * measures["catch_volume_m3"]
@@ -84,6 +90,32 @@ def _sizes(plan: Plan, names: NDArray[np.object_]) -> dict[str, NDArray[np.float
     number = {name: i for i, name in enumerate(plan.section_names)}
     found = 1000.0 * np.array([(part.inside_mesh_m, part.full_mesh_m) for part in plan.netting])
     return dict(zip(SIZES, found[[number[name] for name in names]].T, strict=True))
+
+
+def rope_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
+    """``ropes.csv``: a row a rope of a solved case; those of other sectors are as these."""
+    rows: list[dict[str, object]] = []
+    for result in cases:
+        bag, tension = result.bag, result.bar_tension_n
+        ahead = result.solution.share[bag.bar_band[bag.ropes]] == 0.0
+        for name in np.unique(bag.rope_name) if result.converged else ():
+            own = bag.rope_name == name
+            bars = bag.ropes[own]
+            y, z = result.net.positions[result.net.bars[bars[0], 0], 1:]
+            pulls = tension[bars][ahead[own]]
+            rows.append(
+                {
+                    "case": result.case.number,
+                    "rope": int(name) // 1000 + 1,
+                    "number": int(name) % 1000 + 1,
+                    "place_deg": float(np.degrees(np.arctan2(z, y)) % 360.0),
+                    "length_m": float(result.net.bar_length[bars].sum()),
+                    "max_tension_n": float(tension[bars].max()),
+                    "tension_ahead_n": float(pulls[-1]) if len(pulls) else float("nan"),
+                    "slack_share": float(np.mean(tension[bars] <= 0.0)),
+                }
+            )
+    return pd.DataFrame(rows, columns=OF_ROPES)
 
 
 def profile_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:

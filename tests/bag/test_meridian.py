@@ -27,6 +27,8 @@ CASES = {
     "t90, entry narrower than its knots": replace(SHORT, mesh="t90", knot_m=0.006, entry_radius_m=0.15),
     "bessonneau": replace(SHORT, drag_law="bessonneau-1997", normal_drag=1.2, tangential_drag=0.1),
     "elastic": replace(SHORT, axial_stiffness_n=400.0),
+    "knots along that stretch": replace(SHORT, knot_m=0.005, axial_stiffness_n=400.0, knot_axial_stiffness_n=200.0),
+    "t90, knots that stretch": replace(SHORT, mesh="t90", knot_m=0.005, knot_axial_stiffness_n=200.0),
 }
 
 
@@ -125,15 +127,19 @@ def direct_rates(problem: MeridianProblem, j: float, state: np.ndarray) -> list[
     n, b, knot, q = problem.meshes_round, problem.bar_m, problem.knot_m, problem.stagnation_pressure_pa
     force = np.exp(log_force)
     across = knot if problem.mesh == "t90" else 0.0
+    softness = 0.0 if problem.knot_axial_stiffness_n is None else 1.0 / problem.knot_axial_stiffness_n
     half_side = max(np.pi * r / n - across, 0.0)
 
     def bar_at(phi: float) -> float:
         flexibility = 0.0 if problem.axial_stiffness_n is None else 1.0 / problem.axial_stiffness_n
         return b * (1.0 + flexibility * force / (2.0 * n * np.cos(phi)))
 
-    phi = brentq(lambda angle: bar_at(angle) * np.sin(angle) - half_side, -1e-9, 1.57, xtol=1e-14) if half_side else 0.0
+    def too_wide(phi: float) -> float:
+        return bar_at(phi) * np.sin(phi) + across * softness * force / n * np.tan(phi) - half_side
+
+    phi = brentq(too_wide, -1e-9, 1.57, xtol=1e-14) if half_side else 0.0
     bar = bar_at(phi)
-    step = bar * np.cos(phi) + (knot if problem.mesh == "diamond" else 0.0)
+    step = bar * np.cos(phi) + (knot * (1.0 + softness * force / n) if problem.mesh == "diamond" else 0.0)
     normal = along = pressure = 0.0
     if j > problem.front_row:
         pressure = q * float(problem.pressure_law(np.arccos(np.sin(a))))
@@ -309,9 +315,9 @@ def test_row_drag_is_that_of_its_bars_in_space(law):
 
 @pytest.mark.parametrize("law", DRAG_LAWS)
 @pytest.mark.parametrize("mesh", ["diamond", "t90"])
-@pytest.mark.parametrize("stiffness", [None, 50.0])
-def test_jacobian_is_the_derivative_of_the_rates(law, mesh, stiffness):
-    section = {"mesh": mesh, "knot_m": 0.004, "axial_stiffness_n": stiffness}
+@pytest.mark.parametrize(("stiffness", "of_knots"), [(None, None), (50.0, None), (None, 20.0), (50.0, 20.0)])
+def test_jacobian_is_the_derivative_of_the_rates(law, mesh, stiffness, of_knots):
+    section = {"mesh": mesh, "knot_m": 0.004, "axial_stiffness_n": stiffness, "knot_axial_stiffness_n": of_knots}
     shell = replace(SHORT, drag_law=law, speed_m_s=0.9, reynolds_per_speed=1e3, **section).shell()
     random = np.random.default_rng(2)
     state = np.stack([random.uniform(0.2, 0.8, 40), random.uniform(-1.5, 1.4, 40), random.uniform(-2.0, 1.0, 40)])

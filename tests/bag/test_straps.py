@@ -306,3 +306,46 @@ def test_the_meridian_method_refuses_straps():
 def test_globalisation_keeps_the_rows_of_straps():
     plan = strapped(at=7.0, length_m=2.0)
     assert plan.globalisations == (1, 2)
+
+
+def test_a_strap_is_repeated_by_its_spacing_and_as_long_as_its_share_of_the_meshes_round():
+    """60 meshes of 80 mm stretched are 4.8 m round; each of the straps bounds its ring."""
+    plan = strapped(at=4.0, length_m=2.0)
+    straps = [{"meshes_from_codline": 4, "spacing_meshes": 8, "circumference_share": 0.4}]
+    repeated = joined_plan(
+        ("diamond", ROUND, LONG, 40.0, {}),
+        entry=0.25,
+        catch={"filled_meshes": 30.0},
+        strap=straps,
+        model={"tolerance": 1e-10},
+    )
+    assert [strap.meshes_from_codline for strap in repeated.straps] == [4, 12, 20, 28, 36]
+    assert [strap.around_m for strap in repeated.straps] == pytest.approx([0.4 * 4.8] * 5)
+    assert len(plan.straps) == 1
+    result = solve(repeated).cases[0]
+    assert result.converged
+    side = np.linalg.norm(bar_vectors(result.net, result.positions)[result.bag.straps], axis=1)
+    tight = result.bar_tension_n[result.bag.straps] > 0.0
+    assert tight.sum() >= 3
+    assert ROUND * side[tight] == pytest.approx(0.4 * 4.8, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [
+        ({"circumference_share": 0.4}, "strap.0.circumference_share"),
+        ({"length_m": None}, "strap.0.length_m"),
+        ({"length_m": None, "circumference_share": 1.2}, "strap.0.circumference_share"),
+        ({"spacing_meshes": 0.7}, "strap.0.meshes_from_codline"),
+        ({"spacing_meshes": 0}, "strap.0.spacing_meshes"),
+    ],
+)
+def test_straps_that_contradict_themselves_are_one_line(change, key):
+    strap = {"meshes_from_codline": 4, "length_m": 2.0} | change
+    with pytest.raises(InputError) as caught:
+        joined_plan(
+            ("diamond", ROUND, LONG, 40.0, {}),
+            entry=0.25,
+            strap=[{name: value for name, value in strap.items() if value is not None}],
+        )
+    assert caught.value.key == key

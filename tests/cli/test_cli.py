@@ -192,13 +192,17 @@ def test_run_writes_the_tables_and_prints_a_short_one(ran):
 
 
 def test_the_model_and_what_it_costs_are_told_before_anything_is_solved(plan, monkeypatch):
-    """Mesh counts without a common divisor make a full net of many knots, which takes long."""
+    """Mesh counts without a common divisor make a full net of many knots, which takes long where it must be exact."""
     laced = (
         "netting=[{mesh='diamond', meshes_round=97, meshes_long=10, bar_mm=40, twine_mm=2},"
         "{mesh='diamond', meshes_round=89, meshes_long=10, bar_mm=40, twine_mm=2}]"
     )
     monkeypatch.setattr(codend.studies.study, "solve", lambda *_: signal.raise_signal(signal.SIGINT))
     result = codend_cli("run", plan, "--out", plan.parent / "out", "--set", laced)
+    assert "the full net (its mesh counts 97 and 89 have no common divisor) would be exact, but" in result.stdout
+    assert "in its place stands one 11 and 10 meshes wide, as of 97.4 and 88.6 meshes round" in result.stdout
+    exactly = ("--set", laced, "--set", "model.accuracy=1e-4")
+    result = codend_cli("run", plan, "--out", plan.parent / "out", *exactly)
     assert "the full net (its mesh counts 97 and 89 have no common divisor) is exact." in result.stdout
     assert "Its 3721 knots take seconds to minutes a case; meshes round with a larger common" in result.stdout
 

@@ -19,6 +19,7 @@ from tests.cli.processes import assert_page_is_of_its_tables, numbers, run, star
 from tests.cli.test_cli import TINY_PLAN, assert_refused, codend_cli
 
 KILLS = int(os.environ.get("CODEND_KILLS", "4"))
+STUDY_KILLS = int(os.environ.get("CODEND_KILLS", "1"))
 MEETINGS = int(os.environ.get("CODEND_MEETINGS", "3"))
 TITLES = ("first", "second")
 
@@ -99,6 +100,33 @@ def test_sweeps_killed_at_random_moments_end_as_an_undisturbed_one(processes: in
     pd.testing.assert_frame_equal(numbers(out / "sweep.csv"), numbers(whole / "sweep.csv"), rtol=1e-9)
     names = [{str(path.relative_to(folder)) for path in folder.rglob("*")} for folder in (out, whole)]
     assert names[0] == names[1], "what the killed sweeps left is gone"
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_studies_killed_at_random_moments_end_as_an_undisturbed_one(workers: int, home: Path, tmp_path: Path):
+    study, out, whole, dice = tmp_path / "study.toml", tmp_path / "out", tmp_path / "whole", random.Random(14)
+    text = f'plan = "{home}/first.toml"\n[vary]\n"netting.0.bar_mm" = {{ from = 38, to = 46, steps = 24 }}\n'
+    study.write_text(text, encoding="utf-8")
+    words = ["sweep", study, "--workers", workers, "--out"]
+    begun = monotonic()
+    assert run(*words, whole).returncode == 0
+    takes_s = monotonic() - begun
+    for kill in range(STUDY_KILLS):
+        if kill % 3 == 0:
+            shutil.rmtree(out, ignore_errors=True)
+        kill_at_some_moment(start(*words, out), dice.uniform(0.3, 1.0) * takes_s)
+        for part in out.glob("parts/*.parquet"):
+            pd.testing.assert_frame_equal(rows_of(part), rows_of(whole / "parts" / part.name))
+    kept = {part: part.stat().st_mtime_ns for part in out.glob("parts/*.parquet")}
+    assert run(*words, out).returncode == 0
+    assert all(part.stat().st_mtime_ns == time for part, time in kept.items()), "what was whole is not solved again"
+    pd.testing.assert_frame_equal(numbers(out / "sweep.csv"), numbers(whole / "sweep.csv"))
+    names = [{str(path.relative_to(folder)) for path in folder.rglob("*")} for folder in (out, whole)]
+    assert names[0] == names[1], "what the killed studies left is gone"
+
+
+def rows_of(part: Path) -> pd.DataFrame:
+    return pd.read_parquet(part).drop(columns="solve_ms")
 
 
 def test_two_runs_in_one_folder_do_not_mix(home: Path, tmp_path: Path):

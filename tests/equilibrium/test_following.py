@@ -2,7 +2,6 @@
 
 from functools import cache
 
-import numpy as np
 import pytest
 
 from codend.errors import InputError
@@ -106,13 +105,13 @@ def test_a_stable_net_comes_back_when_shaken():
             assert measures.opening_ahead_deg == pytest.approx(result.measures.opening_ahead_deg, abs=1e-3)
 
 
-@pytest.mark.parametrize("seed", [1014, 1020])
+@pytest.mark.parametrize("seed", [1013, 1033])
 def test_shaken_nets_on_which_the_law_was_not_found_lie_within_the_errors(seed):
     row = row_of(seed, shakes=1)
-    if row is not None:
-        over = [value for name, value in row.items() if name.endswith("over its error")]
-        assert len(over) == len(QUANTITIES)
-        assert not np.nanmax(over) > 1.0
+    assert row["ends"] == "settled"
+    over = [value for name, value in row.items() if name.endswith("over its error")]
+    assert len(over) == len(QUANTITIES)
+    assert max(over) <= 1.0
 
 
 def test_a_commercial_codend_of_stiff_diamond_netting_keeps_its_drag_in_waves():

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from catch_models.pressure import sphere_law
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
-from codend.mechanics import bending, drag, loads, newton_state, newton_step, points, pressure
+from codend.mechanics import bending, catch_weight, drag, loads, newton_state, newton_step, points, pressure
 from codend.mechanics.bars import add_bar_forces, add_bar_tangent, bar_lengths
 from codend.mechanics.catch_front import fill, front_band, load_by_share, share_gradient
 from codend.mechanics.problem import Problem
@@ -25,7 +25,8 @@ from tests.plans import UNIFORM, make_plan
 MESHES = ["diamond", "knotted", "t90", "square"]
 COLUMNS = [1, 2, None]
 LAWS = ["le-bris-1999", "bessonneau-1997", "choo-casarella-1971"]
-PLANE, VOLUME = {"front_from_codline_m": 0.3}, {"volume_m3": 1.5e-3}
+MESHES_FILLED, PLANE, VOLUME = {"filled_meshes": 2.3}, {"front_from_codline_m": 0.3}, {"volume_m3": 1.5e-3}
+HEAVY = {"density_kg_m3": 1300.0}
 ROUND_OFF = 1e-11
 AT_REST = np.zeros((0, 3))
 ROUND_OFF_OF_PRESSURE = 1e-13
@@ -136,6 +137,22 @@ def check_pressure(problem: Problem) -> None:
     )
 
 
+def check_catch_weight(problem: Problem) -> None:
+    """With the front where it is; how it follows the net adds a product."""
+    structure, catch, share = problem.structure, problem.loading.catch, shares(problem)
+    position = problem.net.positions
+    pattern = pattern_of(structure)
+    force, blocks = np.zeros_like(position), np.zeros((len(pattern.row), 3, 3))
+    catch_weight.add_force(position, structure, catch, share, force)
+    assert_same(force, complex_loads.catch_weight(problem, position, share).real)
+    catch_weight.add_tangent(position, structure, catch, pattern, share, blocks)
+    by_height, gradient = np.zeros_like(position), np.zeros_like(position)
+    catch_weight.force_by_height(position, structure, catch, share, by_height)
+    catch_weight.height_gradient(catch, share, gradient)
+    found = dense(pattern, blocks, len(position)) - np.outer(by_height.ravel(), gradient.ravel())
+    assert_same(found, -derivative(lambda at: complex_loads.catch_weight(problem, at, share), position))
+
+
 def check_bending(problem: Problem) -> None:
     net, structure = problem.net, problem.structure
     check(
@@ -171,6 +188,12 @@ def test_tangent_of_the_drag_of_taut_and_slack_ropes_is_its_derivative(law):
 @pytest.mark.parametrize("mesh", MESHES)
 def test_tangent_of_the_pressure_is_its_derivative_at_given_shares(mesh, sectors, catch):
     check_pressure(distorted(mesh, sectors, catch={"filled_meshes": 2.3, **catch}))
+
+
+@pytest.mark.parametrize("filled", [2.3, 4.0])
+@pytest.mark.parametrize("mesh", MESHES)
+def test_tangent_of_the_catchs_weight_is_its_derivative_at_given_shares(mesh, filled):
+    check_catch_weight(distorted(mesh, None, catch={"filled_meshes": filled, "density_kg_m3": 1300.0}))
 
 
 @pytest.mark.parametrize("sectors", COLUMNS)
@@ -212,11 +235,18 @@ def test_the_share_of_the_fronts_band_follows_the_net_by_its_gradient(mesh, sect
     assert_same(gradient.ravel(), by_node[0])
 
 
-@pytest.mark.parametrize("sectors", COLUMNS)
 @pytest.mark.parametrize("mesh", MESHES)
-@pytest.mark.parametrize("catch", [None, PLANE, VOLUME], ids=["meshes", "plane", "volume"])
-def test_newtons_linearisation_is_the_derivative_of_all_that_is_out_of_balance(mesh, sectors, catch):
-    """Of elastic nets, their force densities eliminated; a moving front adds the product of two vectors."""
+@pytest.mark.parametrize(
+    ("catch", "sectors", "sides"),
+    [
+        pytest.param(catch | weight, sectors, sides, id=f"{name} {sectors or 'full'}{' heavy' if weight else ''}")
+        for name, catch, moving in (("meshes", MESHES_FILLED, 0), ("plane", PLANE, 1), ("volume", VOLUME, 1))
+        for sectors, weight in [*((sectors, {}) for sectors in COLUMNS), (1, HEAVY), (None, HEAVY)]
+        for sides in [1 + moving + int(bool(weight) and sectors is None)]
+    ],
+)
+def test_newtons_linearisation_is_the_derivative_of_all_that_is_out_of_balance(mesh, sectors, catch, sides):
+    """Of elastic nets, their force densities eliminated; what moves with the front adds products of two vectors."""
     problem = distorted(mesh, sectors, catch=catch, shake=0.003)
     net, structure, loading, position = problem.net, problem.structure, problem.loading, problem.net.positions
     pattern = pattern_of(structure)
@@ -226,21 +256,23 @@ def test_newtons_linearisation_is_the_derivative_of_all_that_is_out_of_balance(m
     stretch = 1.0 / net.bar_length - 1.0 / state.length
     state.density[:] = np.maximum(stretch, 0.0) / net.bar_flexibility
     newton_state.measure(structure, loading, 1.0, 1.0, 0.0, state)
-    sides = newton_step.linearise(structure, loading, pattern, 1.0, 0.0, 0.0, state, step)
-    assert sides == (1 if catch is None else 2)
+    assert sides == newton_step.linearise(structure, loading, pattern, 1.0, 0.0, 0.0, state, step)
 
     def out_of_balance(at):
         share = complex_loads.shares(problem, at)
         outside = complex_loads.twine_drag(problem, at, share) + complex_loads.catch_pressure(problem, at, share)
+        outside += complex_loads.catch_weight(problem, at, share)
         return outside + complex_loads.elastic_pull(net, at) + complex_loads.bending_resistance(net, at)
 
     assert_same(state.force, out_of_balance(position).real)
     found = dense(pattern, step.blocks, len(position))
-    if sides == 2:
+    band = front_band(loading.catch, state.share)
+    if band >= 0:
         load = np.zeros_like(position)
-        load_by_share(position, structure, loading.water, loading.catch, front_band(loading.catch, state.share), load)
+        load_by_share(position, structure, loading.water, loading.catch, state.share, band, load)
         assert_same(step.right[1], load)
-        found -= np.outer(load.ravel(), step.gradient.ravel())
+    for load, gradient in zip(step.right[1:sides], step.gradient[: sides - 1], strict=True):
+        found -= np.outer(load.ravel(), gradient.ravel())
     assert_same(found, -derivative(out_of_balance, position))
 
 

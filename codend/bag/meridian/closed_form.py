@@ -169,11 +169,11 @@ def _parameter_at(piece: Piece, knots: Floats, rows: Floats, wanted: Floats) -> 
 def solve_closed_form(shell: Shell) -> ClosedForm | None:
     """Solve for the two unknowns by Newton's method from a few starts.
 
-    None where the closed form does not apply or is not found: elastic bars, a front at the entry row, an entry wider
-    than the limit r of the catch, T90 knots slack at the entry or at the front, or no start that converges.
+    None where the closed form does not apply or is not found: elastic bars or knots, a front at the entry row, an entry
+    wider than the limit r of the catch, T90 knots slack at the entry or at the front, or no start that converges.
     """
     netting = netting_of(shell)
-    if shell.compliance > 0.0 or shell.front <= 0.0 or not 0.0 < shell.entry_radius - netting.across < 1.0:
+    if not shell.inextensible or shell.front <= 0.0 or not 0.0 < shell.entry_radius - netting.across < 1.0:
         return None
     phi_entry = float(np.arcsin(shell.entry_radius - netting.across))
     if phi_entry >= netting.widest:

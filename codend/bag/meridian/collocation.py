@@ -148,7 +148,7 @@ def _longest_step(shell: Shell, state: Floats, correction: Floats) -> float:
     turn = float(np.abs(correction[1]).max())
     grow = float(np.abs(correction[2]).max())
     allowed = min(1.0, 1.0 / max(turn, 1e-12), 2.0 / max(grow, 1e-12))
-    if shell.compliance == 0.0:
+    if shell.compliance == 0.0 and not (shell.knot_across and shell.knot_compliance > 0.0):
         room = 0.999 * (1.0 + shell.knot_round) - state[0]
         outward = correction[0] > 0.0
         if np.any(outward):

@@ -109,8 +109,8 @@ def first_guess(plan: Plan, case: Case) -> MeridianShape | None:
 
 def _within_straps(plan: Plan, shape: MeridianShape) -> bool:
     """Whether the shape leaves all straps slack."""
-    places = zip(plan.strap, plan.strap_rows, strict=True)
-    return all(2.0 * np.pi * shape.radius_m[_rows(plan) - row] <= strap.length_m for strap, row in places)
+    places = zip(plan.straps, plan.strap_rows, strict=True)
+    return all(2.0 * np.pi * shape.radius_m[_rows(plan) - row] <= strap.around_m for strap, row in places)
 
 
 def tensions_on(bag: Bag, shape: MeridianShape, globalisation: int = 1) -> Floats:
@@ -157,4 +157,5 @@ def problem_for(plan: Plan, case: Case, front_row: float) -> MeridianProblem:
         speed_m_s=case.speed_m_s,
         reynolds_per_speed=section.twine_m / VISCOSITY_M2_S,
         axial_stiffness_n=section.axial_stiffness_n,
+        knot_axial_stiffness_n=section.knot_axial_stiffness_n,
     )

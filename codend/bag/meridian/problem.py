@@ -47,7 +47,9 @@ class MeridianProblem:
     reynolds_per_speed: float = np.nan
     """d / nu, s/m, likewise."""
     axial_stiffness_n: float | None = None
-    """EA of a bar, None if inextensible. Knots are inextensible."""
+    """EA of a bar, None if inextensible."""
+    knot_axial_stiffness_n: float | None = None
+    """EA of a knot, None if inextensible."""
 
     def __post_init__(self) -> None:
         positive = ("bar_m", "entry_radius_m", "stagnation_pressure_pa")
@@ -61,10 +63,14 @@ class MeridianProblem:
             raise ValueError(f"front_row = {self.front_row} must lie in 0 <= front_row < {self.half_mesh_rows}")
         if self.mesh not in KINDS or not KINDS[self.mesh].membrane or self.drag_law not in DRAG_LAWS:
             raise ValueError(f"unknown mesh {self.mesh!r} or drag law {self.drag_law!r}")
-        if self.axial_stiffness_n is not None:
-            if not self.axial_stiffness_n > 0.0:
-                raise ValueError(f"axial_stiffness_n = {self.axial_stiffness_n} must be above 0, or None")
-        elif self.rows_to_axis() >= self.half_mesh_rows:
+        for name in ("axial_stiffness_n", "knot_axial_stiffness_n"):
+            if (value := getattr(self, name)) is not None and not value > 0.0:
+                raise ValueError(f"{name} = {value} must be above 0, or None")
+        if (
+            self.axial_stiffness_n is None
+            and self.knot_axial_stiffness_n is None
+            and self.rows_to_axis() >= self.half_mesh_rows
+        ):
             raise ValueError(
                 f"{self.half_mesh_rows} half-mesh rows cannot reach from entry_radius_m = {self.entry_radius_m} to the "
                 f"axis, even as a flat disc: {self.rows_to_axis():.1f} are needed"
@@ -96,15 +102,17 @@ class MeridianProblem:
     def shell(self) -> Shell:
         """The problem without dimensions: lengths over N b / pi, rows times pi / N, forces over pi (N b / pi)^2 q."""
         per_row = np.pi / self.meshes_round
-        compliance = 0.0
-        if self.axial_stiffness_n is not None:
-            force = np.pi * self.spread_radius_m**2 * self.stagnation_pressure_pa
-            compliance = force / (2.0 * self.meshes_round * self.axial_stiffness_n)
+        force = np.pi * self.spread_radius_m**2 * self.stagnation_pressure_pa
+
+        def compliance(stiffness: float | None) -> float:
+            return 0.0 if stiffness is None else force / (2.0 * self.meshes_round * stiffness)
+
+        knot = self.knot_m / self.bar_m
         return Shell(
             rows=self.half_mesh_rows * per_row,
             front=self.front_row * per_row,
             entry_radius=self.entry_radius_m / self.spread_radius_m,
-            knot=self.knot_m / self.bar_m,
+            knot=knot,
             knot_across=self.knots_lie_across,
             pressure=self.pressure_law,
             drag_law=DRAG_LAWS.index(self.drag_law),
@@ -113,7 +121,8 @@ class MeridianProblem:
             normal=self.normal_drag,
             tangential=self.tangential_drag,
             drag_width=2.0 * self.drag_width_m / self.bar_m,
-            compliance=compliance,
+            compliance=compliance(self.axial_stiffness_n),
+            knot_compliance=2.0 * knot * compliance(self.knot_axial_stiffness_n),
         )
 
 

@@ -28,7 +28,9 @@ t.e = cos phi,
 Without dimensions: radius over R = N b / pi, rows as t = pi j / N, pressure over q = rho V^2 / 2, Q over pi R^2 q. Then
 the pressure term is 2 r l_s C(theta) / Q and drag has the one factor 2 d / b. theta, between the upstream direction and
 the outward normal, is pi/2 - a. Elastic twine has b (1 + T / EA) in place of b: with e = Q / (2 N EA),
-r = sin phi + e tan phi and l_s = cos phi + e, knots apart.
+r = sin phi + e tan phi and l_s = cos phi + e, knots apart. A knot carries what its two twines pull with: along the
+netting Q / N, across it Q tan(phi) / N. One of stiffness EA_k adds g = (l / b) Q / (N EA_k) to l_s where it lies along,
+and g tan phi to r where it lies across.
 """
 
 from dataclasses import dataclass
@@ -70,6 +72,13 @@ class Shell:
     """2 d / b."""
     compliance: float
     """pi R^2 q / (2 N EA), 0 for inextensible bars."""
+    knot_compliance: float = 0.0
+    """(l / b) pi R^2 q / (N EA_k), 0 for knots that do not stretch."""
+
+    @property
+    def inextensible(self) -> bool:
+        """Whether neither bars nor knots stretch."""
+        return self.compliance == 0.0 and self.knot_compliance == 0.0
 
     @property
     def knot_along(self) -> float:
@@ -97,6 +106,8 @@ class Bars:
     """Derivative of phi with respect to ln Q."""
     strain_force: Floats
     """Q / (2 N EA): the bars' strain times cos(phi)."""
+    row_stretch: Floats
+    """What the forces add to ``row_length``, which is linear in Q: the bars' stretch and that of knots along."""
 
 
 def bars_at(shell: Shell, radius: Floats, log_force: Floats) -> Bars:
@@ -106,22 +117,25 @@ def bars_at(shell: Shell, radius: Floats, log_force: Floats) -> Bars:
     if shell.knot_round > 0.0:
         taut = (wide > 0.0).astype(float)
         wide = wide * taut
-    if shell.compliance == 0.0:
+    force = np.exp(np.minimum(log_force, _LARGEST_LOG))
+    stretch, of_knot = shell.compliance * force, shell.knot_compliance * force
+    # of what widens the ring as its bars turn, and of what lengthens the row
+    round_, along = (stretch + of_knot, stretch) if shell.knot_across else (stretch, stretch + of_knot)
+    if shell.compliance == 0.0 and not (shell.knot_across and shell.knot_compliance > 0.0):
         sine = np.clip(wide, -_STEEPEST, _STEEPEST)
         cosine = np.sqrt(1.0 - sine**2)
-        stretch = np.zeros_like(radius)
     else:
-        stretch = shell.compliance * np.exp(np.minimum(log_force, _LARGEST_LOG))
-        phi = _stretched_angle(wide, stretch)
+        phi = _stretched_angle(wide, round_)
         sine, cosine = np.sin(phi), np.cos(phi)
-    phi_radius = taut / (cosine + stretch / cosine**2)
+    phi_radius = taut / (cosine + round_ / cosine**2)
     return Bars(
         sine=sine,
         cosine=cosine,
-        row_length=cosine + stretch + shell.knot_along,
+        row_length=cosine + along + shell.knot_along,
         phi_radius=phi_radius,
-        phi_log_force=-stretch * sine / cosine * phi_radius,
+        phi_log_force=-round_ * sine / cosine * phi_radius,
         strain_force=stretch,
+        row_stretch=along,
     )
 
 
@@ -216,8 +230,8 @@ def rates(shell: Shell, state: Floats, in_catch: Floats) -> tuple[Floats, Floats
     # ln Q: e / Q does not depend on it, so that the stretched length drops out of the loads' derivatives
     by_log_force = np.stack(
         [
-            bars.strain_force * sin_a,
-            2.0 * radius * pressure * (bars.row_length - bars.strain_force) - bare * normal * sin_a,
+            bars.row_stretch * sin_a,
+            2.0 * radius * pressure * (bars.row_length - bars.row_stretch) - bare * normal * sin_a,
             bare * mixed * cos_a,
         ]
     )

@@ -70,7 +70,13 @@ def _starts(shell: Shell, grid: Grid) -> Iterator[tuple[str, Floats]]:
     front = min(max(shell.front, 0.02 * shell.rows), 0.98 * shell.rows)
     for entry in (min(shell.entry_radius, 0.7), 0.4, 0.2):
         neighbour = replace(
-            shell, knot=shell.knot_along, knot_across=False, compliance=0.0, front=front, entry_radius=entry
+            shell,
+            knot=shell.knot_along,
+            knot_across=False,
+            compliance=0.0,
+            knot_compliance=0.0,
+            front=front,
+            entry_radius=entry,
         )
         closed = solve_closed_form(neighbour)
         if closed is not None:

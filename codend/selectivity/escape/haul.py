@@ -54,16 +54,17 @@ class Haul:
         if len(self.catches) <= most:
             return self
         kept = np.round(np.linspace(0, len(self.catches) - 1, most)).astype(int)
-        return _haul(self.speed_m_s, [self.catches[i] for i in kept])
+        return haul_of(self.speed_m_s, [self.catches[i] for i in kept])
 
 
 def hauls_of(catches: list[Catch]) -> list[Haul]:
     """One haul for every speed."""
     speeds = sorted({catch.speed_m_s for catch in catches})
-    return [_haul(speed, [catch for catch in catches if catch.speed_m_s == speed]) for speed in speeds]
+    return [haul_of(speed, [catch for catch in catches if catch.speed_m_s == speed]) for speed in speeds]
 
 
-def _haul(speed_m_s: float, catches: list[Catch]) -> Haul:
+def haul_of(speed_m_s: float, catches: list[Catch]) -> Haul:
+    """A haul through the given catches."""
     ordered = sorted(catches, key=lambda catch: catch.volume_m3)
     names = [name for c in ordered for name in c.parts or len(c.share) * (Part("", ""),)]
     parts = tuple(dict.fromkeys(names)) or (Part("", ""),)

@@ -1,13 +1,17 @@
 """Retention, L50 and SR of a computed codend: for every catch and over the haul, with what makes them uncertain.
 
-Two sets of L50 and SR stand beside each other. ``l50_cm`` and ``sr_cm`` are read off the computed curve itself: the
-lengths at which it is 0.5, and 0.75 less 0.25. ``l50_logit_cm`` and ``sr_logit_cm`` are those of a logit curve fitted
-to it as to a trial with the same number of fish in every length class, which is what trials report.
+Three sets of L50 and SR are told apart, for every catch: of fish that *meet* a codend with that catch in it
+(``l50_cm``); of a whole haul that *ends* with that catch, and began with none (``haul_l50_cm``), both read off the
+computed curve, at 0.5 and at 0.75 less 0.25; and those of a logit curve fitted to either as to a trial with the same
+number of fish in every length class (``l50_logit_cm``, ``haul_l50_logit_cm``): what a trial reports is the last, of the
+whole haul. An L50 beyond the lengths that are tabled is none, nan.
 
-Two things make them uncertain. A haul meets a finite number of fish: the intervals are those of the fitted logit curve
-for ``haul.fish`` fish, by the delta method for single catches, by a parametric bootstrap for the haul (arrivals a
-Poisson process, so that retained and escaped fish of a class are Poisson numbers with means n r and n (1 - r)). And the
-numbers of the species are known between bounds only: see ``codend.selectivity.escape.sensitivity``.
+Three things make them uncertain. The openings are computed with an error: L50 and SR with all of them wider and
+narrower by it widen the intervals, as the root of the sum of squares. A haul meets a finite number of fish: the
+intervals are those of the fitted logit curve for ``haul.fish`` fish, by the delta method for single catches, by a
+parametric bootstrap for the haul (arrivals a Poisson process, so that retained and escaped fish of a class are Poisson
+numbers with means n r and n (1 - r)). And the numbers of the species are known between bounds only: see
+``codend.selectivity.escape.sensitivity``.
 """
 
 from __future__ import annotations
@@ -23,6 +27,7 @@ from scipy.special import ndtri
 from catch_models.fish import PARAMETERS, Species
 from codend.selectivity.escape.catches import Run, catches_of
 from codend.selectivity.escape.haul import Haul, hauls_of, terms_of_catches, terms_of_haul
+from codend.selectivity.escape.haul_ends import l50_sr_of_ends, moved_by_opening_error, shares_of_ends
 from codend.selectivity.escape.retention import EscapeTerms
 from codend.selectivity.escape.sensitivity import SAMPLES, Sensitivity, sensitivity
 from codend.selectivity.fits.fielddata import FieldData
@@ -58,6 +63,12 @@ class Prediction:
     lower_95: Floats
     upper_95: Floats
     """Intervals of those, (c + 1, 2); nan for the haul without bootstrap."""
+    end_l50_sr: Floats
+    """Of whole hauls that end with each catch, off the computed curves, cm, (c, 2)."""
+    end_logit: Floats
+    """Of logit curves fitted to those, (c, 2)."""
+    opening_reach: Floats
+    """By how much the error of the openings changes L50 and SR, cm, (c + 1, 2): part of the intervals; nan: unknown."""
     fish_band: Floats | None
     """Percentiles 2.5 and 97.5 of the logit curves refitted to bootstrapped hauls, (2, n)."""
     sensitivity: Sensitivity | None
@@ -122,8 +133,10 @@ def predict_haul(
     retention = np.array([terms.retention(length_cm) for terms in every])
     per_class = species.haul.fish.value / len(length_cm)
 
-    model = _logit_model(length_cm)
+    model, shares = _logit_model(length_cm), shares_of_ends(haul, species)
+    of_ends = shares @ retention[:-1]
     fitted = maximise(model, per_class * retention, per_class * (1.0 - retention))
+    ends = maximise(model, per_class * of_ends, per_class * (1.0 - of_ends))
     logit, errors = _l50_sr(model, fitted)
     half = float(ndtri(0.975)) * errors
     lower, upper, band = logit - half, logit + half, None
@@ -139,19 +152,36 @@ def predict_haul(
             lower[-1], upper[-1] = np.percentile(replicates[good], (LOWER, UPPER), axis=0)
             parameters = public_parameters(model, refitted.theta[good])[0][:, :2]
             band = np.percentile(model.curve.retention(length_cm, parameters), (LOWER, UPPER), axis=0)
+    moved = moved_by_opening_error(haul, species)
+    widened = np.nan_to_num(moved)
+    inside = _inside(length_cm)
+    logit = inside(logit)
     return Prediction(
         species=species,
         haul=haul,
         terms=tuple(every),
         length_cm=length_cm,
         retention=retention,
-        l50_sr=np.array([terms.l50_sr() for terms in every]),
+        l50_sr=inside(np.array([terms.l50_sr() for terms in every])),
         logit=logit,
-        lower_95=lower,
-        upper_95=upper,
+        lower_95=logit - np.hypot(logit - lower, widened),
+        upper_95=logit + np.hypot(upper - logit, widened),
+        end_l50_sr=inside(l50_sr_of_ends(of_catches, shares)),
+        end_logit=inside(_l50_sr(model, ends)[0]),
+        opening_reach=moved,
         fish_band=band,
         sensitivity=sensitivity(haul, species, samples, seed) if samples else None,
     )
+
+
+def _inside(length_cm: Floats) -> Callable[[Floats], Floats]:
+    """L50 and SR where L50 lies within the lengths, else nan."""
+
+    def within(l50_sr: Floats) -> Floats:
+        l50 = l50_sr[:, :1]
+        return np.where((l50 >= length_cm[0]) & (l50 <= length_cm[-1]), l50_sr, np.nan)
+
+    return within
 
 
 def _logit_model(length_cm: Floats) -> SelectionModel:

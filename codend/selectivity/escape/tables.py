@@ -17,6 +17,11 @@ HAUL = "haul"
 def selectivity_table(predictions: Sequence[Prediction]) -> pd.DataFrame:
     """A row a case and species, and one for the whole haul; ``assumed`` names the numbers nobody measured.
 
+    ``l50_cm`` is of fish that meet the catch of a row, ``haul_l50_cm`` of a whole haul that ends with it, both off the
+    computed curve; ``l50_logit_cm`` and ``haul_l50_logit_cm`` are of logit curves fitted to those. What a trial would
+    report is ``haul_l50_logit_cm``; in the row of the haul ``l50_logit_cm`` is the same, and has an interval, in which
+    the error of the openings is (``l50_opening_error_cm``).
+
     The volume of a haul is that of its last catch, its opening the mean over time. ``largest_share_l50`` names the
     number that makes most of the variance of L50, by total Sobol index, and ``share_l50`` is that index; likewise SR.
     """
@@ -41,6 +46,12 @@ def selectivity_table(predictions: Sequence[Prediction]) -> pd.DataFrame:
                 "sr_logit_cm": found.logit[:, 1],
                 "sr_lower_95_cm": found.lower_95[:, 1],
                 "sr_upper_95_cm": found.upper_95[:, 1],
+                "haul_l50_cm": np.append(found.end_l50_sr[:, 0], found.l50_sr[-1, 0]),
+                "haul_sr_cm": np.append(found.end_l50_sr[:, 1], found.l50_sr[-1, 1]),
+                "haul_l50_logit_cm": np.append(found.end_logit[:, 0], found.logit[-1, 0]),
+                "haul_sr_logit_cm": np.append(found.end_logit[:, 1], found.logit[-1, 1]),
+                "l50_opening_error_cm": found.opening_reach[:, 0],
+                "sr_opening_error_cm": found.opening_reach[:, 1],
                 "contact": found.contact,
                 "inside_mesh_mm": np.append(inside_mm, share @ inside_mm),
             }

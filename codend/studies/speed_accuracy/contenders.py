@@ -60,7 +60,7 @@ class Scene:
     @property
     def inextensible(self) -> bool:
         """Whether rigid bars may stand for its twine."""
-        return all(section.axial_stiffness_n is None for section in self.plan().netting)
+        return not any(section.stretches for section in self.plan().netting)
 
 
 @dataclass(frozen=True)

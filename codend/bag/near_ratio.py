@@ -1,0 +1,80 @@
+"""Sectors of joined sections whose counts of meshes share little: narrow ones, of nearly the same ratio.
+
+172 meshes laced to 54 make a sector 86 and 27 meshes wide. One of 16 and 5 is laced in nearly the same ratio, and as
+one of 10.8 sectors, which need not be a whole number, it stands for 172 and 53.8 meshes round: twine and rows are as
+they are, loads of a sector count 10.8 times, and its images are turned by a 10.8th of the whole way round.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from codend.plan.plan import Plan
+
+SLOW_KNOTS, SLOW_MESHES = 3000, 10
+"""Knots of a model, and meshes round it, from which a case takes seconds or more: full nets of joined sections took 2 s
+with 3 800 knots and 23 s with 15 000. Narrow sectors, however long, take milliseconds."""
+DRAG_BY_MISMATCH = 2.0
+"""Relative error in drag by the largest mismatch: the drag goes as the square of a radius, and that as the meshes round
+(``python -m validation.joined_counts``)."""
+
+
+@dataclass(frozen=True)
+class NearRatio:
+    """A narrow sector in place of a wide one."""
+
+    columns: tuple[int, ...]
+    """Meshes of every section that it is wide."""
+    order: float
+    """Such sectors all round."""
+    mismatch: tuple[float, ...]
+    """Meshes round of every section that it stands for, over the plan's, less 1."""
+
+    @property
+    def largest(self) -> float:
+        """Largest mismatch of a section."""
+        return max(map(abs, self.mismatch))
+
+
+def near_ratios(plan: Plan) -> Iterator[NearRatio]:
+    """Sectors ever wider, each nearer to the plan's counts than those before, up to the exact one.
+
+    The number of sectors is the one that meets the counts best, sections weighed by the area of their netting: what a
+    few rows at an end are off by matters little.
+    """
+    counts = np.array([part.meshes_round for part in plan.netting])
+    area = np.array([part.meshes_round * part.meshes_long * part.full_mesh_m**2 for part in plan.netting])
+    exact = int(np.gcd.reduce(counts))
+    least, nearest = int(np.argmin(counts)), np.inf
+    for width in range(1, int(counts[least]) // exact + 1):
+        columns = np.maximum(np.rint(counts * (width / counts[least])), 1).astype(int)
+        share = columns / counts
+        # least squares of the mismatches order x share - 1
+        order = float((area * share).sum() / (area * share**2).sum())
+        mismatch = order * share - 1.0
+        if (size := float(np.abs(mismatch).max())) < nearest:
+            nearest = size
+            yield NearRatio(tuple(columns.tolist()), order, tuple(mismatch.tolist()))
+
+
+def near_enough(plan: Plan) -> NearRatio | None:
+    """The narrowest sector that is near enough for the accuracy in drag that the plan asks for.
+
+    None where the exact sector is narrow itself, no narrower one is near enough, or ropes have their places in it.
+    """
+    widest = max(part.meshes_round for part in plan.netting) // math.gcd(*(part.meshes_round for part in plan.netting))
+    rows = len(plan.sections_of_bands())
+    if plan.rope or widest < SLOW_MESHES or rows * widest < SLOW_KNOTS:
+        return None
+    allowed = plan.model.accuracy / DRAG_BY_MISMATCH
+    return next(
+        (near for near in near_ratios(plan) if near.largest <= allowed and 2 * max(near.columns) <= widest), None
+    )
+
+
+def narrower(plan: Plan, near: NearRatio) -> NearRatio | None:
+    """The next narrower sector, by whose answers those of one may be judged; None where there is none."""
+    before = [other for other in near_ratios(plan) if max(other.columns) < max(near.columns)]
+    return before[-1] if before else None

@@ -1,0 +1,33 @@
+"""Whether a model fits into memory, and which merged net would."""
+
+from codend.equilibrium.fidelity import Choice
+from codend.errors import TooLittleMemory
+from codend.plan.plan import Plan
+from codend.solvers.memory import free_bytes, needed_bytes
+
+
+def check_room(plan: Plan, choice: Choice) -> None:
+    """Refuse a model that would not fit, before it is built.
+
+    Raises:
+        TooLittleMemory: it would not.
+    """
+    if needed_bytes(choice.knots) > (free := free_bytes()):
+        raise too_little(plan, choice, free)
+
+
+def too_little(plan: Plan, choice: Choice, free: float) -> TooLittleMemory:
+    """That a model does not fit into the memory that is free, in one line, with the merged net that would."""
+    said = f"{choice.knots} knots take about {_gb(needed_bytes(choice.knots))}, and {_gb(free)} is free"
+    full = choice.knots * choice.globalisation**2 * (1 if choice.sectors is None else choice.order)
+    for g in plan.globalisations:
+        if g > choice.globalisation and (merged := needed_bytes(1 + full // g**2)) <= free:
+            return TooLittleMemory(
+                f'{said}; {g} x {g} meshes merged into one (model.fidelity = "globalised", model.globalisation = {g}) '
+                f"take {_gb(merged)}"
+            )
+    return TooLittleMemory(f"{said}; no meshes of this plan can be merged so far that it fits")
+
+
+def _gb(size: float) -> str:
+    return f"{size / 1e9:.2g} GB"

@@ -1,0 +1,149 @@
+"""Runs of a study that are solved one after the other by one worker, and the rows that come of them."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from catch_models.fish import PARAMETERS, Species
+from codend.equilibrium.fidelity import choose
+from codend.errors import InputError
+from codend.io.columns import REASON, TEXT_COLUMNS
+from codend.plan.copy import toml_value
+from codend.plan.plan import Plan
+from codend.selectivity.escape.catches import catches_of, run_of
+from codend.selectivity.escape.haul import hauls_of, terms_of_catches
+from codend.studies import tables
+from codend.studies.designs import Run
+from codend.studies.study import Study, solve
+
+_ROWS_AHEAD = PARAMETERS.index("behaviour.rows_ahead")
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Neighbouring runs: every equilibrium helps to the next, and what comes of them depends on nothing else."""
+
+    number: int
+    """Counted from 0."""
+    runs: tuple[Run, ...]
+    species: tuple[Species, ...]
+    with_design: bool
+    """Whether the study's designs have names, which make a column."""
+
+
+def solve_chunk(chunk: Chunk) -> pd.DataFrame:
+    """Solve the runs of a chunk in turn.
+
+    Returns:
+        ``results.csv`` of all, with columns for the run and for what varies ahead, selectivity and reason behind. A
+        run whose values make no plan is one row with its reason.
+    """
+    rows: list[dict[str, Any]] = []
+    near: Study | None = None
+    for run in chunk.runs:
+        told: dict[str, Any] = {"run": run.number}
+        if chunk.with_design:
+            told["design"] = run.base.name
+        try:
+            told |= {key: _cell(value) for key, value in run.all_values.items()}
+            plan = run.plan()
+        except InputError as error:
+            rows.append({**told, "converged": False, REASON: str(error)})
+            continue
+        for study, reason in _studies_of(plan, near):
+            rows += [{**told, **row} for row in _rows_of(study, chunk.species)] if study else []
+            if reason is not None:
+                rows.append({**told, **reason})
+            near = study if study is not None and study.converged else near
+    return _table(rows)
+
+
+def _studies_of(plan: Plan, near: Study | None) -> Iterator[tuple[Study | None, dict[str, Any] | None]]:
+    """The study of a plan; where an error of the program ends it, one of every case, or a row that says so."""
+    try:
+        yield solve(plan, near=near), None
+        return
+    except InputError as error:
+        yield None, {"converged": False, REASON: str(error)}
+        return
+    except Exception as error:
+        problem = error
+    cases = plan.cases()
+    for case in cases:
+        asked = {"case": case.number, "speed_m_s": case.speed_m_s}
+        if len(cases) > 1:
+            alone = plan.model_copy(
+                update={
+                    "tow": plan.tow.model_copy(update={"speed_m_s": (case.speed_m_s,)}),
+                    "catch": plan.catch.model_copy(update={case.catch_kind: (case.catch_value,)}),
+                }
+            )
+            try:
+                (found,) = solve(alone).cases
+            except Exception as error:
+                problem = error
+            else:
+                # numbered as in the whole plan
+                renumbered = replace(found, case=case)
+                yield Study(plan, choose(plan), (renumbered,)), None
+                continue
+        words = f"an error of the program: {type(problem).__name__}: {' '.join(str(problem).split())}"
+        yield None, {**asked, "converged": False, REASON: words}
+
+
+def _rows_of(study: Study, species: Sequence[Species]) -> Iterator[dict[str, Any]]:
+    selected = _selectivity(study, species) if species else {}
+    for result in study.cases:
+        found = tables.result_row(study.plan, study.choice.fidelity, result)
+        row = {name: found[name] for name in tables.result_columns(study.plan)}
+        reason = None if result.converged else result.report.outcome.value
+        yield {**row, **selected.get(result.case.number, {}), REASON: reason}
+
+
+def _selectivity(study: Study, species: Sequence[Species]) -> dict[int, dict[str, float]]:
+    """L50 and SR of fish that meet each solved case, cm, by its number."""
+    found: dict[int, dict[str, float]] = {}
+    if not any(result.converged for result in study.cases):
+        return found
+    most_rows = max(one.values[_ROWS_AHEAD] for one in species)
+    for haul in hauls_of(catches_of(run_of(study), most_rows)):
+        for one in species:
+            for catch, terms in zip(haul.catches, terms_of_catches(haul, one), strict=True):
+                names = selectivity_columns([other.name for other in species], one.name)
+                found.setdefault(catch.case, {}).update(zip(names, terms.l50_sr(), strict=True))
+    return found
+
+
+def selectivity_columns(species: Sequence[str], name: str) -> tuple[str, str]:
+    """Columns of L50 and SR of one of some species: with its name where there are several."""
+    return ("l50_cm", "sr_cm") if len(species) == 1 else (f"l50_cm {name}", f"sr_cm {name}")
+
+
+def _cell(value: Any) -> Any:
+    return toml_value(list(value)) if isinstance(value, list | tuple) else value
+
+
+def _table(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
+    """Rows as columns of one kind each, the reason last; what no row has is missing."""
+    names = [name for name in dict.fromkeys(name for row in rows for name in row) if name != REASON]
+    columns: dict[str, Any] = {}
+    for name in (*names, REASON):
+        cells = [row.get(name) for row in rows]
+        there = [cell for cell in cells if cell is not None]
+        if name in TEXT_COLUMNS or any(isinstance(cell, str) for cell in there):
+            columns[name] = pd.array([_text(cell) for cell in cells], dtype="string")
+        elif there and all(isinstance(cell, bool | np.bool_) for cell in there):
+            columns[name] = pd.array(cells, dtype="boolean" if len(there) < len(cells) else "bool")
+        elif there and all(isinstance(cell, int | np.integer) and not isinstance(cell, bool) for cell in there):
+            columns[name] = pd.array(cells, dtype="Int64")
+        else:
+            columns[name] = np.array([np.nan if cell is None else cell for cell in cells], dtype=float)
+    return pd.DataFrame(columns)
+
+
+def _text(cell: Any) -> str | None:
+    missing = cell is None or (isinstance(cell, float) and np.isnan(cell))
+    return None if missing else cell if isinstance(cell, str) else toml_value(cell)

@@ -1,0 +1,138 @@
+"""A catch that is not as dense as the water weighs (rho_c - rho) g V, and a full net bears it."""
+
+import numpy as np
+import pytest
+
+from catch_models.filling import enclosed_volume
+from codend.bag.bag import Bag
+from codend.bag.build import build_bag
+from codend.bag.loads import problem_of
+from codend.bag.supports import held_by_the_entry, loads_and_supports
+from codend.equilibrium import fidelity
+from codend.mechanics import catch_weight
+from codend.mechanics.catch_front import band_geometry, fill, row_positions
+from codend.mechanics.problem import Problem
+from codend.mechanics.weight import GRAVITY_M_S2
+from codend.net.net import Floats
+from codend.plan.plan import Plan, plan_from_dict
+from codend.report.choice_words import reason_text
+from codend.studies.study import solve
+from tests.plans import make_plan
+
+WATER, HEAVY = 1000.0, 1300.0
+MESHES = {"T0": {}, "T0 with knots": {"netting": {"knot_mm": 8.0}}, "T90": {"mesh": "t90", "netting": {"knot_mm": 8.0}}}
+MESHES |= {"square": {"mesh": "square"}}
+
+
+def weighing(kind: str, filled: float, shake_m: float) -> tuple[Bag, Problem, Floats, Floats]:
+    """A crude bag, every free node moved at random, with the load of its catch's weight and the catch's shares."""
+    plan = make_plan(9, 6, catch={"filled_meshes": filled, "density_kg_m3": HEAVY}, **MESHES[kind])
+    bag = build_bag(plan)
+    problem = problem_of(bag, plan, plan.cases()[0])
+    at = bag.net.positions + shake_m * ~bag.net.fixed * np.random.default_rng(3).normal(size=bag.net.positions.shape)
+    share, load = np.zeros(bag.bands), np.zeros_like(at)
+    fill(at, problem.structure, problem.loading.catch, share)
+    catch_weight.add_force(at, problem.structure, problem.loading.catch, share, load)
+    return bag, problem, at, load
+
+
+def volume_below(corners: Floats, weight: Floats) -> float:
+    """Volume of the pyramids from facets, (f, 3, 3), to the origin, m3."""
+    return float(weight @ np.linalg.det(corners)) / 6.0
+
+
+@pytest.mark.parametrize("kind", MESHES)
+def test_a_full_random_net_is_pulled_down_by_the_weight_of_its_catch_and_no_other_way(kind):
+    bag, _, at, load = weighing(kind, 6.0, 0.01)
+    volume = volume_below(at[bag.net.facets] - at[held_by_the_entry(bag)].mean(axis=0), bag.net.facet_weight)
+    expected = -(HEAVY - WATER) * GRAVITY_M_S2 * volume
+    assert load.sum(axis=0) == pytest.approx([0.0, 0.0, expected], abs=1e-10 * abs(expected))
+
+
+@pytest.mark.parametrize("kind", MESHES)
+def test_behind_a_front_of_any_shape_the_netting_bears_all_that_its_lid_would_not(kind):
+    """The lid is a fan of triangles from the middle of the front's ring, which is at no pressure."""
+    bag, problem, at, load = weighing(kind, 3.0, 0.01)
+    front = problem.rings.start[3 * bag.bands // 6 : 3 * bag.bands // 6 + 2]
+    ring = at[problem.rings.node[front[0] : front[1]]]
+    middle = ring.mean(axis=0)
+    lid = np.stack([np.broadcast_to(middle, ring.shape), np.roll(ring, -1, axis=0), ring], axis=1)
+    facets = bag.net.facets[bag.facet_band >= 3 * bag.bands // 6]
+    corners = np.concatenate([at[facets], lid]) - middle
+    weight = np.append(bag.net.facet_weight[bag.facet_band >= 3 * bag.bands // 6], np.ones(len(lid)))
+    depth = middle[2] - lid[:, :, 2].mean(axis=1)
+    density = (HEAVY - WATER) * GRAVITY_M_S2
+    on_lid = density * (depth @ (0.5 * np.cross(lid[:, 1] - lid[:, 0], lid[:, 2] - lid[:, 0])))
+    expected = -density * volume_below(corners, weight)
+    assert load.sum(axis=0) + on_lid == pytest.approx([0.0, 0.0, expected], abs=1e-10 * abs(expected))
+
+
+@pytest.mark.parametrize("kind", MESHES)
+@pytest.mark.parametrize("filled", [2.3, 4.0])
+def test_a_net_that_is_the_same_all_round_is_pulled_down_by_the_volume_that_is_told(kind, filled):
+    bag, problem, at, load = weighing(kind, filled, 0.0)
+    catch, area, moment = problem.loading.catch, np.zeros(bag.bands), np.zeros(bag.bands)
+    row_x, share = np.zeros(bag.bands + 1), np.zeros(bag.bands)
+    row_positions(at, catch, row_x)
+    band_geometry(at, problem.structure, catch, area, moment)
+    fill(at, problem.structure, catch, share)
+    expected = -(HEAVY - WATER) * GRAVITY_M_S2 * enclosed_volume(row_x, area, moment, share)
+    assert load.sum(axis=0) == pytest.approx([0.0, 0.0, expected], abs=1e-10 * abs(expected))
+
+
+def hanging_plan() -> Plan:
+    return plan_from_dict(
+        {
+            "title": "hanging",
+            "tow": {"speed_m_s": 1e-4, "water_density_kg_m3": 1025.0},
+            "entry": {"radius_m": 0.063},
+            "netting": [
+                {
+                    "mesh": "diamond",
+                    "meshes_round": 6,
+                    "meshes_long": 20,
+                    "bar_mm": 40.0,
+                    "twine_mm": 3.0,
+                    "twine_density_kg_m3": 4000.0,
+                }
+            ],
+            "catch": {"filled_meshes": 10.0, "density_kg_m3": 2050.0},
+            "model": {"tolerance": 1e-9},
+        }
+    )
+
+
+def test_a_heavy_bag_towed_as_slowly_as_may_be_hangs_from_its_hoop():
+    plan = hanging_plan()
+    study = solve(plan)
+    result = study.cases[0]
+    assert study.choice.fidelity == "full"
+    load, support = loads_and_supports(result.problem, result.solution)
+    reaction = support[held_by_the_entry(result.bag)].sum(axis=0)
+    catch_n = (2050.0 - 1025.0) * GRAVITY_M_S2 * result.measures.catch_volume_m3
+    wet_n = catch_n - result.problem.loading.dead[:, 2].sum()
+    assert reaction == pytest.approx([0.0, 0.0, wet_n], abs=1e-8 * wet_n)
+    assert load[:, 2].sum() == pytest.approx(-wet_n, rel=1e-8)
+    assert result.positions[-1, 2] < -1.2
+    assert result.measures.sideways_imbalance <= 1e-8
+
+
+def test_a_catch_as_dense_as_the_water_is_one_whose_density_is_left_out():
+    told, left_out = (
+        solve(make_plan(12, 10, catch={"filled_meshes": 3.0, **density}, netting={"twine_density_kg_m3": 1400.0}))
+        for density in ({"density_kg_m3": WATER}, {})
+    )
+    assert np.array_equal(told.cases[0].positions, left_out.cases[0].positions)
+    assert told.cases[0].measures.drag_n == left_out.cases[0].measures.drag_n
+
+
+@pytest.mark.parametrize(("density", "fidelity_chosen"), [(1001.0, "sector"), (1100.0, "full"), (900.0, "full")])
+def test_auto_weighs_the_catch_as_it_weighs_twine(density, fidelity_chosen):
+    choice = fidelity.choose(make_plan(13, 10, catch={"filled_meshes": [2.0, 5.0], "density_kg_m3": density}))
+    assert choice.fidelity == fidelity_chosen
+    assert "wet weight of the catch" in reason_text(choice)
+    assert choice.weight_over_drag == pytest.approx(choice.catch_weight_n / choice.least_drag_n)
+    sector = fidelity.choose(
+        make_plan(13, 10, catch={"filled_meshes": 5.0, "density_kg_m3": density}, model={"fidelity": "sector"})
+    )
+    assert ("which here matters" in reason_text(sector)) == (fidelity_chosen == "full")
