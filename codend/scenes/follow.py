@@ -92,7 +92,7 @@ def follow(built: BuiltScene, start: Floats, state: State | None = None) -> Iter
         before = {**motion.state(), **now}
         for step in range(steps):
             while hangs and motion.time >= hangs[0][0] - _EARLY:
-                motion.hold(hangs.pop(0)[1])
+                motion.hold(hangs.pop(0)[1], (scene.speed_m_s, 0.0, 0.0))  # seen from the vessel
             time_s, held = motion.time, frozenset(np.flatnonzero((motion.structure.free == 0.0).all(axis=1)).tolist())
             positions, velocities = motion.position.copy(), motion.velocity.copy()
             motion.step(dt)

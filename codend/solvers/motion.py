@@ -16,7 +16,7 @@ e', e, e" after it, before it and a step earlier,
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from codend.mechanics import motion, rigid
 from codend.mechanics.bars import bar_lengths
@@ -126,10 +126,10 @@ class Motion:
         self.time, self.last_step, unsettled = map(float, state["clock"])
         self.unsettled = int(unsettled)
 
-    def hold(self, node: int) -> None:
-        """Hold a node fast where it is from now on."""
+    def hold(self, node: int, ground: ArrayLike = (0.0, 0.0, 0.0)) -> None:
+        """Hold a node fast from now on to the ground, whose velocity as seen here is ``ground``, (3,), m/s."""
         self.structure.free[node] = 0.0
-        self.velocity[node] = 0.0
+        self.velocity[node] = ground
 
     @property
     def kinetic_energy_j(self) -> float:

@@ -223,6 +223,25 @@ def test_a_mass_on_a_light_warp_that_hangs_up_gives_its_own_peak():
     assert tensions.max() == pytest.approx(right, rel=1e-2)
 
 
+def test_a_gear_that_hangs_up_stays_on_the_ground_while_the_vessel_goes_on():
+    # as dense as the water it lies along the flow, and is not moved across itself; what drag it loses would add to it
+    mass_kg_m = WATER * np.pi * 0.012**2 / 4.0
+    rope = {**WARP, "axial_stiffness_n": 1e6, "mass_kg_m": mass_kg_m, "bars": 100, "normal": 0.0}
+    time = {"end_s": 0.36, "output_s": 0.002, "step_s": 2e-4}
+    data = {"title": "h", "vessel": {"speed_m_s": 1.8}, "rope": [rope], "time": time}
+    built = build(scene_from_dict({**data, "point": [{**GEAR, "wet_weight_n": 0.0, "held_from_s": 0.3}]}))
+    start = solve_scene(built).solution.positions
+    frames = list(follow(built, start))
+    gear = built.node_of["gear"]
+    # as seen from the vessel the ground goes aft
+    assert frames[-1].positions[gear] - start[gear] == pytest.approx([1.8 * 0.06, 0.0, 0.0], abs=1e-9)
+    tension = np.array([frame.bar_tension[-1] for frame in frames])
+    before, after = tension[100], tension[155:170].mean()
+    # V sqrt(EA m) on top of what it carried, until the wave returns
+    assert after - before == pytest.approx(1.8 * np.sqrt(1e6 * mass_kg_m), rel=0.02)
+    assert frames[-1].peaks[0, 0] >= after
+
+
 def test_the_equilibrium_is_what_the_motion_comes_to():
     built = towed_warp(bars=20)
     rest = solve_scene(built)
