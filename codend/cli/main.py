@@ -30,6 +30,7 @@ from codend.cli.console import shown_progress, text_table
 from codend.cli.fit import fit
 from codend.cli.force import force
 from codend.cli.net_plan import net_plan
+from codend.cli.scene import scene
 from codend.cli.selectivity import selectivity, species
 from codend.cli.streams import Terminated, end_on_signals, give_up_output, say, take_any_text
 from codend.cli.sweep import sweep
@@ -234,7 +235,7 @@ def doctor(warm_up: bool) -> int:
     return 1 if failed or any(finding.missing for finding in findings) else 0
 
 
-for _command in (bow_wave, net_plan, sweep, compare, chart, force, selectivity, species, fit):
+for _command in (bow_wave, net_plan, scene, sweep, compare, chart, force, selectivity, species, fit):
     main.add_command(_command)
 
 

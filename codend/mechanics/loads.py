@@ -8,9 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics import bending, catch_weight, drag, points, pressure
+from codend.mechanics import bending, catch_weight, drag, points, pressure, seabed
 from codend.mechanics.points import Points
 from codend.mechanics.pressure import Catch
+from codend.mechanics.seabed import Seabed
 from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import Pattern
 from codend.mechanics.water import Water
@@ -25,6 +26,7 @@ class Loading(NamedTuple):
     water: Water
     points: Points
     catch: Catch
+    seabed: Seabed
 
 
 @njit(cache=True)
@@ -47,6 +49,7 @@ def add_moving_force(
     points.add_force(position, velocity, loading.points, loading.water, force)
     pressure.add_force(position, structure, loading.catch, share, force)
     catch_weight.add_force(position, structure, loading.catch, share, force)
+    seabed.add_force(position, loading.seabed, force)
 
 
 @njit(cache=True)
@@ -59,6 +62,7 @@ def add_tangent(
     points.add_tangent(position, loading.points, loading.water, pattern, blocks)
     pressure.add_tangent(position, structure, loading.catch, pattern, share, blocks)
     catch_weight.add_tangent(position, structure, loading.catch, pattern, share, blocks)
+    seabed.add_tangent(position, loading.seabed, pattern, blocks)
 
 
 @njit(cache=True)
@@ -70,3 +74,4 @@ def add_bound(position: Floats, structure: Structure, loading: Loading, share: F
     bending.add_bound(position, structure, bound)
     pressure.add_bound(position, structure, loading.catch, share, bound)
     catch_weight.add_bound(position, structure, loading.catch, share, bound)
+    seabed.add_bound(position, loading.seabed, bound)

@@ -8,6 +8,7 @@ from codend.mechanics.loads import Loading
 from codend.mechanics.points import points_of
 from codend.mechanics.pressure import FILLED_MESHES, Catch
 from codend.mechanics.rings import Rings, rings_of
+from codend.mechanics.seabed import Seabed, no_seabed
 from codend.mechanics.structure import Structure, structure_of
 from codend.mechanics.water import Water, uniform_flow
 from codend.mechanics.weight import wet_weight
@@ -38,6 +39,7 @@ class Problem:
         water: Water | None = None,
         weight: bool = True,
         catch: Catch | None = None,
+        seabed: Seabed | None = None,
     ) -> "Problem":
         """A net under its own loads.
 
@@ -47,12 +49,14 @@ class Problem:
             water: the water and its flow, see ``uniform_flow``; sea water at rest by default.
             weight: whether bars and points have their weight in water.
             catch: what presses on the facets; nothing by default.
+            seabed: what carries the nodes that lie on it; none by default.
         """
         water = uniform_flow(SEA_WATER_KG_M3, np.zeros(3)) if water is None else water
         dead = wet_weight(net, water.density) if weight else np.zeros_like(net.positions)
         if nodal_force_n is not None:
             dead = dead + nodal_force_n
-        loading = Loading(dead, water, points_of(net), no_catch(net) if catch is None else catch)
+        catch = no_catch(net) if catch is None else catch
+        loading = Loading(dead, water, points_of(net), catch, no_seabed() if seabed is None else seabed)
         return cls(net, structure_of(net), loading, rings_of(net.positions, loading.catch.node_row, net.order))
 
 

@@ -151,6 +151,8 @@ def describe(annotation: Any) -> str:
         return ", ".join(f'"{choice}"' for choice in arguments)
     if origin is tuple and _is_model(arguments[0]):
         return f"one or more tables, each with {', '.join(arguments[0].model_fields)}"
+    if origin is tuple and arguments[-1] is not Ellipsis:
+        return f"a list of {len(arguments)}, each {describe(arguments[0])}"
     if origin is tuple:
         return f"{describe(arguments[0])}, or a list of them that is not empty"
     if _is_model(annotation):

@@ -1,12 +1,14 @@
-"""Equilibria as VTK files (``.vtu``) for ParaView: the only module that knows meshio."""
+"""Nets as VTK files (``.vtu``) for ParaView: the only module that knows meshio."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from codend.bag.bag import all_round
-from codend.io.files import whole_file
+from codend.io.files import whole_file, write_text
+from codend.net.net import Floats, Ints
 from codend.report.polygons import joined_on_axis, mesh_polygons
 from codend.studies.case_result import CaseResult
 
@@ -22,6 +24,30 @@ def write_vtu(result: CaseResult, path: Path) -> None:
     mesh = net_mesh(result)
     with whole_file(path) as temporary:
         mesh.write(temporary, file_format="vtu")
+
+
+def write_bars(positions: Floats, bars: Ints, path: Path, **of_bars: Floats) -> None:
+    """Write bars, (m, 2), between nodes, (n, 3), as lines with what is told of them, each (m,)."""
+    import meshio
+
+    mesh = meshio.Mesh(positions, [("line", bars)], cell_data={name: [values] for name, values in of_bars.items()})
+    with whole_file(path) as temporary:
+        mesh.write(temporary, file_format="vtu")
+
+
+def write_series(files: Sequence[str], times_s: Sequence[float], path: Path) -> None:
+    """Write the list by which ParaView shows files as one motion."""
+    lines = [f'    <DataSet timestep="{t:g}" part="0" file="{file}"/>' for t, file in zip(times_s, files, strict=True)]
+    head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>'
+    write_text("\n".join([head, *lines, "  </Collection>", "</VTKFile>"]) + "\n", path)
+
+
+def read_nodes(path: Path) -> Floats:
+    """Nodes of a file of ``write_bars``, (n, 3)."""
+    import meshio
+
+    nodes: Floats = np.asarray(meshio.read(path).points, dtype=np.float64)
+    return nodes
 
 
 def net_mesh(result: CaseResult) -> "meshio.Mesh":

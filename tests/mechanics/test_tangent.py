@@ -10,14 +10,14 @@ from hypothesis import strategies as st
 from catch_models.pressure import sphere_law
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
-from codend.mechanics import bending, catch_weight, drag, loads, newton_state, newton_step, points, pressure
+from codend.mechanics import bending, catch_weight, drag, loads, newton_state, newton_step, points, pressure, seabed
 from codend.mechanics.bars import add_bar_forces, add_bar_tangent, bar_lengths
 from codend.mechanics.catch_front import fill, front_band, load_by_share, share_gradient
 from codend.mechanics.problem import Problem
 from codend.mechanics.structure import Structure, structure_of
 from codend.mechanics.tangent import Pattern, pattern_of
 from codend.mechanics.water import Water, uniform_flow
-from codend.net.net import Floats, bar_vectors
+from codend.net.net import Floats, Net, bar_vectors
 from tests import complex_loads
 from tests.complex_loads import derivative
 from tests.plans import UNIFORM, make_plan
@@ -374,3 +374,14 @@ def test_a_point_is_dragged_along_the_flow_and_lifted_across_it():
     dead = Problem.of(net, water=water).loading.dead
     without = Problem.of(replace(net, point_wet_weight=np.zeros(2)), water=water).loading.dead
     assert (dead - without)[[3, 8], 2] == pytest.approx([-5.0, 2.0])
+
+
+def test_a_seabed_pushes_what_lies_below_it_by_its_tangent():
+    nodes = np.array([[0.0, 0, 0.5], [1.0, 0, -0.2], [2.0, 0, -0.4]])
+    net = Net.from_bars(nodes, [[0, 1], [1, 2]], [True, False, False])
+    bed = seabed.Seabed(-0.1, np.array([5.0, 7.0, 11.0]))
+    force, (pattern, blocks) = np.zeros((3, 3)), laid_out(Problem.of(net).structure)
+    seabed.add_force(nodes, bed, force)
+    seabed.add_tangent(nodes, bed, pattern, blocks)
+    assert force[:, 2] == pytest.approx([0.0, 0.7, 3.3])
+    assert blocks[pattern.diagonal, 2, 2] == pytest.approx([0.0, 7.0, 11.0])

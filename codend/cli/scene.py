@@ -1,0 +1,184 @@
+"""The command ``codend scene``: ropes, weights and floats that are towed, at rest and in motion."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from codend.cli.common import NOT_CONVERGED, SeveralPairs, Stopped, check_writable, out_option, set_option, written_into
+from codend.cli.console import shown_progress, text_table
+
+if TYPE_CHECKING:
+    from codend.scenes.build import BuiltScene
+    from codend.scenes.measures import SceneResult
+
+FILES = ("results.csv", "ropes.csv", "points.csv", "scene.png", "report.html", "motion.png", "motion.gif", "net.pvd")
+GOES_ON = "motion_state.npz"
+"""What a motion goes on from; there until it has ended."""
+TABLE = {
+    "name": "rope",
+    "tension_from_n": "tension at its first end N",
+    "tension_to_n": "at its second N",
+    "slack_share": "slack",
+    "deepest_m": "deepest m",
+}
+
+
+@click.command(cls=SeveralPairs)
+@click.argument("scene", metavar="SCENE.toml")
+@out_option
+@set_option
+def scene(scene: str, folder: Path, changes: tuple[str, ...]) -> int:
+    """Equilibrium of towed or moored ropes with weights, floats and doors, and their motion in time.
+
+    Writes results.csv, ropes.csv, points.csv, a figure, net_<n>.vtu and a report into DIR; of a scene with a table
+    [time] also motion.csv, its figure and film, and net.pvd. A motion that was killed goes on from its last output
+    when the same command is given again.
+    """
+    from codend.scenes.scene import load_scene
+
+    checked = load_scene(scene, changes)
+    check_writable(folder, (*FILES, "motion.csv", GOES_ON))
+    import pandas as pd
+
+    from codend.io.files import whole_file, write_table, write_text
+    from codend.report.html import PageFigure
+    from codend.report.own_look import own_look
+    from codend.report.scene_page import scene_page
+    from codend.report.scene_plots import film, motion_figure, scene_figure
+    from codend.report.style import png
+    from codend.report.vtk import write_bars, write_series
+    from codend.scenes.build import build
+    from codend.scenes.follow import outputs
+    from codend.scenes.measures import cautions, point_rows, result_row, rope_rows, solve_scene
+
+    built = build(checked)
+    found = solve_scene(built)
+    ropes, notes = pd.DataFrame(rope_rows(found)), cautions(found)
+    with written_into(folder, FILES), own_look():
+        moved = checked.time is not None and (found.converged or checked.time.start == "placed")
+        if moved:
+            peaks, more = _move(built, found, folder)
+            ropes[["peak_tension_n", "peak_time_s", "peak_from_end_m"]] = peaks
+            notes += more
+        else:
+            _clear(folder)
+            if found.converged:
+                tension = found.solution.bar_tension
+                write_bars(found.solution.positions, built.problem.net.bars, folder / "net_1.vtu", tension_n=tension)
+        tables = {
+            "results.csv": pd.DataFrame([result_row(found)]),
+            "ropes.csv": ropes,
+            "points.csv": pd.DataFrame(point_rows(found)),
+        }
+        for name, table in tables.items():
+            write_table(table, folder / name)
+        figures = []
+        if found.converged:
+            picture = png(scene_figure(built, found.solution.positions))
+            figures.append(PageFigure(picture, "The equilibrium of the tow, not to scale."))
+            with whole_file(folder / "scene.png") as temporary:
+                temporary.write_bytes(picture)
+        if moved and checked.time is not None:
+            picture = png(motion_figure(built, pd.read_csv(folder / "motion.csv")))
+            figures.append(PageFigure(picture, "Heights of points, and the largest tension of every rope, in time."))
+            with whole_file(folder / "motion.png") as temporary:
+                temporary.write_bytes(picture)
+            names = [f"net_{number}.vtu" for number in range(outputs(checked.time))]
+            times = [number * checked.time.output_s for number in range(len(names))]
+            write_series(names, times, folder / "net.pvd")
+            with whole_file(folder / "motion.gif") as temporary:
+                temporary.write_bytes(film(built, [folder / name for name in names], times))
+        titles = ("Equilibrium", "Ropes", "Points")
+        page = scene_page(checked, list(zip(titles, tables.values(), strict=True)), figures, notes)
+        write_text(page, folder / "report.html")
+        (folder / GOES_ON).unlink(missing_ok=True)
+    shown = [column for column in (*TABLE, "peak_tension_n", "peak_time_s") if column in ropes]
+    heads = [TABLE.get(column, column) for column in shown]
+    click.echo(text_table(heads, ropes[shown].itertuples(index=False, name=None)))
+    for note in notes:
+        click.echo(note)
+    return 0 if found.converged else NOT_CONVERGED
+
+
+def _clear(folder: Path) -> None:
+    """Remove the motion and nets of an earlier scene."""
+    for path in (*folder.glob("net_*.vtu"), folder / "motion.csv", folder / GOES_ON):
+        path.unlink(missing_ok=True)
+
+
+def _move(built: "BuiltScene", found: "SceneResult", folder: Path):  # type: ignore[no-untyped-def]
+    """Follow the motion, a file and some rows an output; the ropes' peaks, (r, 3), and what is to be told of it."""
+    import io
+
+    import numpy as np
+    import pandas as pd
+
+    from codend.io.files import whole_file
+    from codend.report.vtk import write_bars
+    from codend.scenes.follow import follow, motion_rows, outputs
+
+    scene, time = built.scene, built.scene.time
+    assert time is not None
+    start = built.problem.net.positions if time.start == "placed" else found.solution.positions
+    digest, table, kept = _digest(built), folder / "motion.csv", folder / GOES_ON
+    state = _kept_state(kept, table, digest)
+    if state is None:
+        _clear(folder)
+        table.write_bytes(b"")
+    else:
+        with table.open("rb+") as stream:
+            stream.truncate(int(state["written"][0]))
+    first, last = (0 if state is None else int(state["number"][0])), outputs(time)
+    frame = None
+    with shown_progress() as progress:
+        try:
+            for frame in follow(built, start, state):
+                if state is None or frame.number > first:
+                    net = folder / f"net_{frame.number}.vtu"
+                    tension = frame.bar_tension
+                    write_bars(frame.positions, built.problem.net.bars, net, tension_n=tension)
+                    rows = io.StringIO()
+                    frame_table = pd.DataFrame(motion_rows(built, frame))
+                    frame_table.to_csv(rows, index=False, header=frame.number == 0, float_format="%.12g")
+                    with table.open("ab") as stream:
+                        stream.write(rows.getvalue().encode())
+                    with whole_file(kept) as temporary, temporary.open("wb") as stream:
+                        size = np.array([float(table.stat().st_size)])
+                        np.savez(stream, digest=np.array(digest), written=size, **frame.state)  # type: ignore[arg-type]
+                progress(frame.number + 1, last, f"{frame.time_s:.4g} of {time.end_s:g} s")
+        except ArithmeticError as error:
+            raise Stopped(f"{scene.source}: {error}; a smaller time.step_s may help", NOT_CONVERGED) from error
+    assert frame is not None
+    notes = []
+    if unsettled := int(frame.state["clock"][2]):
+        notes.append(f"In {unsettled} steps it was not settled which bars are slack: take a smaller time.step_s.")
+    return frame.peaks, notes
+
+
+def _digest(built: "BuiltScene") -> str:
+    """Of all that a motion depends on."""
+    from hashlib import sha256
+    from importlib.metadata import version
+
+    path = built.scene.vessel_path()
+    net = built.problem.net
+    parts = [built.scene.model_dump_json(), version("codend"), "" if path is None else path.tobytes().hex()]
+    parts += [array.tobytes().hex() for array in (net.point_drag_area, net.point_lift_area)]
+    return sha256("\n".join(parts).encode()).hexdigest()
+
+
+def _kept_state(kept: Path, table: Path, digest: str):  # type: ignore[no-untyped-def]
+    """What an earlier run of the same motion left to go on from; None if there is nothing."""
+    import zipfile
+
+    import numpy as np
+
+    try:
+        with np.load(kept, allow_pickle=False) as found:
+            state = dict(found)
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile):
+        return None
+    if str(state.pop("digest", "")) != digest or not table.exists():
+        return None
+    return state if table.stat().st_size >= state["written"][0] else None

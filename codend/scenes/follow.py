@@ -1,0 +1,151 @@
+"""A scene in time: one frame an output, and whatever is needed to go on from any of them."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import ceil, pi, sin
+
+import numpy as np
+
+from codend.net.net import Floats, Ints
+from codend.scenes.build import BuiltScene
+from codend.scenes.measures import end_tensions
+from codend.scenes.tables import TimeTable, VesselTable
+from codend.solvers.motion import Motion, Path
+
+State = dict[str, Floats | Ints]
+_EARLY = 1e-9
+"""Seconds by which a step may begin before what happens at its start."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A scene at one output."""
+
+    number: int
+    """From 0, at the start."""
+    time_s: float
+    positions: Floats
+    """(n, 3), m."""
+    velocities: Floats
+    """Half a step before, (n, 3), m/s."""
+    bar_tension: Floats
+    """(m,), N."""
+    support: Floats
+    """What holds the nodes, (n, 3), N."""
+    held: frozenset[int]
+    """Nodes held then."""
+    peaks: Floats
+    """Of every rope the largest tension so far, when it was and how far from the rope's first end: N, s, m, (r, 3)."""
+    since: Floats
+    """Largest tension of every rope since the last output, N, (r,)."""
+    state: State
+    """What ``follow`` goes on from, with this frame as the first."""
+
+
+def outputs(time: TimeTable) -> int:
+    """Number of frames, the start's among them."""
+    return int(time.end_s / time.output_s + 1e-9) + 1
+
+
+def path_of(vessel: VesselTable | None, table: Floats | None) -> Path | None:
+    """How far the vessel has gone from where it was at first; heave sets in over its first period."""
+    if table is not None:
+        return lambda t: np.array([np.interp(t, table[:, 0], table[:, i]) - table[0, i] for i in (1, 2, 3)])
+    if vessel is None or vessel.heave_m == 0.0 or vessel.period_s is None:
+        return None
+    height, period = vessel.heave_m, vessel.period_s
+    return lambda t: np.array([0.0, 0.0, height * heave(t, period)])
+
+
+def heave(time_s: float, period_s: float) -> float:
+    """Heave over its amplitude: a sine that sets in over the first period, without a jump in velocity."""
+    ramp = sin(0.5 * pi * time_s / period_s) ** 2 if time_s < period_s else 1.0
+    return ramp * sin(2.0 * pi * time_s / period_s)
+
+
+def follow(built: BuiltScene, start: Floats, state: State | None = None) -> Iterator[Frame]:
+    """Frames of a scene's motion from rest, or from the state of one of its frames.
+
+    Args:
+        built: the scene; it must have a table [time].
+        start: where its nodes are at first, (n, 3), m.
+        state: that of a frame, which comes first then.
+
+    Raises:
+        ArithmeticError: the motion cannot be followed.
+    """
+    scene, time = built.scene, built.scene.time
+    if time is None:
+        raise ValueError("a scene without a table [time] has no motion")
+    path = path_of(scene.vessel, scene.vessel_path())
+    motion = Motion(built.problem, start, added_mass=built.added_mass, towed=built.towed, path=path)
+    hangs = sorted((p.held_from_s, built.node_of[p.name]) for p in scene.point if p.held_from_s is not None)
+    ropes = len(built.rope_bars)
+    peaks, since, first = np.full((ropes, 3), -1.0), np.zeros(ropes), 0
+    if state is not None:
+        motion.set_state(state)
+        peaks[:], since[:], first = state["peaks"], state["since"], int(state["number"][0])
+    steps = ceil(time.output_s / time.step_s - 1e-9)
+    dt = time.output_s / steps
+    for number in range(first, outputs(time)):
+        now = {"peaks": peaks.copy(), "since": since.copy(), "number": np.array([float(number)])}
+        before = {**motion.state(), **now}
+        for step in range(steps):
+            while hangs and motion.time >= hangs[0][0] - _EARLY:
+                motion.hold(hangs.pop(0)[1], (scene.speed_m_s, 0.0, 0.0))  # seen from the vessel
+            time_s, held = motion.time, frozenset(np.flatnonzero((motion.structure.free == 0.0).all(axis=1)).tolist())
+            positions, velocities = motion.position.copy(), motion.velocity.copy()
+            motion.step(dt)
+            _note(built, motion.tension, time_s, peaks, since)
+            if step == 0:
+                yield Frame(
+                    number,
+                    number * time.output_s,
+                    positions,
+                    velocities,
+                    motion.tension.copy(),
+                    motion.support.copy(),
+                    held,
+                    peaks.copy(),
+                    since.copy(),
+                    before,
+                )
+                since[:] = 0.0
+                if number == outputs(time) - 1:
+                    return
+
+
+def _note(built: BuiltScene, tension: Floats, time_s: float, peaks: Floats, since: Floats) -> None:
+    for rope, bars in enumerate(built.rope_bars):
+        along = tension[bars]
+        highest = int(np.argmax(along))
+        value = float(along[highest])
+        since[rope] = max(since[rope], value)
+        if value > peaks[rope, 0]:
+            length = built.scene.rope[rope].length_m
+            peaks[rope] = value, time_s, length * (highest + 0.5) / len(along)
+
+
+def motion_rows(built: BuiltScene, frame: Frame) -> list[dict[str, float | str]]:
+    """Rows of ``motion.csv``: points, whose tension is what holds them, then ropes at their middle, with the largest.
+
+    Of a rope ``max_tension_n`` is the largest in any of its bars since the output before.
+    """
+    rows: list[dict[str, float | str]] = []
+
+    def add(name: str, place: Floats, tension: float, most: float) -> None:
+        x, y, z = map(float, place)
+        at = {"x_m": x, "y_m": y, "z_m": z, "tension_n": tension, "max_tension_n": most}
+        rows.append({"time_s": frame.time_s, "name": name, **at})
+
+    for name, node in built.node_of.items():
+        pull = float(np.linalg.norm(frame.support[node])) if node in frame.held else np.nan
+        add(name, frame.positions[node], pull, np.nan)
+    for rope, (name, nodes, bars) in enumerate(
+        zip(built.scene.rope_names, built.rope_nodes, built.rope_bars, strict=True)
+    ):
+        along = frame.bar_tension[bars]
+        most = float(max(*end_tensions(along), along.max()))
+        middle = 0.5 * (frame.positions[nodes[(len(nodes) - 1) // 2]] + frame.positions[nodes[len(nodes) // 2]])
+        add(name, middle, most, float(frame.since[rope]))
+    return rows

@@ -1,0 +1,149 @@
+"""What is told of a scene: where its points are and what holds them, and the pull of every named rope."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from codend.mechanics.bars import add_bar_forces, bar_lengths
+from codend.mechanics.loads import add_moving_force
+from codend.net.net import Floats
+from codend.scenes.build import BuiltScene
+from codend.solvers.outcome import Solution
+from codend.solvers.solve import find_equilibrium
+
+
+@dataclass(frozen=True)
+class SceneResult:
+    """The equilibrium of a scene."""
+
+    built: BuiltScene
+    solution: Solution
+    support: Floats
+    """What it takes to hold each node, N, (n, 3); of free nodes what is left out of balance."""
+
+    @property
+    def converged(self) -> bool:
+        """Whether it may be used."""
+        return self.solution.report.outcome.converged
+
+
+def solve_scene(built: BuiltScene) -> SceneResult:
+    """Equilibrium of a scene by whichever solver finds it."""
+    solution = find_equilibrium(built.problem, built.scene.model.tolerance)
+    return SceneResult(built, solution, support_forces(built, solution.positions, solution.bar_tension))
+
+
+def support_forces(built: BuiltScene, positions: Floats, tension: Floats) -> Floats:
+    """What it takes to hold each node at rest under its loads and the bars' pull, N, (n, 3)."""
+    structure, loading = built.problem.structure, built.problem.loading
+    positions = np.ascontiguousarray(positions)
+    force, length = np.zeros_like(positions), np.empty(len(tension))
+    add_moving_force(positions, np.empty((0, 3)), structure, loading, np.zeros(built.problem.bands), force)
+    bar_lengths(positions, structure, length)
+    add_bar_forces(positions, structure, np.divide(tension, length), force)
+    return -force
+
+
+def end_tensions(tension: Floats) -> tuple[float, float]:
+    """Tension at both ends of a rope from those of its bars, which are those of their middles, (bars,).
+
+    Led straight on to the ends, which is of the second order in the length of the bars.
+    """
+    if len(tension) == 1:
+        return float(tension[0]), float(tension[0])
+    first, last = 1.5 * tension[0] - 0.5 * tension[1], 1.5 * tension[-1] - 0.5 * tension[-2]
+    return float(max(first, 0.0)), float(max(last, 0.0))
+
+
+def rope_rows(result: SceneResult) -> list[dict[str, Any]]:
+    """A row for every rope, for ``ropes.csv``."""
+    built, found = result.built, result.solution
+    rows = []
+    for rope, name, nodes, bars in zip(
+        built.scene.rope, built.scene.rope_names, built.rope_nodes, built.rope_bars, strict=True
+    ):
+        tension, places = found.bar_tension[bars], found.positions[nodes]
+        first, last = end_tensions(tension)
+        rows.append(
+            {
+                "name": name,
+                "from": rope.ends[0],
+                "to": rope.ends[1],
+                "length_m": rope.length_m,
+                "length_under_load_m": float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum()),
+                "tension_from_n": first,
+                "tension_to_n": last,
+                "max_tension_n": float(max(first, last, tension.max())),
+                "min_tension_n": float(min(first, last, tension.min())),
+                "slack_share": float(np.mean(tension <= 0.0)),
+                "deepest_m": float(-places[:, 2].min()),
+                "law": rope.drag[0],
+            }
+        )
+    return rows
+
+
+def point_rows(result: SceneResult) -> list[dict[str, Any]]:
+    """A row for every point, for ``points.csv``; forces are those of what holds it."""
+    built, held = result.built, result.built.held
+    rows = []
+    for name, node in built.node_of.items():
+        x, y, z = result.solution.positions[node]
+        force = result.support[node] if name in held else np.full(3, np.nan)
+        rows.append(
+            {
+                "name": name,
+                "x_m": x,
+                "y_m": y,
+                "z_m": z,
+                "held": name in held,
+                "force_x_n": force[0],
+                "force_y_n": force[1],
+                "force_z_n": force[2],
+                "force_n": float(np.linalg.norm(force)),
+            }
+        )
+    return rows
+
+
+def result_row(result: SceneResult) -> dict[str, Any]:
+    """The row of ``results.csv``."""
+    built, report = result.built, result.solution.report
+    towed = result.support[built.towed].sum(axis=0) if built.towed.any() else np.full(3, np.nan)
+    ropes = rope_rows(result)
+    top = max(ropes, key=lambda row: row["max_tension_n"] if result.converged else 0.0)
+    return {
+        "case": 1,
+        "speed_m_s": built.scene.speed_m_s,
+        "pull_n": float(np.linalg.norm(towed)),
+        "pull_ahead_n": float(-towed[0]),
+        "max_rope_tension_n": top["max_tension_n"],
+        "max_tension_rope": top["name"] if result.converged else "",
+        "deepest_m": float(-result.solution.positions[:, 2].min()),
+        "highest_m": float(result.solution.positions[:, 2].max()),
+        "method": report.method,
+        "iterations": report.iterations,
+        "residual": report.residual,
+        "converged": result.converged,
+        "solve_ms": report.solve_ms,
+    }
+
+
+def cautions(result: SceneResult) -> list[str]:
+    """What a reader must know before using the numbers."""
+    found = []
+    scene = result.built.scene
+    if not result.converged:
+        found.append(f"No equilibrium was found: {result.solution.report.outcome.value}")
+    elif (highest := float(result.solution.positions[:, 2].max())) > max(
+        0.0, *(float(result.built.problem.net.positions[n, 2]) for n in result.built.node_of.values())
+    ) + 1e-6:
+        found.append(
+            f"Something lies {highest:.3g} m above the surface, of which the model knows nothing: it is in water there."
+        )
+    if "density_kg_m3" not in scene.water.model_fields_set:
+        found.append(f"Sea water of {scene.water.density_kg_m3:g} kg/m3 is assumed: water.density_kg_m3 is not given.")
+    laws = sorted({rope.drag[0] for rope in scene.rope})
+    found.append(f"Drag of the ropes by {' and '.join(laws)}: depths differ by a fifth from one law to another.")
+    return found

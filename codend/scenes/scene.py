@@ -1,0 +1,195 @@
+"""What the user said of a scene: a TOML file of ropes, points, vessel and water, checked once."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from pydantic import PrivateAttr, model_validator
+
+from codend.errors import InputError
+from codend.io.names import as_name
+from codend.io.toml import read_toml
+from codend.net.net import Floats
+from codend.plan.messages import Contradiction
+from codend.plan.mistakes import checked
+from codend.plan.overrides import apply_overrides
+from codend.plan.tables import Table, Text
+from codend.scenes.tables import (
+    VESSEL,
+    PointTable,
+    Ropes,
+    SceneModel,
+    SeabedTable,
+    TimeTable,
+    VesselTable,
+    WaterTable,
+)
+
+FAST = ("vessel", "ground")
+"""What holds a point every way."""
+
+
+class Scene(Table):
+    """A whole scene."""
+
+    title: Text
+    water: WaterTable = WaterTable()
+    rope: Ropes
+    point: tuple[PointTable, ...] = ()
+    vessel: VesselTable | None = None
+    time: TimeTable | None = None
+    seabed: SeabedTable | None = None
+    model: SceneModel = SceneModel()
+    _source: Path = PrivateAttr(default=Path("scene"))
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        Contradiction.raise_first(self._contradictions())
+        return self
+
+    def _contradictions(self) -> Iterator[Contradiction]:
+        names = [point.name for point in self.point]
+        for index, name in enumerate(names):
+            if name in names[:index]:
+                yield Contradiction(f"point.{index}.name", "a name that no other point has")
+        known = [*names, *([VESSEL] if self.vessel is not None else [])]
+        for index, rope in enumerate(self.rope):
+            for key, end in zip(("from", "to"), rope.ends, strict=True):
+                if end not in known:
+                    yield Contradiction(f"rope.{index}.{key}", f"the name of a point: {', '.join(known) or 'none'}")
+            if rope.ends[0] == rope.ends[1]:
+                yield Contradiction(f"rope.{index}.to", "another point than the one it starts from")
+        rope_names = self.rope_names
+        for index, name in enumerate(rope_names):
+            if name in (*rope_names[:index], *known):
+                yield Contradiction(f"rope.{index}.name", "a name that no other rope or point has")
+        used = {end for rope in self.rope for end in rope.ends}
+        for index, point in enumerate(self.point):
+            if point.name not in used:
+                yield Contradiction(f"point.{index}.name", "a point that a rope runs to", "is on no rope")
+            if point.held == "vessel" and self.vessel is None:
+                yield Contradiction(f"point.{index}.held", '"ground", or a table [vessel]')
+            if point.held == "ground" and self.vessel is not None and self.vessel.speed_m_s > 0.0:
+                allowed = "vessel.motion in place of vessel.speed_m_s, for places are as seen from the vessel"
+                yield Contradiction(f"point.{index}.held", allowed)
+            if point.held_from_s is not None and self.time is None:
+                yield Contradiction(f"point.{index}.held_from_s", "a table [time] with it")
+            if self.seabed is not None and point.at is not None and point.at[2] < -self.seabed.depth_m:
+                yield Contradiction(f"point.{index}.at", f"not below the seabed, {self.seabed.depth_m:g} m deep")
+        if self.time is None and self.vessel is not None:
+            for key in ("motion", "heave_m"):
+                if key in self.vessel.model_fields_set:
+                    yield Contradiction(f"vessel.{key}", "a table [time] with it")
+        if any(point.held_from_s is not None for point in self.point):
+            for index, rope in enumerate(self.rope):
+                if rope.axial_stiffness_n is None:
+                    allowed = "given where a point is held from a time on, for a stop without stretch has no peak"
+                    yield Contradiction(f"rope.{index}.axial_stiffness_n", allowed, "is missing")
+        yield from self._not_held()
+        yield from self._too_short()
+
+    def _not_held(self) -> Iterator[Contradiction]:
+        """Ropes that hang on nothing."""
+        held = {point.name for point in self.point if point.held in FAST}
+        held |= {VESSEL} if self.vessel is not None else set()
+        while more := {e for rope in self.rope if held & set(rope.ends) for e in rope.ends} - held:
+            held |= more
+        for index, rope in enumerate(self.rope):
+            if not held & set(rope.ends):
+                yield Contradiction(f"rope.{index}.from", "a rope that hangs, by others, on a held point or the vessel")
+
+    def _too_short(self) -> Iterator[Contradiction]:
+        """Ropes that do not stretch, between held points that are farther apart."""
+        places = {point.name: point.at for point in self.point if point.held in FAST and point.at}
+        if self.vessel is not None:
+            places[VESSEL] = self.vessel.at
+        for index, rope in enumerate(self.rope):
+            if rope.axial_stiffness_n is None and set(rope.ends) <= places.keys():
+                first, last = (np.array(places[end]) for end in rope.ends)
+                apart = float(np.linalg.norm(last - first))
+                if rope.length_m <= apart:
+                    yield Contradiction(f"rope.{index}.length_m", f"above {apart:g}, the distance of its held ends")
+
+    @property
+    def rope_names(self) -> tuple[str, ...]:
+        """What tables call the ropes."""
+        return tuple(rope.name or f"rope {number}" for number, rope in enumerate(self.rope, start=1))
+
+    @property
+    def speed_m_s(self) -> float:
+        """Of the vessel, 0 where it does not tow or moves by a table."""
+        return self.vessel.speed_m_s if self.vessel is not None else 0.0
+
+    @property
+    def source(self) -> Path:
+        """The file it came from."""
+        return self._source
+
+    def coefficients(self, point: PointTable) -> tuple[float, float]:
+        """Lift and drag of a point, from its table where it has one."""
+        if point.table is None:
+            return point.lift, point.drag
+        table = _door_table(self.source.parent / as_name(point.table))
+        assert point.attack_deg is not None
+        if not table[0, 0] <= point.attack_deg <= table[-1, 0]:
+            index = self.point.index(point)
+            allowed = f"from {table[0, 0]:g} to {table[-1, 0]:g}, the angles in {point.table}"
+            raise InputError(self.source, f"point.{index}.attack_deg", point.attack_deg, allowed)
+        lift, drag = (float(np.interp(point.attack_deg, table[:, 0], table[:, column])) for column in (1, 2))
+        return lift, drag
+
+    def vessel_path(self) -> Floats | None:
+        """Times and places of the vessel's table of motion, (k, 4); None without one."""
+        if self.vessel is None or self.vessel.motion is None or self.time is None:
+            return None
+        from codend.io.input_table import read_table
+
+        names = ("time_s", "x_m", "y_m", "z_m")
+        table = read_table(self.source.parent / as_name(self.vessel.motion), names=names)
+        path: Floats = np.stack([table.numbers(name) for name in names], axis=1)
+        _rising(table.where, "time_s", path[:, 0])
+        if path[0, 0] > 0.0 or path[-1, 0] < self.time.end_s:
+            allowed = f"times from 0 to time.end_s, {self.time.end_s:g}"
+            raise InputError(table.where, "time_s", None, allowed, "does not run over the whole motion")
+        return path
+
+
+def _door_table(path: Path) -> Floats:
+    from codend.io.input_table import read_table
+
+    names = ("attack_deg", "lift", "drag")
+    table = read_table(path, names=names)
+    found: Floats = np.stack([table.numbers(name) for name in names], axis=1)
+    _rising(table.where, "attack_deg", found[:, 0])
+    return found
+
+
+def _rising(where: str, column: str, values: Floats) -> None:
+    falling = np.flatnonzero(np.diff(values) <= 0.0)
+    if len(falling):
+        raise InputError(where, column, float(values[falling[0] + 1]), "numbers that rise from row to row")
+
+
+def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
+    """Read a TOML scene, lay ``overrides`` such as ``"rope.0.length_m=25"`` over it, and check the result.
+
+    Raises:
+        InputError: no such file, not TOML, or anything ``scene_from_dict`` refuses.
+    """
+    return scene_from_dict(read_toml(path, "TOML scene"), path, overrides)
+
+
+def scene_from_dict(data: Mapping[str, Any], source: str | Path = "scene", overrides: Sequence[str] = ()) -> Scene:
+    """Check tables as ``tomllib`` returns them.
+
+    Raises:
+        InputError: unknown, missing, mistyped, out-of-range or contradictory keys, tables that are no files: the first
+            of them, with ``lines`` for all.
+    """
+    scene = checked(Scene, apply_overrides(data, overrides, source), source)
+    scene._source = Path(source)
+    scene.vessel_path()
+    for point in scene.point:
+        scene.coefficients(point)
+    return scene

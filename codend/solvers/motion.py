@@ -1,0 +1,274 @@
+"""Motion of a net in time: rigid bars, bars that stretch, and ropes that go slack, in steps of any length.
+
+The scheme of Bessonneau and Marichal (1997, equations 10 to 16): every step solves one symmetric system for the
+tensions that bring the bars to their lengths at its end. Beyond the papers (see ``mechanics.motion``) the added mass is
+part of the nodes' masses, drag is linearised, and the tensions are corrected with the same matrix until the lengths are
+met, not only to the first order. Velocities stand half a step behind the places, so a step is of the second order.
+
+A bar that stretches has at the end of a step the length that its tension T gives it over the step: with its strains
+e', e, e" after it, before it and a step earlier,
+
+    T / EA = b e' + (1/2 - 2 b + c) e + (1/2 + b - c) e",   c = 1/2 + s,  b = (1 + s)^2 / 4
+
+(Newmark's method in terms of places), stable for any step; s damps what swings faster than the steps.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from codend.mechanics import motion, rigid
+from codend.mechanics.bars import bar_lengths
+from codend.mechanics.loads import add_moving_force
+from codend.mechanics.problem import Problem
+from codend.net.net import Floats, Ints
+from codend.solvers.linear_systems import fitting_system, narrow_numbering
+
+DAMPING = 0.1
+"""s: it takes 2 s x (frequency x step) / 4 of a swing's amplitude a radian, and all from steps far longer on."""
+WIDEST_BAND = 80
+"""Half-bandwidth of the system for the tensions beyond which SuperLU is the faster (measured)."""
+LENGTHS_MET = 1e-11
+FARTHEST_OFF = 1e-7
+"""Departure from the lengths, relative, that a step may leave."""
+CORRECTIONS = 15
+SLACK_PASSES = 25
+MOST_HALVINGS = 8
+
+Path = Callable[[float], Floats]
+"""Where the vessel has gone from where it was at first, at a time in s, (3,), m."""
+
+
+class Motion:
+    """A full net on its way: places and, half a step behind, velocities."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        positions: Floats,
+        velocities: Floats | None = None,
+        *,
+        added_mass: Floats | float = 1.0,
+        towed: NDArray[np.bool_] | None = None,
+        path: Path | None = None,
+    ) -> None:
+        """Set a net out.
+
+        Args:
+            problem: the net under its loads; all its bars must have mass.
+            positions: of the nodes, (n, 3).
+            velocities: of the nodes, (n, 3); none by default.
+            added_mass: Cm of the bars, (m,) or of all.
+            towed: nodes that are held by the vessel and go with it, (n,).
+            path: how the vessel goes.
+        """
+        net, water = problem.net, problem.loading.water.density
+        if net.order != 1:
+            raise ValueError("motion is that of full nets, not of sectors")
+        self.problem, self.loading = problem, problem.loading
+        self.structure = problem.structure._replace(free=problem.structure.free.copy())
+        volume = 0.25 * np.pi * net.bar_solid_diameter**2 * net.bar_length
+        self.mass = np.where(np.isnan(net.bar_density), water, net.bar_density) * volume
+        self.added = np.broadcast_to(added_mass, volume.shape) * water * volume
+        if not np.all(self.mass > 0.0):
+            raise ValueError("bars in motion need a mass: give their diameter")
+        bars, nodes = len(net.bars), len(net.positions)
+        self.pattern = rigid.rigid_pattern(self.structure)
+        row, column = self.pattern.row, self.pattern.column
+        place = narrow_numbering(row, column, bars)
+        self.system = fitting_system(place[:, None], place[row], place[column], WIDEST_BAND)
+        self.time, self.last_step = 0.0, 0.0
+        self.position = np.array(positions, dtype=np.float64, order="C")
+        self.velocity = np.zeros((nodes, 3)) if velocities is None else np.array(velocities, dtype=np.float64)
+        self.towed = np.zeros(nodes, dtype=bool) if towed is None else towed
+        self.path, self._start = path, self.position[self.towed].copy()
+        self.taut = np.ones(bars, dtype=np.int32)
+        self.strain = np.zeros((2, bars))
+        """Of the bars now and a step earlier, 0 in slack ones."""
+        self.density = np.zeros(bars)
+        """Force densities of the last step, N/m, (m,)."""
+        self.tension = np.zeros(bars)
+        """At the start of the last step, N, (m,)."""
+        self.support = np.zeros((nodes, 3))
+        """What held the nodes then, N, (n, 3): of free nodes what is left out of balance, round-off."""
+        self.unsettled = 0
+        """Steps in which it was not found which bars are slack."""
+        self._point_mass = np.zeros(nodes)
+        np.add.at(self._point_mass, net.point_node, net.point_mass)
+        self._share = np.zeros(problem.bands)
+        self._gradient, self._square = np.zeros((2 * bars, 3)), np.zeros(bars)
+        self._masses, self._inverse = np.zeros((nodes, 3, 3)), np.zeros((nodes, 3, 3))
+        self._force, self._acceleration = np.zeros((nodes, 3)), np.zeros((nodes, 3))
+        self._entries, self._rate, self._length = np.zeros(len(row)), np.zeros(bars), np.zeros(bars)
+        bar_lengths(self.position, self.structure, self._length)
+        stretches = self.structure.flexibility > 0.0
+        self.strain[:] = np.maximum(np.where(stretches, self._length / self.structure.length - 1.0, 0.0), 0.0)
+
+    def state(self) -> dict[str, Floats | Ints]:
+        """A copy of all that ``set_state`` needs to go on from here."""
+        clock = np.array([self.time, self.last_step, float(self.unsettled)])
+        return {
+            "position": self.position.copy(),
+            "velocity": self.velocity.copy(),
+            "taut": self.taut.copy(),
+            "strain": self.strain.copy(),
+            "density": self.density.copy(),
+            "free": self.structure.free.copy(),
+            "clock": clock,
+        }
+
+    def set_state(self, state: dict[str, Floats | Ints]) -> None:
+        """Go back to a state."""
+        self.position[:], self.velocity[:] = state["position"], state["velocity"]
+        self.taut[:], self.strain[:] = state["taut"], state["strain"]
+        self.structure.free[:], self.density = state["free"], np.array(state["density"])
+        self.time, self.last_step, unsettled = map(float, state["clock"])
+        self.unsettled = int(unsettled)
+
+    def hold(self, node: int, ground: ArrayLike = (0.0, 0.0, 0.0)) -> None:
+        """Hold a node fast from now on to the ground, whose velocity as seen here is ``ground``, (3,), m/s."""
+        self.structure.free[node] = 0.0
+        self.velocity[node] = ground
+
+    @property
+    def kinetic_energy_j(self) -> float:
+        """Of bars, points and the water that goes with them, half a step before the places."""
+        self._measure()
+        blocks = self._bare_masses()
+        return 0.5 * float(np.einsum("ni,nij,nj", self.velocity, blocks, self.velocity))
+
+    def step(self, dt: float) -> None:
+        """Advance by ``dt`` seconds; where one step does not meet the lengths, in shorter ones.
+
+        Raises:
+            ArithmeticError: shorter steps do not mend it.
+        """
+        self._advance(dt, 0)
+
+    def _advance(self, dt: float, halvings: int) -> None:
+        before = self.state()
+        if self._tried(dt):
+            return
+        if halvings == MOST_HALVINGS:
+            raise ArithmeticError(f"the motion cannot be followed at {self.time:g} s, in steps of {dt:g} s neither")
+        self.set_state(before)
+        self._advance(0.5 * dt, halvings + 1)
+        at_start = self.tension.copy(), self.support.copy()
+        self._advance(0.5 * dt, halvings + 1)
+        self.tension, self.support = at_start
+
+    def _tried(self, dt: float) -> bool:
+        kick = 0.5 * (self.last_step + dt)
+        self._measure()
+        self._set_loads(kick, dt)
+        last_velocity = self.velocity.copy()
+        self._move_supports(dt)
+        # what their masses feel of being moved is in the balance of the supports below
+        density = self._solve_for_tensions(kick, dt)
+        if density is None:
+            return False
+        pulls = self._force.copy()
+        rigid.add_pulls(self.structure, self._gradient, density, pulls)
+        rigid.accelerations(self._inverse, pulls, self._acceleration)
+        self.velocity += kick * self._acceleration
+        self.position += dt * self.velocity
+        if not np.isfinite(self.position).all():
+            return False
+        felt = np.einsum("nij,nj->ni", self._masses, self.velocity - last_velocity) / kick
+        self.support = felt - pulls
+        self.tension, self.density = density * np.sqrt(self._square), density
+        self._note_strains()
+        self.time, self.last_step = self.time + dt, dt
+        return True
+
+    def _measure(self) -> None:
+        rigid.length_gradients(self.position, self.structure, self._gradient, self._square)
+
+    def _bare_masses(self) -> Floats:
+        blocks = self._masses
+        blocks[:] = 0.0
+        for i in range(3):
+            blocks[:, i, i] = self._point_mass
+        motion.add_masses(self.pattern, self._gradient, self._square, self.mass, self.added, blocks)
+        return blocks
+
+    def _set_loads(self, kick: float, dt: float) -> None:
+        structure, loading, water = self.structure, self.loading, self.loading.water
+        self._force[:] = 0.0
+        add_moving_force(self.position, self.velocity, structure, loading, self._share, self._force)
+        blocks = self._bare_masses()
+        of_points = blocks[loading.points.node, 0, 0].copy()
+        here = self.position, self.velocity
+        motion.add_bar_drag(*here, structure, water, self.mass, self.added, self.density, kick, dt, blocks)
+        motion.add_point_drag(*here, loading.points, water, of_points, kick, blocks)
+        motion.add_seabed(*here, loading.seabed, kick, dt, self._force, blocks)
+        motion.invert(blocks, structure.free, self._inverse)
+
+    def _move_supports(self, dt: float) -> None:
+        if self.path is not None:
+            there = self._start + self.path(self.time + dt)
+            self.velocity[self.towed] = (there - self.position[self.towed]) / dt
+
+    def _solve_for_tensions(self, kick: float, dt: float) -> Floats | None:
+        """Force densities of the step, N/m, (m,): none below 0; None where the lengths are not met."""
+        structure = self.structure
+        bars = len(self.taut)
+        weights = _weights(DAMPING)
+        known = (weights[1] * self.strain[0] + weights[2] * self.strain[1]) / weights[0]
+        # a step's strain by its force density
+        give = structure.flexibility * np.sqrt(self._square) / weights[0]
+        rest = structure.length
+        rigid.accelerations(self._inverse, self._force, self._acceleration)
+        free_move = dt * (self.velocity + kick * self._acceleration)
+        density = np.zeros(bars)
+        for _ in range(SLACK_PASSES):
+            rigid.tension_system(self.pattern, self._gradient, self._inverse, self.taut, self._entries)
+            self._entries[self.pattern.diagonal] += rest**2 * give / (kick * dt)
+            if self.system.factorise(self._entries) == -1:
+                return None
+            density, error = self._corrected(free_move, known, give, kick * dt)
+            taut = np.where(self.taut, density >= 0.0, error > LENGTHS_MET)
+            if np.array_equal(taut, self.taut):
+                break
+            self.taut[:] = taut
+        else:
+            self.unsettled += 1
+            density = np.maximum(density, 0.0)
+        if np.abs(error * self.taut).max(initial=0.0) > FARTHEST_OFF or not np.isfinite(density).all():
+            return None
+        return density
+
+    def _corrected(self, free_move: Floats, known: Floats, give: Floats, squared: float) -> tuple[Floats, Floats]:
+        """Force densities by Newton's method with one matrix, and what bars are then too long by, relative."""
+        structure, rest = self.structure, self.structure.length
+        density = np.zeros(len(self.taut))
+        # the first time without the term in dt^2, which is what the papers solve
+        rigid.lengthening(structure, self._gradient, free_move, self._rate)
+        aim = np.maximum(rest * (1.0 - known), 0.5 * rest)
+        off = self._rate + 0.5 * (self._square - aim**2)
+        worst = np.inf
+        for _ in range(CORRECTIONS):
+            right = np.where(self.taut, off, 0.0) / squared
+            density += self.system.solve(right[None, :, None]).reshape(-1) * self.taut
+            pulls = np.zeros_like(free_move)
+            rigid.add_pulls(structure, self._gradient, density, pulls)
+            rigid.accelerations(self._inverse, pulls, self._acceleration)
+            bar_lengths(self.position + free_move + squared * self._acceleration, structure, self._length)
+            aim = np.maximum(rest * (1.0 + give * density - known), 0.5 * rest)
+            off = 0.5 * (self._length**2 - aim**2)
+            last, worst = worst, float(np.max(np.abs(self._length / aim - 1.0) * self.taut, initial=0.0))
+            if worst <= LENGTHS_MET or not worst < 0.7 * last:
+                break
+        return density, self._length / aim - 1.0
+
+    def _note_strains(self) -> None:
+        bar_lengths(self.position, self.structure, self._length)
+        stretches = self.structure.flexibility > 0.0
+        self.strain[1] = self.strain[0]
+        self.strain[0] = np.maximum(np.where(stretches, self._length / self.structure.length - 1.0, 0.0), 0.0)
+
+
+def _weights(damping: float) -> tuple[float, float, float]:
+    c, b = 0.5 + damping, 0.25 * (1.0 + damping) ** 2
+    return b, 0.5 - 2.0 * b + c, 0.5 + b - c
