@@ -5,6 +5,9 @@ from codend.errors import TooLittleMemory
 from codend.plan.plan import Plan
 from codend.solvers.memory import free_bytes, needed_bytes
 
+LARGE = 0.2
+"""Share of the free memory from which on a net may be what it was too little for: needs are estimated."""
+
 
 def check_room(plan: Plan, choice: Choice) -> None:
     """Refuse a model that would not fit, before it is built.
@@ -14,6 +17,12 @@ def check_room(plan: Plan, choice: Choice) -> None:
     """
     if needed_bytes(choice.knots) > (free := free_bytes()):
         raise too_little(plan, choice, free)
+
+
+def explained(plan: Plan, choice: Choice, error: MemoryError) -> MemoryError:
+    """Why memory ran out while a model was solved: a net that takes a good part of it, or else something beside."""
+    free = free_bytes()
+    return too_little(plan, choice, free) if needed_bytes(choice.knots) > LARGE * free else error
 
 
 def too_little(plan: Plan, choice: Choice, free: float) -> TooLittleMemory:

@@ -19,13 +19,12 @@ from codend.equilibrium.accuracy import Errors
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
 from codend.equilibrium.following import LYING_ON_ITSELF, NOT_FOLLOWED, follow
-from codend.equilibrium.room import check_room, too_little
+from codend.equilibrium.room import check_room, explained
 from codend.equilibrium.stability import Stability, stability_of
 from codend.equilibrium.wrinkles import changed_by_wrinkles, within_accuracy
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
 from codend.solvers import newton
-from codend.solvers.memory import free_bytes
 from codend.solvers.outcome import Progress, Solution, SolverReport
 from codend.solvers.refusal import layers_touch
 from codend.studies.case_result import CaseResult
@@ -128,8 +127,8 @@ def solve(
             progress(done, len(cases), f"case {case.number}")
         try:
             problem, solution = equilibrium.solve(model, case, known or neighbours, report)
-        except MemoryError:
-            raise too_little(plan, choice, free_bytes()) from None
+        except MemoryError as error:
+            raise explained(plan, choice, error) from None
         result = measured(model.bag, case, problem, solution)
         if result.converged:
             known.append((case, solution))

@@ -45,8 +45,20 @@ def test_want_of_memory_at_the_factorisation_names_the_merged_net_too(monkeypatc
         raise MemoryError
 
     monkeypatch.setattr(study.equilibrium, "solve", spent)
+    plan = joined_plan(("diamond", 12, 6, 40.0, {}), ("diamond", 13, 6, 40.0, {}))
+    monkeypatch.setattr(room, "free_bytes", lambda: 2 * needed_bytes(fidelity.choose(plan).knots))
     with pytest.raises(TooLittleMemory, match="knots take about"):
-        study.solve(joined_plan(("diamond", 12, 6, 40.0, {}), ("diamond", 13, 6, 40.0, {})))
+        study.solve(plan)
+
+
+def test_want_of_memory_beside_a_small_net_is_not_laid_to_the_net(monkeypatch):
+    def spent(*_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(study.equilibrium, "solve", spent)
+    with pytest.raises(MemoryError) as error:
+        study.solve(make_plan())
+    assert not isinstance(error.value, TooLittleMemory)
 
 
 def test_free_memory_is_told_and_a_limit_of_the_process_counts():
