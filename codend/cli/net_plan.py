@@ -38,11 +38,11 @@ diameter_mm = 24.0
 axial_stiffness_n = 5e5        # left out: inextensible
 """
 _OPEN = "meshes_round = {round}              # open meshes all round, those in selvedges left out\nmeshes_long = 50\n"
-TEMPLATES = {
-    "t0": _HEAD + 'mesh = "diamond"\n' + _OPEN.format(round=100) + _TWINE + _CATCH,
-    "t90": _HEAD + 'mesh = "t90"\n' + _OPEN.format(round=50) + _TWINE + _CATCH,
-    "ropes": _HEAD + 'mesh = "diamond"\n' + _OPEN.format(round=100) + _TWINE + _ROPES + _CATCH,
-}
+TEMPLATES = dict(
+    t0=_HEAD + 'mesh = "diamond"\n' + _OPEN.format(round=100) + _TWINE + _CATCH,
+    t90=_HEAD + 'mesh = "t90"\n' + _OPEN.format(round=50) + _TWINE + _CATCH,
+    ropes=_HEAD + 'mesh = "diamond"\n' + _OPEN.format(round=100) + _TWINE + _ROPES + _CATCH,
+)
 
 
 @click.group("plan")
