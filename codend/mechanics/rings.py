@@ -46,8 +46,8 @@ def turn_as_built(position: Floats, rings: Rings, row: int, order: float) -> tup
     Rings whose meshes are shifted by a part of one are turned by it; a ring of two knots or less has no radius.
     """
     first, width = rings.start[row], rings.start[row + 1] - rings.start[row]
-    count = width * int(order)
-    if count <= 2:
+    count = width * order
+    if count <= 2.0:
         return 0.0, 0.0
     middle_y, middle_z = 0.0, 0.0
     if order == 1.0:
