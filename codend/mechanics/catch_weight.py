@@ -10,7 +10,7 @@ import numpy as np
 
 from codend.compiled import njit
 from codend.mechanics.images import add_turned_back
-from codend.mechanics.pressure import Catch, area_vector, corners_of_facet, take_from_facet_blocks
+from codend.mechanics.pressure import Catch, area_vector, corners_of_facet, side_across, take_from_facet_blocks
 from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import Pattern
 from codend.net.net import Floats
@@ -122,16 +122,10 @@ def add_tangent(
         if third == 0.0:
             continue
         corners = corners_of_facet(position, facets, images, rotations, facet)
-        ax, ay, az, bx, by, bz, cx, cy, cz = corners
         area = area_vector(corners)
-        half = 0.5 * third * (height - (az + bz + cz) / 3.0)
+        half = 0.5 * third * (height - (corners[2] + corners[5] + corners[8]) / 3.0)
         for moved in range(3):
-            if moved == 0:
-                ex, ey, ez = bx - cx, by - cy, bz - cz
-            elif moved == 1:
-                ex, ey, ez = cx - ax, cy - ay, cz - az
-            else:
-                ex, ey, ez = ax - bx, ay - by, az - bz
+            ex, ey, ez = side_across(corners, moved)
             h[0, 0], h[0, 1], h[0, 2] = 0.0, half * ez, -half * ey
             h[1, 0], h[1, 1], h[1, 2] = -half * ez, 0.0, half * ex
             h[2, 0], h[2, 1], h[2, 2] = half * ey, -half * ex, 0.0

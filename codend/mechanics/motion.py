@@ -20,7 +20,7 @@ from codend.compiled import njit
 from codend.mechanics.bars import bar_vector
 from codend.mechanics.drag_laws import drag_factors
 from codend.mechanics.points import Points
-from codend.mechanics.rigid import RigidPattern
+from codend.mechanics.rigid import RigidPattern, invert_free
 from codend.mechanics.seabed import Seabed
 from codend.mechanics.structure import Structure
 from codend.mechanics.water import Water, flow_at
@@ -168,18 +168,4 @@ def invert(blocks: Floats, free: Floats, inverse: Floats) -> None:
         for i in range(3):
             for j in range(3):
                 here[i, j] = blocks[node, i, j]
-        for i in range(3):
-            if free[node, i] == 0.0:
-                here[i, :] = 0.0
-                here[:, i] = 0.0
-                here[i, i] = 1.0
-        a, b, c = here[0, 0], here[0, 1], here[0, 2]
-        d, e, f = here[1, 1], here[1, 2], here[2, 2]
-        p, q, r = d * f - e * e, c * e - b * f, b * e - c * d
-        determinant = a * p + b * q + c * r
-        inverse[node, 0, 0], inverse[node, 0, 1], inverse[node, 0, 2] = p, q, r
-        inverse[node, 1, 0], inverse[node, 1, 1], inverse[node, 1, 2] = q, a * f - c * c, b * c - a * e
-        inverse[node, 2, 0], inverse[node, 2, 1], inverse[node, 2, 2] = r, b * c - a * e, a * d - b * b
-        for i in range(3):
-            for j in range(3):
-                inverse[node, i, j] *= free[node, i] * free[node, j] / determinant
+        invert_free(here, free[node], inverse[node])

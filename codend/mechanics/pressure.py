@@ -113,6 +113,17 @@ def add_force(position: Floats, structure: Structure, catch: Catch, share: Float
             add_turned_back(force, facets[facet, corner], x, y, z, images[facet, corner], rotations)
 
 
+@njit(cache=True)
+def side_across(corners: tuple[float, ...], moved: int) -> tuple[float, float, float]:
+    """Side e of a facet across from one of its corners, whose move dx changes the area vector by dx x e / 2."""
+    ax, ay, az, bx, by, bz, cx, cy, cz = corners
+    if moved == 0:
+        return bx - cx, by - cy, bz - cz
+    if moved == 1:
+        return cx - ax, cy - ay, cz - az
+    return ax - bx, ay - by, az - bz
+
+
 @njit(cache=True, error_model="numpy")
 def take_from_facet_blocks(
     blocks: Floats, slots: Ints, facet: int, moved: int, h: Floats, images: Ints, rotations: Floats
@@ -154,7 +165,6 @@ def add_tangent(
         if filled == 0.0:
             continue
         corners = corners_of_facet(position, facets, images, rotations, facet)
-        ax, ay, az, bx, by, bz, cx, cy, cz = corners
         x, y, z = area_vector(corners)
         third = filled * weights[facet] * stagnation / 3.0
         b[:] = 0.0
@@ -174,12 +184,7 @@ def add_tangent(
         for i in range(3):
             b[i, i] += third * coefficient
         for moved in range(3):
-            if moved == 0:
-                ex, ey, ez = bx - cx, by - cy, bz - cz
-            elif moved == 1:
-                ex, ey, ez = cx - ax, cy - ay, cz - az
-            else:
-                ex, ey, ez = ax - bx, ay - by, az - bz
+            ex, ey, ez = side_across(corners, moved)
             ex, ey, ez = 0.5 * ex, 0.5 * ey, 0.5 * ez
             # b times the matrix that turns a move dx into dx x e
             for i in range(3):

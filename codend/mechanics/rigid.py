@@ -95,21 +95,27 @@ def inverse_masses(
                 here[i, i] += 0.5 * (mass[bar] + added[bar])
                 for j in range(3):
                     here[i, j] -= across * gradient[end, i] * gradient[end, j]
-        for i in range(3):
-            if free[node, i] == 0.0:
-                here[i, :] = 0.0
-                here[:, i] = 0.0
-                here[i, i] = 1.0
-        a, b, c = here[0, 0], here[0, 1], here[0, 2]
-        d, e, f = here[1, 1], here[1, 2], here[2, 2]
-        p, q, r = d * f - e * e, c * e - b * f, b * e - c * d
-        determinant = a * p + b * q + c * r
-        inverse[node, 0, 0], inverse[node, 0, 1], inverse[node, 0, 2] = p, q, r
-        inverse[node, 1, 0], inverse[node, 1, 1], inverse[node, 1, 2] = q, a * f - c * c, b * c - a * e
-        inverse[node, 2, 0], inverse[node, 2, 1], inverse[node, 2, 2] = r, b * c - a * e, a * d - b * b
-        for i in range(3):
-            for j in range(3):
-                inverse[node, i, j] *= free[node, i] * free[node, j] / determinant
+        invert_free(here, free[node], inverse[node])
+
+
+@njit(cache=True, error_model="numpy")
+def invert_free(block: Floats, free: Floats, inverse: Floats) -> None:
+    """Write the inverse of a symmetric 3 x 3 block with rows and columns of held coordinates 0; the block is spent."""
+    for i in range(3):
+        if free[i] == 0.0:
+            block[i, :] = 0.0
+            block[:, i] = 0.0
+            block[i, i] = 1.0
+    a, b, c = block[0, 0], block[0, 1], block[0, 2]
+    d, e, f = block[1, 1], block[1, 2], block[2, 2]
+    p, q, r = d * f - e * e, c * e - b * f, b * e - c * d
+    determinant = a * p + b * q + c * r
+    inverse[0, 0], inverse[0, 1], inverse[0, 2] = p, q, r
+    inverse[1, 0], inverse[1, 1], inverse[1, 2] = q, a * f - c * c, b * c - a * e
+    inverse[2, 0], inverse[2, 1], inverse[2, 2] = r, b * c - a * e, a * d - b * b
+    for i in range(3):
+        for j in range(3):
+            inverse[i, j] *= free[i] * free[j] / determinant
 
 
 @njit(cache=True, error_model="numpy")
