@@ -86,10 +86,7 @@ def _edge_of_reach(
     for step in range(MOST_STEPS):
         if abs(beyond - within) <= NARROWED:
             break
-        middle = 0.5 * (within + beyond)
-        if step % 3 and spare - lacking > 0.0:
-            share = min(max(spare / (spare - lacking), 0.01), 0.99)
-            middle = within + share * (beyond - within)
+        middle = _tried_between(within, spare, beyond, lacking, step)
         push = effort.push
         if effort.exponent != 0.0:
             length = longest_at(hole, middle, fish, rotation, effort.steps)
@@ -100,6 +97,22 @@ def _edge_of_reach(
         else:
             beyond, lacking = middle, left
     return within
+
+
+@njit(cache=True, nogil=True)
+def _tried_between(within: float, spare: float, beyond: float, lacking: float, step: int) -> float:
+    """Where to look next for the opening at which a push is spent: by regula falsi, at every third step in the middle.
+
+    Args:
+        within: an opening that is reached.
+        spare: push left there; nan where that is not known.
+        beyond: one that is not.
+        lacking: push left there, below 0; nan where that is not known.
+        step: how often was looked before.
+    """
+    if step % 3 and spare - lacking > 0.0:
+        return within + min(max(spare / (spare - lacking), 0.01), 0.99) * (beyond - within)
+    return 0.5 * (within + beyond)
 
 
 @njit(cache=True, nogil=True)
@@ -143,10 +156,7 @@ def _table_edge(
     for step in range(MOST_STEPS):
         if abs(beyond - within) <= ROUGHLY:
             break
-        middle = 0.5 * (within + beyond)
-        if step % 3 and spare - lacking > 0.0:
-            share = min(max(spare / (spare - lacking), 0.01), 0.99)
-            middle = within + share * (beyond - within)
+        middle = _tried_between(within, spare, beyond, lacking, step)
         push = effort.push * (_tabled(table, middle / width) / effort.at) ** effort.exponent
         left = push - force_to(hole, computed, middle)
         if left >= 0.0:
