@@ -52,6 +52,11 @@ class Measures:
     sideways_imbalance: float
     """What the entry's reactions leave of the loads across the axis and as a moment; see ``sideways_imbalance``."""
 
+    @property
+    def estimated(self) -> Floats:
+        """What error estimates stand beside: drag, catch volume, largest radius and opening ahead, (4,)."""
+        return np.array([self.drag_n, self.catch_volume_m3, self.max_radius_m, self.opening_ahead_deg])
+
     @classmethod
     def unknown(cls) -> "Measures":
         """All nan: of a case that was not solved."""

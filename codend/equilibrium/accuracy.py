@@ -76,9 +76,6 @@ class Errors:
         return cls(*(float("nan") for _ in fields(cls)))
 
 
-_QUANTITIES = ("drag_n", "catch_volume_m3", "max_radius_m", "opening_ahead_deg")
-
-
 def estimate(
     model: BagModel,
     case: Case,
@@ -99,7 +96,7 @@ def estimate(
     """
     problem, report = tangent.problem, tangent.solution.report
     finest = max(POLISHED * max(report.residual, report.imbalance), FINEST)
-    sizes = np.abs([getattr(measures, name) for name in _QUANTITIES])
+    sizes = np.abs(measures.estimated)
     polished = solve_nearby(problem, finest, tangent.solution, tangent)
     if not polished.report.outcome.converged:
         return Errors.unknown()
@@ -118,7 +115,7 @@ def estimate(
     if model.smeared and model.plan.rope:
         errors += smeared_errors(model.plan) * [*sizes[:3], 1.0]
     if any(share > part.kind.folds_over_from for part in model.plan.netting):
-        errors = np.full(len(_QUANTITIES), np.nan)
+        errors = np.full(4, np.nan)
     drag, volume, radius, opening = map(float, errors)
     return Errors(drag, volume, radius, opening, _change_with_suction(polished, tangent, exact[0]))
 
@@ -131,10 +128,10 @@ def sector_measures(plan: Plan, case: Case, globalisation: int) -> Measures:
     the whole net, which bears its weight and cannot be merged.
     """
     near = near_enough(plan) if globalisation == 1 else None
-    return _solved(model_of(_quick(plan), globalisation, 1, near=near), case)
+    return _solved(model_of(by_any_method(plan), globalisation, 1, near=near), case)
 
 
-def _quick(plan: Plan) -> Plan:
+def by_any_method(plan: Plan) -> Plan:
     """The same plan, solved by whichever method finds its equilibria."""
     return plan.model_copy(update={"model": plan.model.model_copy(update={"method": "auto"})})
 
@@ -152,19 +149,19 @@ def by_ratio(model: BagModel, case: Case, measures: Measures) -> np.ndarray:
     """
     near = model.near
     if near is None:
-        return np.zeros(len(_QUANTITIES))
+        return np.zeros(4)
     other = narrower(model.plan, near)
     if other is None:
-        return np.full(len(_QUANTITIES), np.nan)
+        return np.full(4, np.nan)
     here, there = np.array(near.mismatch), np.array(other.mismatch)
     part = np.linalg.norm(here) / np.linalg.norm(here - there)
-    distance = part * _distance(measures, _solved(model_of(_quick(model.plan), 1, 1, near=other), case))
-    sizes = np.abs([getattr(measures, name) for name in _QUANTITIES])
+    distance = part * _distance(measures, _solved(model_of(by_any_method(model.plan), 1, 1, near=other), case))
+    sizes = np.abs(measures.estimated)
     return np.asarray(np.maximum(distance, BY_MISMATCH * near.largest * sizes))
 
 
 def _distance(first: Measures, second: Measures) -> np.ndarray:
-    return np.array([abs(getattr(first, name) - getattr(second, name)) for name in _QUANTITIES])
+    return np.abs(first.estimated - second.estimated)
 
 
 def _change_with_suction(solution: Solution, tangent: TangentAtEquilibrium, drag_n: float) -> float:

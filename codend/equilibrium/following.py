@@ -206,8 +206,8 @@ def _merged(model: BagModel, case: Case) -> tuple[BagModel, Solution, Stability,
 
 def _told(run: _Following, at_rest: Measures, merged: str, spent_ms: float) -> Followed:
     """What the shapes found amount to."""
-    values = np.array([_quantities(shape.measures) for shape in run.shapes]).reshape(-1, 4)
-    all_values = np.concatenate([values, [_quantities(at_rest)]])
+    values = np.array([shape.measures.estimated for shape in run.shapes]).reshape(-1, 4)
+    all_values = np.concatenate([values, [at_rest.estimated]])
     spread = np.ptp(values, axis=0) if len(values) else np.full(4, np.nan)
     found = Followed(
         None, "", float(spread[0]), float(spread[3]), False, COVERING * np.ptp(all_values, axis=0), spent_ms
@@ -223,7 +223,3 @@ def _told(run: _Following, at_rest: Measures, merged: str, spent_ms: float) -> F
     if shape.model.bag.net.order == 1 and shape.harmonic == 0:
         reason = f"followed {where}{merged}, from which something grows"
     return replace(found, shape=shape, reason=reason)
-
-
-def _quantities(measures: Measures) -> tuple[float, ...]:
-    return measures.drag_n, measures.catch_volume_m3, measures.max_radius_m, measures.opening_ahead_deg

@@ -46,7 +46,7 @@ def changed_by_wrinkles(
         moved = np.abs(growth.shape).max(axis=1)
         strength = max(strength, own)
         reach = max(reach, float(np.sqrt(own) * moved[ahead].max(initial=0.0) / moved.max()))
-    sizes = np.array([measures.drag_n, measures.catch_volume_m3, measures.max_radius_m, measures.opening_ahead_deg])
+    sizes = measures.estimated
     changed = sizes * BY_STRENGTH * np.sqrt(strength)
     changed[:3] += sizes[:3] * BY_REACH * reach
     changed[3] += OPENING_BY_REACH_DEG * reach

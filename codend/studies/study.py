@@ -204,8 +204,7 @@ def _solve_meridian(plan: Plan, choice: Choice, progress: StudyProgress | None) 
     What the membrane leaves out of the real net is estimated by the equilibrium of a sector that starts from it.
     """
     cases = plan.cases()
-    any_method = plan.model_copy(update={"model": plan.model.model_copy(update={"method": "auto"})})
-    sector = model_of(any_method, 1, 1)
+    sector = model_of(accuracy.by_any_method(plan), 1, 1)
     for case in cases:
         if progress is not None:
             progress(case.number - 1, len(cases), f"case {case.number}: meridian method")
