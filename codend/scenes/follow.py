@@ -50,11 +50,24 @@ def outputs(time: TimeTable) -> int:
 def path_of(vessel: VesselTable | None, table: Floats | None) -> Path | None:
     """How far the vessel has gone from where it was at first; heave sets in over its first period."""
     if table is not None:
-        return lambda t: np.array([np.interp(t, table[:, 0], table[:, i]) - table[0, i] for i in (1, 2, 3)])
+        return _path_through(table)
     if vessel is None or vessel.heave_m == 0.0 or vessel.period_s is None:
         return None
     height, period = vessel.heave_m, vessel.period_s
     return lambda t: np.array([0.0, 0.0, height * heave(t, period)])
+
+
+def _path_through(table: Floats) -> Path:
+    """Path through the rows of ``time_s, x_m, y_m, z_m``, from where it is at time 0, and on beyond the last."""
+    onward = (table[-1, 1:] - table[-2, 1:]) / (table[-1, 0] - table[-2, 0])
+
+    def place(time_s: float) -> Floats:
+        at = np.array([np.interp(time_s, table[:, 0], table[:, i]) for i in (1, 2, 3)])
+        # the tension of the last output is that of the step from there on
+        return np.asarray(at + max(time_s - table[-1, 0], 0.0) * onward)
+
+    start = place(0.0)
+    return lambda time_s: place(time_s) - start
 
 
 def heave(time_s: float, period_s: float) -> float:

@@ -28,6 +28,8 @@ from codend.scenes.tables import (
 
 FAST = ("vessel", "ground")
 """What holds a point every way."""
+STEPS_A_PERIOD = 20
+"""Fewest time steps in a period of heave: of fewer the motion would be another."""
 
 
 class Scene(Table):
@@ -75,8 +77,16 @@ class Scene(Table):
                 yield Contradiction(f"point.{index}.held", allowed)
             if point.held_from_s is not None and self.time is None:
                 yield Contradiction(f"point.{index}.held_from_s", "a table [time] with it")
+            if self.time is not None and point.held_from_s is not None and point.held_from_s >= self.time.end_s:
+                yield Contradiction(f"point.{index}.held_from_s", f"below time.end_s, {self.time.end_s:g}")
             if self.seabed is not None and point.at is not None and point.at[2] < -self.seabed.depth_m:
                 yield Contradiction(f"point.{index}.at", f"not below the seabed, {self.seabed.depth_m:g} m deep")
+        if self.vessel is not None and self.seabed is not None and self.vessel.at[2] < -self.seabed.depth_m:
+            yield Contradiction("vessel.at", f"not below the seabed, {self.seabed.depth_m:g} m deep")
+        if self.time is not None and self.vessel is not None and self.vessel.period_s is not None:
+            longest = self.vessel.period_s / STEPS_A_PERIOD
+            if self.time.step_s > longest:
+                yield Contradiction("time.step_s", f"at most {longest:g}, a {STEPS_A_PERIOD}th of vessel.period_s")
         if self.time is None and self.vessel is not None:
             for key in ("motion", "heave_m"):
                 if key in self.vessel.model_fields_set:

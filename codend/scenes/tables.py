@@ -157,6 +157,8 @@ class VesselTable(Table):
     def _consistent(self) -> Self:
         if self.heave_m > 0.0 and self.period_s is None:
             raise Contradiction("period_s", "a number above 0, with heave_m", "is missing")
+        if self.period_s is not None and "heave_m" not in self.model_fields_set:
+            raise Contradiction("heave_m", "a number above 0, with period_s", "is missing")
         if self.motion is not None and (given := {"speed_m_s", "heave_m"} & self.model_fields_set):
             raise Contradiction(max(given), "left out, for the table of motion gives it", "contradicts motion")
         return self
@@ -176,6 +178,9 @@ class TimeTable(Table):
     def _consistent(self) -> Self:
         if self.output_s > self.end_s:
             raise Contradiction("output_s", f"at most {self.end_s:g}, end_s")
+        outputs = self.end_s / self.output_s
+        if abs(outputs - round(outputs)) > 1e-6:
+            raise Contradiction("end_s", f"a whole number of times output_s, {self.output_s:g}")
         if self.end_s / self.output_s > 1e5:
             raise Contradiction("output_s", f"at least {self.end_s / 1e5:g}, which makes 100000 outputs")
         return self

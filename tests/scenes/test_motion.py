@@ -10,7 +10,7 @@ from codend.mechanics.water import uniform_flow
 from codend.mechanics.weight import GRAVITY_M_S2
 from codend.net.net import Net, with_point
 from codend.scenes.build import build
-from codend.scenes.follow import follow, motion_rows
+from codend.scenes.follow import follow, motion_rows, path_of
 from codend.scenes.measures import solve_scene
 from codend.scenes.scene import scene_from_dict
 from codend.solvers.motion import Motion
@@ -317,3 +317,11 @@ def test_a_vessel_that_follows_a_table_is_where_the_table_says(tmp_path):
     assert np.array([frame.positions[0] for frame in frames]) == pytest.approx(
         np.array([[-2.0 * t, 0.25 * t, 0.0] for t in range(4)]), abs=1e-9
     )
+
+
+def test_a_table_of_motion_starts_where_the_vessel_is_at_time_0_and_goes_on_beyond_its_end():
+    table = np.array([[-0.5, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.3], [10.0, -20.0, 0.0, 0.3]])
+    path = path_of(None, table)
+    np.testing.assert_allclose(path(0.0), 0.0)
+    np.testing.assert_allclose(path(5.0), [-10.0, 0.0, 0.0])
+    np.testing.assert_allclose(path(10.5), [-21.0, 0.0, 0.0])

@@ -193,6 +193,27 @@ HELD = {"name": "gear", "held": "ground", "at": [0, 0, -10]}
         ({"point": [{**GEAR, "held_from_s": 5.0}], "time": {"end_s": 9.0, "output_s": 1.0}}, "axial_stiffness_n is"),
         ({"point": [HELD]}, "point.0.held"),
         ({"vessel": {"speed_m_s": 1.0, "heave_m": 1.0}}, "vessel.period_s is missing"),
+        ({"time": {"end_s": 10.0, "output_s": 6.0}}, "time.end_s = 10.0 is not allowed; allowed: a whole number"),
+        ({"vessel": {"speed_m_s": 1.0, "period_s": 6.0}}, "vessel.heave_m is missing"),
+        (
+            {
+                "vessel": {"heave_m": 1.0, "period_s": 0.02},
+                "time": {"end_s": 1.0, "output_s": 0.5, "step_s": 0.02},
+            },
+            "time.step_s = 0.02 is not allowed; allowed: at most 0.001",
+        ),
+        (
+            {"vessel": {"at": [0.0, 0.0, -120.0]}, "seabed": {"depth_m": 100.0}},
+            "not below the seabed, 100 m deep",
+        ),
+        (
+            {
+                "rope": [{**WARP, "axial_stiffness_n": 1e6}],
+                "point": [{**GEAR, "held_from_s": 9.0}],
+                "time": {"end_s": 9.0, "output_s": 1.0},
+            },
+            "held_from_s = 9.0 is not allowed; allowed: below time.end_s, 9",
+        ),
         ({"time": {"end_s": 1.0, "output_s": 2.0}}, "time.output_s = 2.0 is not allowed; allowed: at most 1, end_s"),
         ({"seabed": {"depth_m": 0.0}}, "seabed.depth_m"),
     ],
