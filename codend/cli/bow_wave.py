@@ -54,7 +54,7 @@ def bow_wave(
     import numpy as np
     import pandas as pd
 
-    from codend.io.files import whole_file, write_table
+    from codend.io.files import write_bytes, write_table
     from codend.report.bow_wave_plot import LONGEST, bow_wave_figure
     from codend.report.own_look import own_look
     from codend.report.style import png
@@ -90,8 +90,7 @@ def bow_wave(
             along, out, up = (unit * part for part in wave.sheet(left, np.linspace(0.0, wave.crest, ONWARD)))
             sheet = {"left_at_m": np.repeat(unit * left, ONWARD), "along_hull_m": along, "out_m": out, "height_m": up}
             write_table(pd.DataFrame({k: np.ravel(v) for k, v in sheet.items()}), folder / FILES[1])
-        with whole_file(folder / FILES[2]) as temporary:
-            temporary.write_bytes(png(bow_wave_figure(wave)))
+        write_bytes(png(bow_wave_figure(wave)), folder / FILES[2])
     click.echo(f"Height of the crest  {unit * wave.height:.3g} m (g z / U2 = {wave.height:.3f})")
     if wave.steady:
         click.echo(f"From the stem        {unit * wave.crest:.3g} m along the hull")

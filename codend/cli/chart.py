@@ -36,7 +36,7 @@ def chart(plan: str, folder: Path, number: int, quick: bool, changes: tuple[str,
     fastest for which accuracy and what `codend run` would choose. What the plan says of fidelity and method does not
     matter here. Writes chart.csv, chart_choices.csv, chart_drag.png, chart_opening.png and chart_volume.png into DIR.
     """
-    from codend.io.files import whole_file, write_table
+    from codend.io.files import write_bytes, write_table
     from codend.report.own_look import own_look
     from codend.report.speed_plot import speed_figure
     from codend.report.style import png
@@ -58,8 +58,8 @@ def chart(plan: str, folder: Path, number: int, quick: bool, changes: tuple[str,
         write_table(measured.points, folder / "chart.csv")
         write_table(chosen, folder / "chart_choices.csv")
         for short, picture in pictures.items():
-            with whole_file(folder / picture) as temporary, own_look():
-                temporary.write_bytes(png(speed_figure((measured,), short)))
+            with own_look():
+                write_bytes(png(speed_figure((measured,), short)), folder / picture)
     click.echo(text_table(list(COLUMNS.values()), chosen[list(COLUMNS)].itertuples(index=False)))
     click.echo(_confirmed(measured.confirmations))
     click.echo(f"{len(measured.points)} answers in {folder / 'chart.csv'}; see {folder / 'chart_drag.png'}")

@@ -61,7 +61,7 @@ def compare(
     if len(others) > 1 or others[0].is_dir():
         raise InputError(OPTIONS, "--out", None, "a folder to write to, where designs are compared", "is missing")
     (table,) = others
-    from codend.io.files import COMPARISON_FILES, whole_file, write_table
+    from codend.io.files import COMPARISON_FILES, write_bytes, write_table
     from codend.io.run_tables import read_run_table
     from codend.plan.plan import load_plan
     from codend.report.comparison_plot import comparison_figure
@@ -81,8 +81,8 @@ def compare(
         points, summary, picture = (folder / name for name in COMPARISON_FILES)
         write_table(comparison.points, points)
         write_table(comparison.summary, summary)
-        with whole_file(picture) as temporary, own_look():
-            temporary.write_bytes(png(comparison_figure(comparison)))
+        with own_look():
+            write_bytes(png(comparison_figure(comparison)), picture)
     _print_comparison(comparison)
 
 

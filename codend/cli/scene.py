@@ -41,7 +41,7 @@ def scene(scene: str, folder: Path, changes: tuple[str, ...]) -> int:
     check_writable(folder, (*FILES, "motion.csv", GOES_ON))
     import pandas as pd
 
-    from codend.io.files import whole_file, write_table, write_text
+    from codend.io.files import write_bytes, write_table, write_text
     from codend.report.html import PageFigure
     from codend.report.own_look import own_look
     from codend.report.scene_page import scene_page
@@ -77,18 +77,15 @@ def scene(scene: str, folder: Path, changes: tuple[str, ...]) -> int:
         if found.converged:
             picture = png(scene_figure(built, found.solution.positions))
             figures.append(PageFigure(picture, "The equilibrium of the tow, not to scale."))
-            with whole_file(folder / "scene.png") as temporary:
-                temporary.write_bytes(picture)
+            write_bytes(picture, folder / "scene.png")
         if moved and checked.time is not None:
             picture = png(motion_figure(built, pd.read_csv(folder / "motion.csv")))
             figures.append(PageFigure(picture, "Heights of points, and the largest tension of every rope, in time."))
-            with whole_file(folder / "motion.png") as temporary:
-                temporary.write_bytes(picture)
+            write_bytes(picture, folder / "motion.png")
             names = [f"net_{number}.vtu" for number in range(outputs(checked.time))]
             times = [number * checked.time.output_s for number in range(len(names))]
             write_series(names, times, folder / "net.pvd")
-            with whole_file(folder / "motion.gif") as temporary:
-                temporary.write_bytes(film(built, [folder / name for name in names], times))
+            write_bytes(film(built, [folder / name for name in names], times), folder / "motion.gif")
         titles = ("Equilibrium", "Ropes", "Points")
         page = scene_page(checked, list(zip(titles, tables.values(), strict=True)), figures, notes)
         write_text(page, folder / "report.html")

@@ -83,7 +83,7 @@ def sweep(
 
 
 def _sweep_of_study(path: str, folder: Path, workers: int, scheduler: str | None) -> int:
-    from codend.io.files import whole_file
+    from codend.io.files import write_bytes
     from codend.io.toml import read_toml
     from codend.report.own_look import own_look
     from codend.report.style import png
@@ -103,8 +103,8 @@ def _sweep_of_study(path: str, folder: Path, workers: int, scheduler: str | None
         write_csv(parts, folder / "sweep.csv")
         table = read_parts(parts)
         runs = study.designs.some(MOST_DRAWN)
-        with whole_file(folder / "sweep.png") as temporary, own_look():
-            temporary.write_bytes(png(sweep_figure(table, {run.number: run.label for run in runs})))
+        with own_look():
+            write_bytes(png(sweep_figure(table, {run.number: run.label for run in runs})), folder / "sweep.png")
     keys = [name for name in table.columns[: list(table.columns).index("case")] if name != "run"]
     if len(study.designs) <= MOST_PRINTED:
         _print_runs(table, keys)
@@ -121,7 +121,7 @@ def _sweep_of_study(path: str, folder: Path, workers: int, scheduler: str | None
 
 
 def _sweep_of_plan(plan: str, folder: Path, vary: Sequence[str], changes: Sequence[str], workers: int) -> int:
-    from codend.io.files import whole_file, write_table
+    from codend.io.files import write_bytes, write_table
     from codend.report.own_look import own_look
     from codend.report.style import png
     from codend.report.sweep_plot import sweep_figure
@@ -135,8 +135,8 @@ def _sweep_of_plan(plan: str, folder: Path, vary: Sequence[str], changes: Sequen
     with shown_progress() as progress, written_into(folder, FILES):
         table = solve_runs(runs, folder, workers, progress)
         write_table(table, folder / "sweep.csv")
-        with whole_file(folder / "sweep.png") as temporary, own_look():
-            temporary.write_bytes(png(sweep_figure(table, {run.number: run.label for run in runs})))
+        with own_look():
+            write_bytes(png(sweep_figure(table, {run.number: run.label for run in runs})), folder / "sweep.png")
     _print_runs(table, list(runs[0].values))
     click.echo(f"{len(runs)} runs, {len(table)} cases in {folder / 'sweep.csv'}; see {folder / 'sweep.png'}")
     for case in table[~table["converged"]].itertuples():

@@ -57,8 +57,13 @@ def write_table(table: "pd.DataFrame", path: Path) -> None:
 
 def write_text(text: str, path: Path) -> None:
     """Write a text in UTF-8; of names that no text can hold (bytes that are not UTF-8) a question mark stays."""
+    write_bytes(text.encode(errors="replace"), path)
+
+
+def write_bytes(content: bytes, path: Path) -> None:
+    """Write bytes, such as a picture, whole or not at all."""
     with whole_file(path) as temporary:
-        temporary.write_bytes(text.encode(errors="replace"))
+        temporary.write_bytes(content)
 
 
 def as_named(cell: object) -> object:

@@ -1,15 +1,14 @@
 """Designs beside each other on one page: a figure, what differs in the plans, and the differences."""
 
 from datetime import datetime
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import pandas as pd
 
-from codend.io.files import whole_file, write_table
+from codend.io.files import whole_file, write_bytes, write_table
 from codend.report.fit_page import Section
-from codend.report.html import PageFigure, made_with, page_style
+from codend.report.html import PageFigure, rendered
 from codend.report.own_look import own_look
 from codend.report.style import dress, new_figure, number_text, png
 from codend.studies.comparison.designs import BesideEachOther
@@ -67,25 +66,20 @@ def write_designs(found: BesideEachOther, folder: Path) -> None:
     write_table(found.differences, differences)
     with own_look():
         drawn = png(designs_figure(found))
-    with whole_file(picture) as temporary:
-        temporary.write_bytes(drawn)
+    write_bytes(drawn, picture)
     with whole_file(page) as temporary:
         temporary.write_text(designs_html(found, PageFigure(drawn, "Against the catch")), encoding="utf-8")
 
 
 def designs_html(found: BesideEachOther, figure: PageFigure) -> str:
     """The page, with everything from plans and folders escaped."""
-    from jinja2 import Environment, StrictUndefined
-
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
-    template = environment.from_string((files("codend.report") / "fit.html").read_text(encoding="utf-8"))
     remark = (
         f"Each less {found.names[0]}, at its catches and speeds; between a design's own catches in proportion, never "
         "beyond them. Intervals of opening and drag are as wide as both error estimates together, which cover no "
         "uncertainty of the plans; those of L50 and SR are 95 % for a finite number of fish, taken as independent."
     )
-    return template.render(
-        style=page_style(),
+    return rendered(
+        "fit.html",
         title="Designs beside each other",
         summary=f"{', '.join(found.names)}. Written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}.",
         lead=(),
@@ -96,7 +90,6 @@ def designs_html(found: BesideEachOther, figure: PageFigure) -> str:
             _section("What differs in the plans", "" if len(found.plans) else "Nothing.", found.plans),
             _section("Differences", remark, found.differences.drop(columns="interpolated")),
         ],
-        versions=made_with(),
     )
 
 

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from codend.io.files import whole_file, write_table
+from codend.io.files import whole_file, write_bytes, write_table
 from codend.report.fit_plots import comparison_plot, curve_plot, delta_plot, haul_plot, residual_plot
-from codend.report.html import PageFigure, made_with, page_style
+from codend.report.html import PageFigure, rendered
 from codend.report.own_look import own_look
 from codend.report.style import number_text, png
 from codend.selectivity.fits.catch_comparison import CatchComparison
@@ -159,8 +158,7 @@ def write_fit(report: FitReport, folder: Path) -> list[Path]:
         with own_look():
             picture = png(draw())
         path = folder / f"fit_{name}.png"
-        with whole_file(path) as temporary:
-            temporary.write_bytes(picture)
+        write_bytes(picture, path)
         written.append(path)
         caption = CAPTIONS[name]
         if name == "curve" and report.fit is not None:
@@ -189,8 +187,6 @@ def _drawings(report: FitReport) -> dict[str, Callable[[], Figure]]:
 
 def fit_html(report: FitReport, figures: Mapping[str, PageFigure]) -> str:
     """The page, everything from the table escaped: answers, their picture, estimates, differences, hauls, residuals."""
-    from jinja2 import Environment, StrictUndefined
-
     sections = [Section("", figures=_some(figures, "compare", "curve")), _table(report, "fit")]
     sections += [
         Section("Differences of gears", figures=_some(figures, "delta")),
@@ -202,17 +198,14 @@ def fit_html(report: FitReport, figures: Mapping[str, PageFigure]) -> str:
         _table(report, "curves"),
         _table(report, "diagnostics"),
     ]
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
-    template = environment.from_string((files("codend.report") / "fit.html").read_text(encoding="utf-8"))
-    return template.render(
-        style=page_style(),
+    return rendered(
+        "fit.html",
         title=report.title,
         summary=f"{report.summary} Written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}.",
         lead=report.lead,
         warnings=report.warnings,
         notes=report.notes,
         sections=[section for section in sections if section is not None and (section.figures or section.rows)],
-        versions=made_with(),
     )
 
 

@@ -2,13 +2,13 @@
 
 import base64
 import platform
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from codend.equilibrium.stability import ranges_text
 from codend.io.names import as_text
@@ -18,9 +18,6 @@ from codend.report.page_tables import results_table, solving_table
 from codend.report.size_words import size_sentences
 from codend.studies.case_result import CaseResult
 from codend.studies.study import Study
-
-if TYPE_CHECKING:
-    from markupsafe import Markup
 
 FIDELITIES = {
     "sector": "One rotational sector of the real net",
@@ -55,13 +52,9 @@ def page_html(study: Study, figures: Sequence[PageFigure], run: str = "") -> str
             solved.
         run: name of the run, as ``run.json`` has it; "" where the page stands alone.
     """
-    from jinja2 import Environment, StrictUndefined
-
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
-    template = environment.from_string((files("codend.report") / "report.html").read_text(encoding="utf-8"))
     plan = study.plan
-    return template.render(
-        style=page_style(),
+    return rendered(
+        "report.html",
         title=plan.title,
         summary=f"{_count(len(study.cases), 'case')}; written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}"
         + (f"; run {run}, as run.json beside its tables says." if run else "."),
@@ -72,18 +65,27 @@ def page_html(study: Study, figures: Sequence[PageFigure], run: str = "") -> str
         solving=solving_table(study),
         opening_figures=figures[:1],
         figures=figures[1:],
-        inputs=input_sections(plan),
+        inputs=input_sections(plan.to_dict()),
         inputs_remark=f"All values of the plan ({as_text(Path(plan.source.name))}), with the defaults of keys it "
         "leaves out. Which of them were measured and which were assumed stands in the comments of the plan's file.",
-        versions=made_with(),
     )
 
 
-def page_style() -> "Markup":
-    """The style sheet that all pages share."""
+def rendered(template: str, **values: Any) -> str:
+    """A page from a template of this room, in the frame and style that all share, everything escaped.
+
+    Args:
+        template: name of its file.
+        values: what it asks for; title and summary of all, style and versions of none.
+    """
+    from jinja2 import Environment, FunctionLoader, StrictUndefined
     from markupsafe import Markup
 
-    return Markup((files("codend.report") / "page.css").read_text(encoding="utf-8"))
+    def text(name: str) -> str:
+        return (files("codend.report") / name).read_text(encoding="utf-8")
+
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, loader=FunctionLoader(text))
+    return environment.get_template(template).render(style=Markup(text("page.css")), versions=made_with(), **values)
 
 
 def notes(study: Study) -> list[str]:
@@ -159,10 +161,10 @@ def cautions(study: Study) -> list[str]:
     return found
 
 
-def input_sections(plan: Plan) -> list[dict[str, Any]]:
-    """The tables of a plan with all their values, each with a name and its entries."""
+def input_sections(tables: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The tables of a plan or a scene with all their values, each with a name and its entries."""
     sections: list[dict[str, Any]] = []
-    for name, table in plan.to_dict().items():
+    for name, table in tables.items():
         if isinstance(table, dict):
             sections.append({"name": name, "entries": _entries(table)})
         elif isinstance(table, list):

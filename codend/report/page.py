@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from codend.io.files import whole_file, write_table, write_text
+from codend.io.files import write_bytes, write_table, write_text
 from codend.plan.copy import plan_toml
 from codend.plan.kinds import kinds_in_words
 from codend.plan.plan import Plan
@@ -116,7 +116,7 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
 
     def write_plot(plot: Plot, path: Path) -> None:
         figures[plot.name] = PageFigure(png(plot.draw(study)), plot.caption(study))
-        _write_bytes(figures[plot.name].png, path)
+        write_bytes(figures[plot.name].png, path)
 
     def write_page(path: Path) -> None:
         write_text(page_html(study, list(figures.values()), run), path)
@@ -170,8 +170,3 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
     finally:
         beside.shutdown(cancel_futures=True)  # of files not yet begun when one cannot be written
     return list(writers)
-
-
-def _write_bytes(content: bytes, path: Path) -> None:
-    with whole_file(path) as temporary:
-        temporary.write_bytes(content)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from codend.io.files import SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_table
+from codend.io.files import SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_bytes, write_table
 from codend.report.html import PageFigure
 from codend.report.own_look import own_look
 from codend.report.selectivity_plots import catch_plot, history_plot, mesh_plot, retention_plot, sensitivity_plot
@@ -134,8 +134,7 @@ def write_selectivity(predictions: Sequence[Prediction], folder: Path, together:
             continue
         with own_look():
             figures.append(PageFigure(png(draw()), caption))
-        with whole_file(path) as temporary:
-            temporary.write_bytes(figures[-1].png)
+        write_bytes(figures[-1].png, path)
         written.append(path)
     if report.exists():
         _write_page(report, section_html(predictions, figures, together))

@@ -67,8 +67,8 @@ class BowWave:
 
     def __post_init__(self) -> None:
         allowed = {
-            "speed_m_s": (0.0 < self.speed_m_s < math.inf, "more than 0"),
-            "draught_m": (0.0 < self.draught_m < math.inf, "more than 0"),
+            "speed_m_s": (0.0 < self.speed_m_s <= 100.0, "more than 0 and at most 100"),
+            "draught_m": (0.0 < self.draught_m <= 100.0, "more than 0 and at most 100"),
             "entrance_angle_deg": (0.0 < self.entrance_angle_deg < 90.0, "more than 0 and less than 90"),
             "flare_deg": (0.0 <= self.flare_deg < 90.0, "from 0 to less than 90"),
             "stem_share": (0.0 <= self.stem_share < 1.0, "from 0 to less than 1"),

@@ -104,6 +104,7 @@ def test_of_a_wave_that_is_not_steady_no_profile_is_left(tmp_path):
     ("options", "named"),
     [
         (["--speed", "0", "--draught", "1", "--entrance-angle", "20"], "speed_m_s"),
+        (["--speed", "1e200", "--draught", "1", "--entrance-angle", "20"], "speed_m_s"),
         (["--speed", "2", "--draught", "-1", "--entrance-angle", "20"], "draught_m"),
         (["--speed", "2", "--draught", "1", "--entrance-angle", "90"], "entrance_angle_deg"),
         (["--speed", "2", "--draught", "1", "--entrance-angle", "20", "--flare", "nan"], "flare_deg"),
