@@ -99,6 +99,8 @@ def _compare_designs(folders: list[Path], out: Path) -> None:
     click.echo(f"each less {found.names[0]}")
     click.echo(text_table([name.replace("_", " ") for name in shown.columns], shown.itertuples(index=False)))
     click.echo(f"{len(FILES)} files written into {out}; see {out / 'designs.html'}")
+    for sentence in found.left_out:
+        click.echo(sentence, err=True)
 
 
 def _print_comparison(comparison: "Comparison") -> None:

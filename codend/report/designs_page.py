@@ -76,14 +76,15 @@ def designs_html(found: BesideEachOther, figure: PageFigure) -> str:
     remark = (
         f"Each less {found.names[0]}, at its catches and speeds; between a design's own catches in proportion, never "
         "beyond them. Intervals of opening and drag are as wide as both error estimates together, which cover no "
-        "uncertainty of the plans; those of L50 and SR are 95 % for a finite number of fish, taken as independent."
+        "uncertainty of the plans; those of L50 and SR are as wide as the 95 % of both logit fits, for a finite "
+        "number of fish and the error of the openings, taken as independent."
     )
     return rendered(
         "fit.html",
         title="Designs beside each other",
         summary=f"{', '.join(found.names)}. Written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}.",
         lead=(),
-        warnings=(),
+        warnings=found.left_out,
         notes=(),
         sections=[
             Section("", figures=(figure,)),

@@ -78,19 +78,26 @@ def _words(name: str, section: Netting) -> list[str]:
 def _ropes(plan: Plan, sizes: list[tuple[float, float]], tops: list[float], scale: float, middle: float) -> list[str]:
     """Lines of the ropes along the netting and of the straps across it."""
     parts: list[str] = []
-    for strap in plan.straps:
-        place = sum(part.meshes_long for part in plan.netting) - strap.meshes_from_codline
+
+    def drawn_at(meshes_from_codline: float) -> tuple[int, float]:
+        """Section of a place, on a joint the one ahead, and its height in the drawing."""
+        place = sum(part.meshes_long for part in plan.netting) - meshes_from_codline
         index = 0
         while place > plan.netting[index].meshes_long:
             place -= plan.netting[index].meshes_long
             index += 1
-        wide, deep = (scale * size for size in sizes[index])
-        y = tops[index] + deep * place / plan.netting[index].meshes_long
+        return index, tops[index] + scale * sizes[index][1] * place / plan.netting[index].meshes_long
+
+    for strap in plan.straps:
+        index, y = drawn_at(strap.meshes_from_codline)
+        wide = scale * sizes[index][0]
         ends = f'x1="{middle - wide / 2:.2f}" x2="{middle + wide / 2:.2f}" y1="{y:.2f}" y2="{y:.2f}"'
         parts.append(f'<line class="strap" {ends} stroke="#a33" stroke-width="2"/>')
     for rope in plan.rope:
+        top, bottom = tops[0], tops[-1] + scale * sizes[-1][1]
+        if rope.meshes_from_codline is not None:
+            bottom, top = (drawn_at(meshes)[1] for meshes in rope.meshes_from_codline)
         for number in range(rope.number):
-            top, bottom = tops[0], tops[-1] + scale * sizes[-1][1]
             x = middle + scale * min(size[0] for size in sizes) * (number / rope.number - 0.5)
             ends = f'x1="{x:.2f}" x2="{x:.2f}" y1="{top:.2f}" y2="{bottom:.2f}"'
             parts.append(f'<line class="rope" {ends} stroke="#236" stroke-width="2"/>')
@@ -101,7 +108,11 @@ def _rope_words(plan: Plan) -> list[str]:
     stretched = sum(section.stretched_length_m for section in plan.netting)
     found = [
         f"{rope.number} {rope.kind} ropes, {100 * rope.shortening:.3g} % short"
-        + (f", {(1 - rope.shortening) * stretched:.4g} m each" if rope.meshes_from_codline is None else "")
+        + (
+            f", {(1 - rope.shortening) * stretched:.4g} m each"
+            if rope.meshes_from_codline is None
+            else ", from {:g} to {:g} meshes from the codline".format(*rope.meshes_from_codline)
+        )
         for rope in plan.rope
     ]
     return found + [f"strap {s.meshes_from_codline:g} meshes from the codline, {s.around_m:.4g} m" for s in plan.straps]

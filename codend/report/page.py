@@ -141,18 +141,13 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
     folder.mkdir(parents=True, exist_ok=True)
     copy = plan_toml(study.plan)
     remove_run(folder, but_tables_of=copy)
-    tables = {
-        "results.csv": study.table,
-        "profile.csv": study.profile,
-        "meshes.csv": study.meshes,
-        "ropes.csv": study.ropes,
-    }
+    tables = study.tables
     writers: dict[Path, Callable[[Path], None]] = {folder / "plan.toml": partial(write_text, copy)}
-    for name, table in tables.items():
-        if name in ("meshes.csv", "ropes.csv") and table.empty:
-            (folder / name).unlink(missing_ok=True)
+    for name in TABLES:
+        if name in tables:
+            writers[folder / name] = partial(write_table, tables[name])
         else:
-            writers[folder / name] = partial(write_table, table)
+            (folder / name).unlink(missing_ok=True)
     writers[folder / RECORD] = write_run
     drawn = [plot for plot in PLOTS if solved(study) and plot.fits(study)]
     writers |= {folder / "plots" / f"{plot.name}.png": partial(write_plot, plot) for plot in drawn}

@@ -1,6 +1,6 @@
 """Runs of a study that are solved one after the other by one worker, and the rows that come of them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -32,6 +32,8 @@ class Chunk:
     species: tuple[Species, ...]
     with_design: bool
     """Whether the study's designs have names, which make a column."""
+    text: frozenset[str] = frozenset()
+    """Keys that vary whose values are text in the table, in every chunk alike."""
 
 
 def solve_chunk(chunk: Chunk) -> pd.DataFrame:
@@ -58,7 +60,7 @@ def solve_chunk(chunk: Chunk) -> pd.DataFrame:
             if reason is not None:
                 rows.append({**told, **reason})
             near = study if study is not None and study.converged else near
-    return _table(rows)
+    return _table(rows, chunk.text.union(TEXT_COLUMNS))
 
 
 def _studies_of(plan: Plan, near: Study | None) -> Iterator[tuple[Study | None, dict[str, Any] | None]]:
@@ -126,14 +128,14 @@ def _cell(value: Any) -> Any:
     return toml_value(list(value)) if isinstance(value, list | tuple) else value
 
 
-def _table(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
-    """Rows as columns of one kind each, the reason last; what no row has is missing."""
+def _table(rows: Sequence[dict[str, Any]], text: Set[str]) -> pd.DataFrame:
+    """Rows as columns of one kind each, those named as ``text``, the reason last; what no row has is missing."""
     names = [name for name in dict.fromkeys(name for row in rows for name in row) if name != REASON]
     columns: dict[str, Any] = {}
     for name in (*names, REASON):
         cells = [row.get(name) for row in rows]
         there = [cell for cell in cells if cell is not None]
-        if name in TEXT_COLUMNS or any(isinstance(cell, str) for cell in there):
+        if name in text or any(isinstance(cell, str) for cell in there):
             columns[name] = pd.array([_text(cell) for cell in cells], dtype="string")
         elif there and all(isinstance(cell, bool | np.bool_) for cell in there):
             columns[name] = pd.array(cells, dtype="boolean" if len(there) < len(cells) else "bool")

@@ -9,7 +9,6 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
-from scipy.stats import qmc
 
 from codend.errors import InputError
 from codend.plan.copy import toml_value
@@ -148,6 +147,17 @@ class Designs:
             values.update(zip(axis.keys, point, strict=True))
         return Run(number, self.bases[base], values, self.keep)
 
+    @cached_property
+    def text_keys(self) -> frozenset[str]:
+        """Keys that vary through values of several kinds, or through lists, which are text in a table."""
+        found = set()
+        for axis in self.axes:
+            for key, *values in zip(axis.keys, *axis.points, strict=True):
+                kinds = {bool if isinstance(v, bool) else float if isinstance(v, int | float) else str for v in values}
+                if len(kinds) > 1 or str in kinds:
+                    found.add(key)
+        return frozenset(found)
+
     def some(self, most: int) -> list[Run]:
         """At most so many of the runs, evenly spread, the first and the last among them."""
         count = len(self)
@@ -179,6 +189,8 @@ class Designs:
 
 
 def _points(sample: Sample | None, axes: int, size: int, seed: int) -> NDArray[np.float64]:
+    from scipy.stats import qmc
+
     if sample == "sobol":
         power = max(size - 1, 0).bit_length()
         points = qmc.Sobol(axes, rng=np.random.default_rng(seed)).random_base2(power)[:size]

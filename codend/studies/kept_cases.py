@@ -11,7 +11,7 @@ from codend.io.files import table_text, write_text
 from codend.plan.copy import plan_toml
 from codend.plan.plan import Plan
 from codend.studies.case_result import CaseResult
-from codend.studies.run_record import remove_run
+from codend.studies.run_record import TABLES, remove_run
 from codend.studies.study import Study
 
 _FREE_S: Final = 0.5
@@ -28,12 +28,7 @@ class KeptCases:
     def __init__(self, plan: Plan, choice: Choice, folder: Path) -> None:
         self.count = 0
         self._plan, self._choice, self._folder = plan, choice, folder
-        self._texts: dict[str, dict[int, str]] = {
-            "results.csv": {},
-            "profile.csv": {},
-            "meshes.csv": {},
-            "ropes.csv": {},
-        }
+        self._texts: dict[str, dict[int, str]] = {name: {} for name in TABLES}
         self._begun, self._spent_s, self._written = monotonic(), 0.0, 0
 
     def add(self, result: CaseResult) -> None:
@@ -43,16 +38,8 @@ class KeptCases:
             OSError: it cannot be written; those before it are kept.
         """
         before = monotonic()
-        one = Study(self._plan, self._choice, (result,))
-        tables = {
-            "results.csv": one.table,
-            "profile.csv": one.profile,
-            "meshes.csv": one.meshes,
-            "ropes.csv": one.ropes,
-        }
-        for name, table in tables.items():
-            if name not in ("meshes.csv", "ropes.csv") or not table.empty:
-                self._texts[name][result.case.number] = table_text(table)
+        for name, table in Study(self._plan, self._choice, (result,)).tables.items():
+            self._texts[name][result.case.number] = table_text(table)
         self.count += 1
         if self._spent_s < _FREE_S + _SHARE * (before - self._begun):
             self._write()

@@ -25,6 +25,8 @@ ManyProgress = Callable[[int, int, str], None]
 
 CASES_IN_A_CHUNK: Final = 100
 """At most: some tenths of a second of solving, which is what a killed study loses."""
+CURVE: Final = "catch.sphere_cp_csv"
+"""Key that names a file beside the plan."""
 LEAST_CHUNKS: Final = 64
 """Where there are as many runs, so that many cores have work."""
 
@@ -118,21 +120,26 @@ def _numbers(designs: Designs, chunk: int) -> range:
 
 
 def _chunks(study: StudyPlan, numbers: Sequence[int]) -> Iterator[Chunk]:
-    named = any(base.name for base in study.designs.bases)
+    named, text = any(base.name for base in study.designs.bases), study.designs.text_keys
     for number in numbers:
         runs = tuple(study.designs.run(i) for i in _numbers(study.designs, number))
-        yield Chunk(number, runs, study.species, named)
+        yield Chunk(number, runs, study.species, named, text)
 
 
 def digest_of(study: StudyPlan) -> str:
     """A digest of all that decides a study's table: the program, plans, what varies, species, and files they name."""
     designs = asdict(study.designs)
-    curves = [_curve(base, Path(base.source)) for base in study.designs.bases]
+    curves = [_digests_of_curves(base, study.designs) for base in study.designs.bases]
     species = [species_toml(one) for one in study.species]
     text = json.dumps([program(), designs, curves, species], sort_keys=True, default=str)
     return sha256(text.encode(errors="replace")).hexdigest()
 
 
-def _curve(base: Base, source: Path) -> str | None:
-    name = base.data["catch"].get("sphere_cp_csv")
-    return None if name is None else sha256((source.parent / as_name(name)).read_bytes()).hexdigest()
+def _digests_of_curves(base: Base, designs: Designs) -> dict[str, str]:
+    """Of every file that a plan or what varies names as its curve of pressure; none of a file that is not there."""
+    names = {base.data["catch"].get("sphere_cp_csv")}
+    for axis in designs.axes:
+        if CURVE in axis.keys:
+            names |= {point[axis.keys.index(CURVE)] for point in axis.points}
+    paths = {name: Path(base.source).parent / as_name(name) for name in names if isinstance(name, str)}
+    return {name: sha256(path.read_bytes()).hexdigest() for name, path in paths.items() if path.is_file()}

@@ -32,6 +32,9 @@ from codend.studies.case_result import CaseResult
 if TYPE_CHECKING:
     import pandas as pd
 
+OPTIONAL_TABLES = ("meshes.csv", "ropes.csv")
+"""Of models one mesh wide, and of plans without ropes, there is none."""
+
 StudyProgress = Callable[[int, int, str], None]
 """Told how many cases are done, of how many, and what is being done."""
 
@@ -76,6 +79,17 @@ class Study:
         from codend.studies import tables
 
         return tables.rope_table(self.plan, self.cases)
+
+    @property
+    def tables(self) -> "dict[str, pd.DataFrame]":
+        """Its tables by the names of their files; without those of meshes and of ropes where there are none."""
+        found = {
+            "results.csv": self.table,
+            "profile.csv": self.profile,
+            "meshes.csv": self.meshes,
+            "ropes.csv": self.ropes,
+        }
+        return {name: table for name, table in found.items() if name not in OPTIONAL_TABLES or not table.empty}
 
 
 def solve(

@@ -176,9 +176,7 @@ def _place_of(run: SweepRun) -> str:
 
 def _tables_of(plan: Plan) -> dict[str, str]:
     """Solve a plan; its tables as texts, by name."""
-    study = solve(plan)
-    tables = {"results.csv": study.table, "profile.csv": study.profile, "meshes.csv": study.meshes}
-    return {name: table_text(table) for name, table in tables.items() if name != "meshes.csv" or not table.empty}
+    return {name: table_text(table) for name, table in solve(plan).tables.items()}
 
 
 def _write(run: SweepRun, inputs: dict[str, str], tables: dict[str, str], folder: Path) -> None:

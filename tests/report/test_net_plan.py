@@ -36,3 +36,18 @@ def test_templates_are_plans_and_are_drawn(kind, tmp_path):
     drawn = CliRunner().invoke(main, ["plan", "show", str(path), "--out", str(tmp_path / "plan.svg")])
     assert drawn.exit_code == 0, drawn.output
     assert (tmp_path / "plan.svg").read_text().count('class="rope"') == (2 if kind == "ropes" else 0)
+
+
+def test_a_rope_is_drawn_where_it_runs():
+    changes = ["rope.0.meshes_from_codline=[0, 25]"]
+    plan = load_plan("validation/cases/assumed_two_panels_with_ropes.toml", changes)
+    svg = plan_svg(plan)
+    outline = re.findall(r'<polygon id="section-0" points="([^"]+)"', svg)[0]
+    (_, top), _, (_, bottom), _ = [tuple(map(float, point.split(","))) for point in outline.split()]
+    (long,) = (section.meshes_long for section in plan.netting)
+    drawn = re.findall(r'<line class="rope" x1="[\d.]+" x2="[\d.]+" y1="([\d.]+)" y2="([\d.]+)"', svg)
+    assert len(drawn) == plan.rope[0].number
+    for y1, y2 in drawn:
+        assert float(y2) == pytest.approx(bottom, abs=0.01)
+        assert float(y1) == pytest.approx(bottom - 25 / long * (bottom - top), abs=0.01)
+    assert "from 0 to 25 meshes from the codline" in svg

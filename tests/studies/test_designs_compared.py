@@ -61,3 +61,13 @@ def test_folders_without_a_place_to_write_to_or_without_a_run_are_refused(home, 
     assert_refused(codend_cli("compare", home / "first", home / "other"), "--out is missing")
     assert_refused(codend_cli("compare", home / "first", tmp_path, "--out", tmp_path / "out"), "plan.toml")
     assert not (tmp_path / "out").exists()
+
+
+def test_catches_of_the_first_that_cannot_be_compared_are_told_and_none_at_all_is_refused(home, tmp_path):
+    words = ["run", home / "plan.toml", "--out", tmp_path / "faster", "--set", "tow.speed_m_s=1.9"]
+    assert codend_cli(*words).exit_code == 0
+    refused = codend_cli("compare", home / "first", tmp_path / "faster", "--out", tmp_path / "out")
+    assert_refused(refused, "faster", "has no catch to compare", "a speed of first")
+    told = codend_cli("compare", home / "first", home / "other", "--out", tmp_path / "out")
+    assert "catches of first are left out" in told.stderr
+    assert "are left out" in (tmp_path / "out" / "designs.html").read_text(encoding="utf-8")

@@ -124,6 +124,29 @@ def test_designs_have_names_and_what_they_set(home):
     assert study.designs.run(4).plan().netting[0].mesh == "t90"
 
 
+@pytest.mark.parametrize(
+    ("key", "values"), [("model.wrinkles", ["auto", False]), ("catch.filled_meshes", [[4.0, 8.0], 6.0])]
+)
+def test_values_of_several_kinds_are_text_in_every_part(home, key, values):
+    table = codend.sweep({"plan": str(home / "plan.toml"), "vary": {key: values}})
+    assert table["converged"].all()
+    assert table[key].nunique() == 2
+
+
+def test_parts_are_stale_when_a_curve_that_varies_is_changed(home, tmp_path):
+    plan = (home / "plan.toml").read_text(encoding="utf-8")
+    (tmp_path / "plan.toml").write_text(plan, encoding="utf-8")
+    for name, suction in (("a.csv", -0.4), ("b.csv", -0.5)):
+        (tmp_path / name).write_text(f"theta_deg,cp\n0,1\n90,{suction}\n180,{suction}\n", encoding="utf-8")
+    study = {"plan": str(tmp_path / "plan.toml"), "vary": {"catch.sphere_cp_csv": ["a.csv", "b.csv"]}}
+    before = codend.sweep(study, tmp_path / "out")
+    (tmp_path / "b.csv").write_text("theta_deg,cp\n0,1\n90,-1\n180,-1\n", encoding="utf-8")
+    after = codend.sweep(study, tmp_path / "out")
+    changed = after["catch.sphere_cp_csv"] == "b.csv"
+    assert (after["drag_n"][changed] > 1.01 * before["drag_n"][changed]).all()
+    assert (after["drag_n"][~changed] == before["drag_n"][~changed]).all()
+
+
 def test_species_give_l50_and_sr_of_every_case(home):
     path = example_species_path()
     table = codend.sweep({"plan": str(home / "plan.toml"), "species": [str(path)]})

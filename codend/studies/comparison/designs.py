@@ -33,6 +33,8 @@ class BesideEachOther:
     """``design, speed_m_s, catch_mass_kg, filled_meshes, species, quantity, value, half_width``."""
     differences: pd.DataFrame
     """``design, against, speed_m_s, catch_mass_kg, species, quantity, difference, lower, upper, interpolated``."""
+    left_out: tuple[str, ...] = ()
+    """What of the first could not be compared, a sentence a design."""
 
 
 def beside_each_other(folders: Sequence[Path]) -> BesideEachOther:
@@ -40,17 +42,29 @@ def beside_each_other(folders: Sequence[Path]) -> BesideEachOther:
 
     Answers of a design are taken at the catch masses of the first one at the same speed, between its own catches in
     proportion and never beyond them. Intervals of opening and drag reach as far as both error estimates together; those
-    of L50 and SR as far as both 95 % intervals for a finite number of fish, taken as independent.
+    of L50 and SR are as wide as both 95 % intervals of the logit fit, for a finite number of fish and the error of the
+    openings, taken as independent.
 
     Raises:
-        InputError: a folder is named twice or holds no run.
+        InputError: a folder is named twice or holds no run, or no catch of the first can be compared at all.
     """
     names = _names(folders)
     plans = _plan_differences(names, folders)
     values = pd.concat([_values(name, folder) for name, folder in zip(names, folders, strict=True)], ignore_index=True)
     first = values[values["design"] == names[0]]
     parts = [_differences(first, values[values["design"] == name]) for name in names[1:]]
-    return BesideEachOther(names, plans, values, pd.concat(parts, ignore_index=True))
+    left_out = []
+    for name, folder, part in zip(names[1:], folders[1:], parts, strict=True):
+        places, compared = (len(table[PLACE].drop_duplicates()) for table in (first, part))
+        if compared == 0:
+            allowed = f"a speed of {names[0]}, and catches that hold one of its"
+            raise InputError(folder / "results.csv", "", None, allowed, "has no catch to compare")
+        if compared < places:
+            left_out.append(
+                f"{name}: {places - compared} of {places} catches of {names[0]} are left out: it has none at their "
+                "speed, or they lie beyond its catches."
+            )
+    return BesideEachOther(names, plans, values, pd.concat(parts, ignore_index=True), tuple(left_out))
 
 
 def _names(folders: Sequence[Path]) -> tuple[str, ...]:
