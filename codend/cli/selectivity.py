@@ -128,14 +128,13 @@ def selectivity(
 
 def _trialled(folder: str, data: str, species: "Sequence[Species]", choices: dict[str, Any]) -> "Trialled":
     """Another run at one speed, and the hauls with its codend."""
-    from codend.selectivity.escape.catches import catches_of, read_run
-    from codend.selectivity.escape.haul import hauls_of
-    from codend.selectivity.escape.predict import rows_needed
+    from codend.selectivity.escape.catches import read_run
+    from codend.selectivity.escape.predict import hauls_for
     from codend.selectivity.predicted_and_observed.retention_likelihood import Trialled
     from codend.selectivity.predicted_and_observed.trial import read_trial
 
     run = read_run(folder)
-    hauls = hauls_of(catches_of(run, max(rows_needed(one) for one in species)))
+    hauls = hauls_for(run, species)
     if len(hauls) > 1:
         raise InputError(OPTIONS, "--also", folder, "a run at one speed", f"has {len(hauls)} speeds")
     trial = read_trial(data, run.plan.catch_density_kg_m3, **choices)

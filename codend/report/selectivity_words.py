@@ -53,9 +53,13 @@ def notes(predictions: Sequence[Prediction]) -> list[str]:
         push = float(species.values[PARAMETERS.index("behaviour.push_force_n")])
         found.append(f"{species.name}: {_push_words(species, push)}")
     for one in predictions:
-        found += _part_words(one)
-        if not np.isfinite(one.opening_reach).all():
+        found += [*_part_words(one), *_idle_zones(one)]
+        if not all(np.isfinite(catch.opening_error_deg) for catch in one.haul.catches):
             found.append(f"{one.species.name}: the openings have no error estimate, so the intervals hold none of it.")
+        elif not np.isfinite(one.opening_reach).all():
+            found.append(
+                f"{one.species.name}: some catches have no L50, so it is not known what the error of the openings does."
+            )
         early = one.haul.time(one.species)[0]
         if len(one.haul.catches) == 1:
             found.append(f"{one.species.name}: a single catch was computed, and stands for the whole haul.")
@@ -99,6 +103,18 @@ def _part_words(found: Prediction) -> list[str]:
         )
         words.append(f"{name}: open {opening:.0f} degrees on average, {share:.0%} of the attempts in its zone{why}")
     return [f"{found.species.name}, with the largest catch: {'; '.join(words)}."]
+
+
+def _idle_zones(found: Prediction) -> list[str]:
+    """Zones of the species that are of no part of the codend, or of parts that an earlier one has: without effect."""
+    used = set(trying_of(found.haul, found.species).zone.tolist())
+    parts = ", ".join(f"{part.section} {part.panel}".strip() for part in found.haul.parts)
+    return [
+        f"{found.species.name}: its [[zone]] {f'{one.section} {one.panel or str()}'.strip()} has no effect: of the "
+        f"codend's parts ({parts}) none is left for it."
+        for number, one in enumerate(found.species.zone, start=1)
+        if number not in used
+    ]
 
 
 def field_notes(together: Sequence[Together]) -> list[str]:

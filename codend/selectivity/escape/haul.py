@@ -23,6 +23,8 @@ from codend.selectivity.escape.retention import EscapeTerms, crowd_of, escape_te
 from codend.selectivity.escape.retention_kernels import Crowd, Nodes, Trying
 
 Floats = NDArray[np.float64]
+MOST_CATCHES = 6
+"""Of a haul that is computed many times over."""
 _GROWTH = PARAMETERS.index("haul.catch_growth")
 
 

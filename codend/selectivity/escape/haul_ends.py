@@ -11,15 +11,12 @@ from numpy.typing import NDArray
 
 from catch_models.fish import Species
 from codend.selectivity.escape.catches import Catch
-from codend.selectivity.escape.haul import Haul, haul_of, terms_of_catches, terms_of_haul
-from codend.selectivity.escape.haul_kernels import time_shares
+from codend.selectivity.escape.haul import MOST_CATCHES, Haul, haul_of, terms_of_catches, terms_of_haul
+from codend.selectivity.escape.haul_kernels import BIN, time_shares
 from codend.selectivity.escape.retention import EscapeTerms, nodes_of
 
 Floats = NDArray[np.float64]
 
-BIN: Final = 0.004
-"""Width, in ln L, of the bins in which the terms of many catches are gathered, each split between two."""
-MOST_CATCHES: Final = 6
 UNKNOWN: Final = (np.nan, np.nan)
 ROUGH: Final = nodes_of(shapes=3, rotations=8, steps=8)
 

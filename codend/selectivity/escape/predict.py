@@ -101,7 +101,7 @@ def predict(
     Raises:
         InputError: no case of the study was solved.
     """
-    hauls = hauls_of(catches_of(run, max(rows_needed(one) for one in species)))
+    hauls = hauls_for(run, species)
     work = [(one, haul) for one in species for haul in hauls]
     found = []
     for done, (one, haul) in enumerate(work):
@@ -111,6 +111,11 @@ def predict(
     if progress is not None:
         progress(len(work), len(work), "done")
     return found
+
+
+def hauls_for(run: Run, species: Sequence[Species]) -> list[Haul]:
+    """A haul for every speed of a study, with the rows of meshes that any of the species needs."""
+    return hauls_of(catches_of(run, max(rows_needed(one) for one in species)))
 
 
 def rows_needed(species: Species) -> float:

@@ -17,14 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_models.fish import PARAMETERS, Species
-from codend.selectivity.escape.haul import Haul, many_hauls, trying_of
+from codend.selectivity.escape.haul import MOST_CATCHES, Haul, many_hauls, trying_of
 from codend.selectivity.escape.retention import nodes_of
 
 Floats = NDArray[np.float64]
 
 SAMPLES: Final = 128
 """Of the Sobol design; a power of 2. (number of ranges + 2) times as many hauls are computed."""
-MOST_CATCHES: Final = 6
 COARSE: Final = nodes_of(shapes=3, rotations=8, steps=8, openings=45)
 BAND: Final = (2.5, 97.5)
 """Percentiles of the retention that the ranges allow."""

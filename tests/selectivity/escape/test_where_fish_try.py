@@ -5,9 +5,11 @@ import pytest
 
 from catch_models.fish import Along, Sourced, Zone
 from codend.errors import InputError
+from codend.report.selectivity_words import notes
 from codend.selectivity.escape.catches import Catch, Part
 from codend.selectivity.escape.haul import hauls_of, many_hauls, terms_of_catches, terms_of_haul, trying_of
 from codend.selectivity.escape.penetration import Holes
+from codend.selectivity.escape.predict import predict_haul
 from codend.selectivity.escape.retention import crowd_of, escape_terms, nodes_of
 from codend.selectivity.escape.sensitivity import COARSE
 from codend.selectivity.escape.species import example_species_path, load_species, species_toml
@@ -120,3 +122,13 @@ def test_a_species_with_zones_and_a_distribution_is_read_back_equal_and_its_mist
         path.write_text(species_toml(wrong), encoding="utf-8")
         with pytest.raises(InputError, match="along"):
             load_species(path)
+
+
+def test_a_zone_without_effect_is_told():
+    (haul,) = hauls_of([catch({UPPER: (25.0, 1.0), LOWER: (25.0, 1.0)})])
+    zones = tuple(Zone(section=s, contact=number(0.5), attempts=number(2.0)) for s in ("codend", "nosuch", "codend"))
+    found = predict_haul(SPECIES.model_copy(update={"zone": zones}), haul, n_bootstrap=0, samples=0)
+    idle = [note for note in notes([found]) if "has no effect" in note]
+    assert len(idle) == 2
+    assert "[[zone]] nosuch has no effect: of the codend's parts (codend upper, codend lower)" in idle[0]
+    assert not any("no effect" in note for note in notes([predict_haul(SPECIES, haul, n_bootstrap=0, samples=0)]))
