@@ -8,7 +8,7 @@ The section is a superellipse |x / a|^n + |y / b|^n = 1, an ellipse for n = 2, w
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Generic, Literal, TypeVar
+from typing import Annotated, Any, Generic, Literal, TypeVar
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, MinLen
@@ -162,6 +162,10 @@ class Species(_Table):
     along: Along | None = None
     """None: evenly over ``behaviour.rows_ahead`` rows."""
     zone: tuple[Zone, ...] = ()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled as plain tables: classes made of ``Sourced`` with bounds have no name they could be found by."""
+        return Species.model_validate, (self.model_dump(exclude_unset=True),)
 
     def number(self, parameter: str) -> Sourced[float] | None:
         """A number by its dotted name, with its source; None where the species leaves it out."""
