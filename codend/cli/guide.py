@@ -1,5 +1,6 @@
 """The command ``codend guide``: the manual, in the terminal or as a site."""
 
+import sys
 from importlib import resources
 from pathlib import Path
 
@@ -37,7 +38,7 @@ def guide(page: str, site: Path | None) -> None:
     folder = resources.files("codend.guide")
     if site is None:
         text = (folder / f"{page}.md").read_text(encoding="utf-8")
-        if not click.get_text_stream("stdout").isatty():
+        if not sys.stdout.isatty():
             click.echo(text, nl=False)
             return
         from rich.console import Console
