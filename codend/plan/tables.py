@@ -5,6 +5,7 @@ Every number keeps the name and unit of its key in the file; properties without 
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt, Le, Lt, MinLen
@@ -337,6 +338,8 @@ class Catch(Table):
     """Net pressure over rho V^2 / 2 under the uniform law."""
     sphere_cp_csv: Text | None = None
     """The user's own Cp curve for the sphere law, relative to the plan's folder; see ``Plan.sphere_cp_path``."""
+    sphere_cp: tuple[tuple[Number, Number], ...] | None = None
+    """The same in the plan itself: pairs of an angle, in degrees, and Cp."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -345,8 +348,16 @@ class Catch(Table):
         if self.pressure == "sphere" and self.coefficient != default:
             # The default is let through: a plan may name it and still switch between the laws by one key.
             raise Contradiction("coefficient", f'{default:g}, or pressure = "uniform", which alone has a coefficient')
-        if self.pressure == "uniform" and self.sphere_cp_csv is not None:
-            raise Contradiction("sphere_cp_csv", 'only with pressure = "sphere"')
+        for key in ("sphere_cp_csv", "sphere_cp"):
+            if self.pressure == "uniform" and getattr(self, key) is not None:
+                raise Contradiction(key, 'only with pressure = "sphere"')
+        if self.sphere_cp is not None:
+            if self.sphere_cp_csv is not None:
+                raise Contradiction("sphere_cp", "either sphere_cp_csv or sphere_cp", "contradicts sphere_cp_csv")
+            angles = [angle for angle, _ in self.sphere_cp]
+            rising = all(first < second for first, second in pairwise(angles))
+            if len(angles) < 2 or not rising or (angles[0], angles[-1]) != (0.0, 180.0):
+                raise Contradiction("sphere_cp", "pairs [angle, Cp] whose angles rise from 0 to 180 degrees")
         return self
 
     @property
