@@ -106,6 +106,7 @@ def _rivals(key: Sequence[str]) -> tuple[str, ...]:
     groups: dict[str, tuple[tuple[str, ...], ...]] = {
         "catch": (CATCH_QUANTITIES,),
         "netting": (MESH_SIZES, TITRES),
+        "window": (MESH_SIZES, TITRES),
         "entry": (ENTRY_SIZES,),
         "strap": (STRAP_LENGTHS,),
     }
