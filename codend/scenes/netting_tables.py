@@ -1,11 +1,13 @@
 """The tables [[netting]] and [[seam]] of a scene: flat sheets of netting, what they hang on, how they are joined."""
 
 from collections.abc import Iterator
+from copy import copy
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Final, Literal, Self
 
 from annotated_types import Ge, Le
 from pydantic import ValidationError, create_model, model_validator
+from pydantic.fields import FieldInfo
 
 from codend.netting.sheet import EDGES, EdgeName, Sheet, Taper, diamond_sheet, square_sheet
 from codend.plan.messages import Contradiction
@@ -47,9 +49,11 @@ class _SheetTable(Table):
     """
 
     name: Text
+    """What tables and seams call it."""
     meshes_across: Annotated[Whole, Ge(0), Le(100_000)]
     """Of the fore edge."""
     meshes_long: Annotated[Whole, Ge(1), Le(100_000)]
+    """From the fore to the aft edge."""
     corners: tuple[Corner, Corner, Corner, Corner]
     """Points it hangs on, by name, or places where free corners start."""
     meshes_across_aft: Annotated[Whole, Ge(0), Le(100_000)] | None = None
@@ -61,13 +65,19 @@ class _SheetTable(Table):
     fore: Text | tuple[Text, ...] | None = None
     """What the fore edge hangs on: a rope, ropes end to end, or what holds it; None: nothing, or a seam."""
     aft: Text | tuple[Text, ...] | None = None
+    """The same of the aft edge."""
     left: Text | tuple[Text, ...] | None = None
+    """The same of the left edge."""
     right: Text | tuple[Text, ...] | None = None
+    """The same of the right edge."""
     law: Literal["le-bris-1999", "bessonneau-1997", "choo-casarella-1971"] = "le-bris-1999"
+    """Of its twine's drag."""
     normal: Annotated[Number, Ge(0), Le(10)] | None = None
     """None: that of the law."""
     tangential: Annotated[Number, Ge(0), Le(10)] | None = None
+    """None: that of the law."""
     added_mass: Annotated[Number, Ge(0), Le(10)] = 1.0
+    """Cm of the twine across its length, that of potential flow if left out."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -166,13 +176,20 @@ SHEETS: Final = {
 }
 """Lattice of a pattern of netting, as ``netting.pattern.PATTERNS`` names them."""
 
+
+def _as_in_a_codend(key: str) -> FieldInfo:
+    field = copy(Netting.model_fields[key])
+    field.description = "As of a section of a codend."
+    return field
+
+
 if TYPE_CHECKING:
     SheetTable = _SheetTable
 else:  # keys of the twine are those of a codend's section, bounds and all
     SheetTable = create_model(
         "SheetTable",
         __base__=_SheetTable,
-        **{key: (Netting.model_fields[key].annotation, Netting.model_fields[key]) for key in TWINE_KEYS},
+        **{key: (Netting.model_fields[key].annotation, _as_in_a_codend(key)) for key in TWINE_KEYS},
     )
 
 
