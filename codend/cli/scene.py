@@ -165,6 +165,8 @@ def _move(built: "BuiltScene", found: "SceneResult", folder: Path):  # type: ign
     notes = []
     if unsettled := int(frame.state["clock"][2]):
         notes.append(f"In {unsettled} steps it was not settled which bars are slack: take a smaller time.step_s.")
+    if (worst := float(frame.state["clock"][3])) > 1e-3:
+        notes.append(f"Bars were off their lengths by up to {100.0 * worst:.2g} % in a step: see time.length_error.")
     if passages := int(frame.passages[0]):
         seen = f"at {passages} of {last} outputs, first at {frame.passages[1]:g} s"
         notes.append(f"Netting has passed through itself or a rope, which nothing in a motion prevents: {seen}.")
