@@ -22,7 +22,7 @@ from codend.scenes.tables import VESSEL, PointTable
 
 FINE = 20
 """Parts of a bar in which the curve is measured on which a rope is laid."""
-DRAWN_IN, TOO_LONG, MOST_SWEEPS = 1e-7, 1e-4, 20_000
+DRAWN_IN, TOO_LONG, MOST_SWEEPS = 1e-7, 5e-3, 20_000
 """By which, relative, bars may be too long at the start of a motion: what is aimed at, and what is refused."""
 SINKS_M = 1e-3
 """How far what lies on the seabed sinks in under its own weight, assumed."""

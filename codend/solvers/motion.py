@@ -30,7 +30,8 @@ DAMPING = 0.1
 WIDEST_BAND = 80
 """Half-bandwidth of the system for the tensions beyond which SuperLU is the faster (measured)."""
 LENGTHS_MET = 1e-11
-LOOSE = 1e-3
+LOOSE, ENOUGH = 1e-3, 0.2
+"""From which allowed departure on, and below which part of it, lengths are corrected twice only."""
 CORRECTIONS = 15
 SLACK_PASSES, SWEEPS, MOST_SWEEPS = 12, 30, 1000
 """Sweeps after a guess of which bars are taut, twice as many after each further one."""
@@ -45,7 +46,7 @@ Path = Callable[[float], Floats]
 
 
 class Motion:
-    """A full net on its way: places and, half a step behind, velocities."""
+    """A net, or a sector of one, on its way: places and, half a step behind, velocities."""
 
     def __init__(
         self,
@@ -68,11 +69,9 @@ class Motion:
             towed: nodes that are held by the vessel and go with it, (n,).
             path: how the vessel goes.
             length_error: departure of a bar from its length, relative, that a step may leave to the next one to mend;
-                from ``LOOSE`` on lengths are corrected once only, which large nets that flap are followed by.
+                from ``LOOSE`` on they are met no better than need be, which large nets that flap are followed by.
         """
         net, water = problem.net, problem.loading.water.density
-        if net.order != 1:
-            raise ValueError("motion is that of full nets, not of sectors")
         self.problem, self.loading = problem, problem.loading
         self.structure = problem.structure._replace(free=problem.structure.free.copy())
         volume = 0.25 * np.pi * net.bar_solid_diameter**2 * net.bar_length
@@ -247,7 +246,7 @@ class Motion:
         aim = np.maximum(rest * (1.0 - known), 0.5 * rest)
         right = (self._rate + 0.5 * (self._square - aim**2)) / squared
         worst, density = np.inf, None
-        for _ in range(self._corrections):
+        for number in range(CORRECTIONS):
             density = self._one_sided(right)
             if density is None:
                 return None
@@ -259,6 +258,8 @@ class Motion:
             error = self._length / aim - 1.0
             last, worst = worst, float(np.max(np.where(self.taut, np.abs(error), error), initial=0.0))
             if worst <= LENGTHS_MET or not worst < 0.7 * last:
+                break
+            if number + 1 >= self._corrections and worst <= ENOUGH * self.length_error:
                 break
             rigid.multiply(self._starts, self.pattern.column, self._entries, density, self._product)
             right = self._product + 0.5 * (self._length**2 - aim**2) / squared
