@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from codend.mechanics import motion, rigid
-from codend.mechanics.bars import bar_lengths
+from codend.mechanics.bars import bar_lengths, carried
 from codend.mechanics.loads import add_moving_force
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Ints
@@ -103,7 +103,8 @@ class Motion:
         self._entries, self._rate, self._length = np.zeros(len(row)), np.zeros(bars), np.zeros(bars)
         bar_lengths(self.position, self.structure, self._length)
         stretches = self.structure.flexibility > 0.0
-        self.strain[:] = np.maximum(np.where(stretches, self._length / self.structure.length - 1.0, 0.0), 0.0)
+        strain = np.where(stretches, self._length / self.structure.length - 1.0, 0.0)
+        self.strain[:] = carried(self.structure.is_strut, strain)
 
     def state(self) -> dict[str, Floats | Ints]:
         """A copy of all that ``set_state`` needs to go on from here."""
@@ -211,7 +212,7 @@ class Motion:
             self.velocity[self.towed] = (there - self.position[self.towed]) / dt
 
     def _solve_for_tensions(self, kick: float, dt: float) -> Floats | None:
-        """Force densities of the step, N/m, (m,): none below 0; None where the lengths are not met."""
+        """Force densities of the step, N/m, (m,): of twine none below 0; None where the lengths are not met."""
         structure = self.structure
         bars = len(self.taut)
         weights = _weights(DAMPING)
@@ -228,13 +229,13 @@ class Motion:
             if self.system.factorise(self._entries) == -1:
                 return None
             density, error = self._corrected(free_move, known, give, kick * dt)
-            taut = np.where(self.taut, density >= 0.0, error > LENGTHS_MET)
+            taut = structure.is_strut | np.where(self.taut, density >= 0.0, error > LENGTHS_MET)
             if np.array_equal(taut, self.taut):
                 break
             self.taut[:] = taut
         else:
             self.unsettled += 1
-            density = np.maximum(density, 0.0)
+            density = carried(structure.is_strut, density)
         if np.abs(error * self.taut).max(initial=0.0) > FARTHEST_OFF or not np.isfinite(density).all():
             return None
         return density
@@ -266,7 +267,8 @@ class Motion:
         bar_lengths(self.position, self.structure, self._length)
         stretches = self.structure.flexibility > 0.0
         self.strain[1] = self.strain[0]
-        self.strain[0] = np.maximum(np.where(stretches, self._length / self.structure.length - 1.0, 0.0), 0.0)
+        strain = np.where(stretches, self._length / self.structure.length - 1.0, 0.0)
+        self.strain[0] = carried(self.structure.is_strut, strain)
 
 
 def _weights(damping: float) -> tuple[float, float, float]:
