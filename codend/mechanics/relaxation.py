@@ -77,7 +77,7 @@ def workspace(structure: Structure, bands: int, position: Floats) -> Workspace:
         bar_order=order.astype(np.int32),
         bar_end=structure.second[order].astype(np.uint32),
         bar_image=structure.image[order],
-        law=np.stack([np.zeros(bars), np.zeros(bars), np.where(structure.is_strut[order], LEAST_OF_STRUTS, 0.0)], axis=1),
+        law=np.where(structure.is_strut[order], [[0.0], [0.0], [LEAST_OF_STRUTS]], 0.0).T.copy(),
         multiplier=np.zeros(bars),
         relief=np.ones(bars),
         gain=np.zeros(bars),

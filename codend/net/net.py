@@ -115,6 +115,7 @@ class Net:
             density_kg_m3: of their material; that of the water by default.
             drag: law and coefficients, as ``drag_laws.drag`` gives them; no drag by default.
             is_rope: see ``bar_is_rope``.
+            is_strut: see ``bar_is_strut``; none by default.
             facets: corners of triangles, seen anticlockwise from outside, (f, 3); none by default.
 
         Raises:

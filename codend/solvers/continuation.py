@@ -34,7 +34,8 @@ def predict(known: Sequence[tuple[float, Solution]], value: float) -> Solution:
     for weight, (_, solution) in zip(weights[1:], used[1:], strict=True):
         positions += weight * solution.positions
         tension += weight * solution.bar_tension
-    return replace(used[-1][1], positions=positions, bar_tension=np.maximum(tension, np.minimum(used[-1][1].bar_tension, 0.0)))
+    last = used[-1][1]
+    return replace(last, positions=positions, bar_tension=np.maximum(tension, np.minimum(last.bar_tension, 0.0)))
 
 
 def with_catch(problem: Problem, value: float) -> Problem:
