@@ -1,8 +1,9 @@
 """What it changes that knots resist compression: ``python -m validation.knots_that_push [--random 40] [--seed 1000]``.
 
 Commercial codends of T90 netting, and random small ones, with knots that give way to compression as twine does and with
-knots that keep their length (``netting.knot_compression``), symmetric: drag, opening ahead of the catch, what grows,
-the largest push of a knot, and the change over the error stated. Exits with 1 if a change exceeds its error.
+knots that keep their length (``netting.knot_compression``), symmetric: drag and opening ahead of the catch, what grows,
+and the largest push of a knot. It is another model, so no error stated covers the difference where the net is stable.
+Exits with 1 if twine carries compression, or a codend is solved one way only.
 """
 
 import sys
@@ -14,7 +15,7 @@ import pandas as pd
 from codend.plan.plan import Plan, plan_from_dict
 from codend.studies.case_result import CaseResult
 from codend.studies.study import solve
-from validation.shaken import QUANTITIES, wrinkling_plan
+from validation.shaken import wrinkling_plan
 from validation.wrinkles.matrix import BENDING_N_M2, CATCH_KG, MESHES_ROUND, commercial
 
 
@@ -43,9 +44,7 @@ def row_of(plan: Plan) -> dict[str, object]:
         "push_over_tension": max(-push.bar_tension_n.min(), 0.0) / push.measures.max_bar_tension_n,
         "growing": " / ".join(str(len(r.stability.growing)) if r.stability else "unknown" for r in (give, push)),
     }
-    for name, error in QUANTITIES.items():
-        off = abs(getattr(push.measures, name) - getattr(give.measures, name))
-        row[f"{name.rsplit('_', 1)[0]} over its error"] = off / getattr(give.errors, error)
+    row["twine_pushes"] = bool(np.any(push.bar_tension_n[push.bag.bar_is_twine] < 0.0))
     return row
 
 
@@ -72,20 +71,18 @@ def random_table(plans: int, seed: int) -> pd.DataFrame:
 @click.option("--seed", default=1000, show_default=True, help="The first.")
 def main(plans: int, seed: int) -> None:
     """Print both tables and the largest changes."""
-    worst = 0.0
+    wrong = False
     for name, table in (("commercial", commercial_table()), ("random", random_table(plans, seed))):
         print(table.round(5).to_string(index=False))
         both = table[table["solved"] == "yes / yes"]
-        over = both.filter(like="over its error").to_numpy(dtype=float)
         print(
             f"{name}: {len(both)} of {len(table)} solved both ways; drag changes by {both['drag_change'].min():.2%} to "
             f"{both['drag_change'].max():.2%}, median {both['drag_change'].median():.2%}; opening by "
-            f"{both['opening_change_deg'].min():.2f} to {both['opening_change_deg'].max():.2f} degrees; largest change "
-            f"over its error {np.nanmax(over):.3f}",
+            f"{both['opening_change_deg'].min():.2f} to {both['opening_change_deg'].max():.2f} degrees",
             flush=True,
         )
-        worst = max(worst, float(np.nanmax(over)))
-    sys.exit(worst > 1.0)
+        wrong |= bool((table["solved"] == "yes / no").any() or both["twine_pushes"].any())
+    sys.exit(wrong)
 
 
 if __name__ == "__main__":
