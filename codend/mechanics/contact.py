@@ -46,6 +46,8 @@ class Contact(NamedTuple):
     """k, N/m: parts at half of D press on each other with 1.2 k D."""
     rotations: Floats
     """Cosine and sine for the images -K .. K, (2 K + 1, 2)."""
+    turning: float = 1.0
+    """Share in the tangent of the turning of the pushes with the net, which has negative pivots; the rest has none."""
 
 
 def no_contact() -> Contact:
@@ -155,6 +157,8 @@ def add_tangent(position: Floats, contact: Contact, pattern: Pattern, blocks: Fl
             continue
         counts, by_c, bend = turned_apart(found.corner, contact.even[pair], first, second)
         weight, apart = found.weight, found.apart
+        # across the gap the barrier's second derivative by the distance, over 2
+        stiff = 2.0 * curve * square + slope
         _places(found, free, lines, by_place, inverse)
         for i in range(4):
             edge_i, sign_i = side_of(i)
@@ -168,8 +172,9 @@ def add_tangent(position: Floats, contact: Contact, pattern: Pattern, blocks: Fl
                         for k in range(free):
                             for m in range(free):
                                 bent -= by_place[k, i, a] * inverse[k, m] * by_place[m, j, b]
-                        value = counts * (curve * gi * gj + slope * bent)
-                        if by_c != 0.0:
+                        along = 0.5 * gi * gj / square
+                        value = counts * (stiff * along + contact.turning * slope * (bent - along))
+                        if by_c != 0.0 and contact.turning != 0.0:
                             ci, cj = sign_i * first[edge_i, a], sign_j * first[edge_j, b]
                             cij = sign_i * sign_j * second[edge_i, a, edge_j, b]
                             value += energy * (bend * ci * cj + by_c * cij) + by_c * slope * (ci * gj + gi * cj)
@@ -211,3 +216,32 @@ def add_bound(position: Floats, contact: Contact, bound: Floats) -> None:
         stiffness = 4.0 * curve * square + 2.0 * abs(slope)
         for i in range(4):
             bound[contact.node[pair, i]] += 2.0 * stiffness * abs(found.weight[i])
+
+
+@njit(cache=True, error_model="numpy")
+def add_stiffness(
+    position: Floats, velocity: Floats, contact: Contact, step: float, drift: float, force: Floats, blocks: Floats
+) -> None:
+    """Add h dt K of contact to blocks of single nodes, (n, 3, 3), and what their velocities take from its push, N.
+
+    Each node of a pair is given the row sum of the pair's stiffness across its gap, which is no less than that.
+    """
+    found = room()
+    for pair in range(len(contact.kind)):
+        write_corners(position, contact.node, contact.image, contact.rotations, pair, found.corner)
+        _, square = nearest(contact.kind[pair], found)
+        _, slope, curve = barrier(contact, pair, square)
+        if slope == 0.0:
+            continue
+        stiffness = (4.0 * curve * square + 2.0 * slope) / square
+        closing = 0.0
+        for i in range(4):
+            for a in range(3):
+                closing += found.weight[i] * found.apart[a] * velocity[contact.node[pair, i], a]
+        for i in range(4):
+            node = contact.node[pair, i]
+            for a in range(3):
+                force[node, a] -= drift * stiffness * found.weight[i] * closing * found.apart[a]
+                for b in range(3):
+                    across = stiffness * found.apart[a] * found.apart[b]
+                    blocks[node, a, b] += 2.0 * step * drift * abs(found.weight[i]) * across

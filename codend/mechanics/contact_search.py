@@ -6,6 +6,7 @@ than the distance left allows at the speed of its fastest nodes (Li et al. 2021,
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.compiled import njit
 from codend.mechanics.contact import Contact, room, write_corners
@@ -13,6 +14,8 @@ from codend.mechanics.images import turned
 from codend.mechanics.nearest import EDGE_EDGE, NODE_TRIANGLE, nearest
 from codend.mechanics.sheet import Sheet
 from codend.net.net import Floats, Ints
+
+Numbers = NDArray[np.int64]
 
 LEFT_OVER = 0.1
 """Share of their distance that a move leaves between two parts."""
@@ -42,7 +45,7 @@ def _write_box(
 
 
 @njit(cache=True)
-def _sorted_into_cells(boxes: Floats, cell: float) -> tuple[Ints, Ints, Floats, float, Ints]:
+def _sorted_into_cells(boxes: Floats, cell: float) -> tuple[Numbers, Numbers, Floats, float, Numbers]:
     """Where the list of each cell starts, the boxes in each, the grid's corner, its cells' size, and its shape."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for box in boxes:
@@ -193,7 +196,7 @@ def _longer(values: Ints, rows: int) -> Ints:
 
 
 @njit(cache=True)
-def within_reach(position: Floats, contact: Contact, reach: float) -> Ints:
+def within_reach(position: Floats, contact: Contact, reach: float) -> Numbers:
     """Numbers of the pairs nearer to each other than ``reach``."""
     found, chosen = room(), np.zeros(len(contact.kind), dtype=np.int64)
     count = 0

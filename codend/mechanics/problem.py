@@ -1,6 +1,6 @@
 """A net under loads: what a solver is given, and all it knows."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,6 +33,12 @@ class Problem:
     def bands(self) -> int:
         """Bands of the net that a catch may fill."""
         return len(self.loading.catch.band_meshes)
+
+    def touching_at(self, position: Floats) -> "Problem":
+        """The problem with what is near what in a shape; itself where it has no contact."""
+        if self.surface is None:
+            return self
+        return replace(self, loading=self.loading._replace(contact=self.surface.near(position)))
 
     @classmethod
     def of(

@@ -43,10 +43,8 @@ def sheet_of(net: Net) -> Sheet:
     sectors = net.sectors
     if sectors != net.order:
         raise ValueError("contact needs sectors that close round: a whole number of them")
-    on_axis = net.fixed[:, 1:].all(axis=1) & (np.abs(net.positions[:, 1:]).max(axis=1) == 0.0) & (sectors > 1)
-    if sectors > 1:
-        # a sector holds what it shares with all others across the axis, wherever its start has it
-        on_axis |= (net.fixed == [False, True, True]).all(axis=1)
+    # a sector holds across the axis what it shares with all others
+    on_axis = net.fixed[:, 1:].all(axis=1) & (net.positions[:, 1:] == 0.0).all(axis=1) & (sectors > 1)
     faces, images = _once_covered(net)
     sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]], net.bars])
     turns = np.concatenate([images[:, [0, 1]], images[:, [1, 2]], images[:, [2, 0]], _bar_images(net)])
@@ -128,7 +126,8 @@ def _once_covered(net: Net) -> tuple[Ints, Ints]:
     # a diagonal is a side of two triangles, which run along it in opposite senses; other sides are of four, or of two
     # in the same sense
     runs, senses = np.bincount(which), np.bincount(which, weights=np.where(against, -1.0, 1.0))
-    diagonal = ((runs == 2) & (senses == 0.0))[which]
+    is_diagonal: NDArray[np.bool_] = (runs == 2) & (senses == 0.0)
+    diagonal = is_diagonal[which]
     # the triangles of a quadrangle run along its sides in the same sense
     triangle = np.repeat(np.arange(len(half)), 3)
     _, directed = np.unique(2 * which + against, return_inverse=True)

@@ -1,14 +1,15 @@
-"""A net's surface under contact: what is near what in a shape, and how far a move may go before anything would cross."""
+"""A net's surface under contact: what is near what, and how far a move may go before anything would cross."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.mechanics.contact import Contact
 from codend.mechanics.contact_search import free_share, near_pairs, within_reach
 from codend.mechanics.sheet import Sheet, sheet_of
-from codend.net.net import Floats, Ints, Net
+from codend.net.net import Floats, Net
 
 SEEN = 1.5
 """Reach within which parts are seen, over the distance at which contact begins: a step may bring them that near."""
@@ -53,11 +54,11 @@ class Surface:
 
     def _pairs(self, position: Floats, move: Floats, reach: float) -> Contact:
         law = self.law
-        pairs = near_pairs(position, move, reach, self.sheet)
-        return Contact(*pairs, law.distance_m, law.stiffness_n_m, self.sheet.rotations)
+        node, image, kind, weight, even = near_pairs(position, move, reach, self.sheet)
+        return Contact(node, image, kind, weight, even, law.distance_m, law.stiffness_n_m, self.sheet.rotations, 1.0)
 
 
-def _chosen(contact: Contact, which: Ints) -> Contact:
+def _chosen(contact: Contact, which: NDArray[np.integer]) -> Contact:
     return contact._replace(
         node=contact.node[which],
         image=contact.image[which],

@@ -8,7 +8,7 @@ motion then runs away from unstable equilibria, where Newton's method would stay
 without, netting that would pass through netting stops the motion.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, auto
 
 import numpy as np
@@ -18,9 +18,11 @@ from codend.mechanics.bars import bar_lengths
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
 from codend.solvers import newton
+from codend.solvers.clock import Clock
+from codend.solvers.dynamic_relaxation import reference_tension
 from codend.solvers.newton import DIRECT
-from codend.solvers.outcome import Outcome, Progress, Solution
-from codend.solvers.prepared import Prepared
+from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.refusal import passage
 from codend.solvers.watched import Watched
 
@@ -123,6 +125,38 @@ def follow(
                 return Motion(End.SETTLED, polished, number)
             break
     return Motion(End.STEPS_SPENT, _as_is(start, here), number)
+
+
+@dataclass(frozen=True)
+class GentleSettings:
+    """What may be tuned."""
+
+    steps_allowed: int = 1000
+
+
+def solve(
+    problem: Problem,
+    tolerance: float,
+    start: Solution | None = None,
+    settings: GentleSettings = GentleSettings(),
+    progress: Progress | None = None,
+) -> Solution:
+    """Equilibrium of a net by gentle steps, from a shape in which nothing passes through anything; see ``Solver``."""
+    with Clock() as clock:
+        if start is None:
+            tension = np.full(len(problem.net.bars), reference_tension(problem))
+            report = SolverReport(METHOD, Outcome.STEPS_SPENT, 0, np.inf, np.inf, np.inf, 0.0)
+            start = Solution(problem.net.positions, tension, np.zeros(problem.bands), report)
+        prepared = prepare(problem.structure, problem.bands)
+        motion = follow(problem, tolerance, start, prepared, progress, settings.steps_allowed)
+        spent_ms = clock.ms
+    found = motion.solution.report
+    outcome = {End.SETTLED: found.outcome, End.TOUCHING: Outcome.PASSED_THROUGH}.get(motion.end, Outcome.STEPS_SPENT)
+    note = f"{METHOD}: {motion.steps} steps. {outcome.value}"
+    attempts = (note, *found.attempts) if motion.end is End.SETTLED else (note,)
+    report = replace(found, method=METHOD, outcome=outcome, iterations=motion.steps, solve_ms=spent_ms)
+    report = replace(report, attempts=attempts)
+    return Solution.ended(report, motion.solution.positions, motion.solution.bar_tension, motion.solution.share)
 
 
 def _as_is(start: Solution, state: State) -> Solution:

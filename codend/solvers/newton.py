@@ -14,12 +14,12 @@ import numpy as np
 
 from codend.mechanics import newton_step
 from codend.mechanics.bars import bar_lengths
-from codend.mechanics.newton_state import State, measure
 from codend.mechanics.loads import Loading
+from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension, rough_shape
-from codend.solvers.kernels import FAILED, IN_FIRST, IN_SECOND, Iteration, Limits, advance, advance_banded
+from codend.solvers.kernels import FAILED, IN_FIRST, Iteration, Limits, advance, advance_banded
 from codend.solvers.linear_systems import BandedSystem
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 from codend.solvers.prepared import Prepared, prepare

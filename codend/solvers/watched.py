@@ -1,7 +1,5 @@
 """A problem whose contact is looked for again as its net moves: loads, pattern and linear system of where it is now."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from codend.mechanics.loads import Loading
@@ -11,13 +9,6 @@ from codend.mechanics.tangent import pattern_of
 from codend.net.net import Floats
 from codend.solvers.linear_systems import linear_system
 from codend.solvers.prepared import Prepared
-
-
-def with_contact(problem: Problem, position: Floats) -> Problem:
-    """The problem with what is near what in a shape; the same where it has no contact."""
-    if problem.surface is None:
-        return problem
-    return replace(problem, loading=problem.loading._replace(contact=problem.surface.near(position)))
 
 
 class Watched:
