@@ -29,6 +29,7 @@ from codend.cli.compare import compare
 from codend.cli.console import shown_progress, text_table
 from codend.cli.fit import fit
 from codend.cli.force import force
+from codend.cli.guide import guide
 from codend.cli.net_plan import net_plan
 from codend.cli.scene import scene
 from codend.cli.selectivity import selectivity, species
@@ -235,7 +236,7 @@ def doctor(warm_up: bool) -> int:
     return 1 if failed or any(finding.missing for finding in findings) else 0
 
 
-for _command in (bow_wave, net_plan, scene, sweep, compare, chart, force, selectivity, species, fit):
+for _command in (bow_wave, net_plan, scene, sweep, compare, chart, force, selectivity, species, fit, guide):
     main.add_command(_command)
 
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.mechanics.contact import no_contact
 from codend.mechanics.loads import Loading
@@ -39,6 +40,13 @@ class Problem:
         if self.surface is None:
             return self
         return replace(self, loading=self.loading._replace(contact=self.surface.near(position)))
+
+    def cannot_strain(self, positions: Floats) -> NDArray[np.bool_]:
+        """Bars that no move of what is free makes longer, held lengthwise at both ends, (m,)."""
+        net = self.net
+        along = positions[net.bars[:, 1]] - positions[net.bars[:, 0]]
+        free = ~net.fixed[net.bars].all(axis=1)
+        return np.asarray((net.bar_image == 0) & (np.abs(along * free).max(axis=1) <= 1e-9 * net.bar_length))
 
     @classmethod
     def of(

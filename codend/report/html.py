@@ -14,6 +14,7 @@ from codend.equilibrium.stability import ranges_text
 from codend.io.names import as_text
 from codend.plan.plan import Plan
 from codend.report.choice_words import reason_text
+from codend.report.net_plan import plan_svg
 from codend.report.page_tables import results_table, solving_table
 from codend.report.size_words import size_sentences
 from codend.studies.case_result import CaseResult
@@ -65,6 +66,7 @@ def page_html(study: Study, figures: Sequence[PageFigure], run: str = "") -> str
         solving=solving_table(study),
         opening_figures=figures[:1],
         figures=figures[1:],
+        net_plan="data:image/svg+xml;base64," + base64.b64encode(plan_svg(plan).encode()).decode("ascii"),
         inputs=input_sections(plan.to_dict()),
         inputs_remark=f"All values of the plan ({as_text(Path(plan.source.name))}), with the defaults of keys it "
         "leaves out. Which of them were measured and which were assumed stands in the comments of the plan's file.",

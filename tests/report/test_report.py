@@ -127,8 +127,10 @@ def test_plots_are_pictures_with_something_drawn_in_them(written: Path):
 def test_the_page_carries_its_pictures_and_asks_for_nothing_from_elsewhere(written: Path):
     html = (written / "report.html").read_text(encoding="utf-8")
     sources = re.findall(r'(?:src|href|srcset|action)\s*=\s*"([^"]*)"', html)
-    assert len(sources) == len(PLOTS)
-    for source in sources:
+    *pictures, drawing = sources
+    assert len(pictures) == len(PLOTS)
+    assert base64.b64decode(drawing.removeprefix("data:image/svg+xml;base64,"), validate=True).startswith(b"<svg ")
+    for source in pictures:
         assert source.startswith("data:image/png;base64,")
         assert base64.b64decode(source.partition(",")[2], validate=True).startswith(PNG_START)
     assert not re.search(r"https?:|//[a-z]|@import|url\(|<script|<link|<iframe", re.sub(r'"data:[^"]*"', "", html))
@@ -191,7 +193,7 @@ def test_a_study_of_which_nothing_was_solved_still_has_tables_and_a_page(study: 
     written = write_report(nothing, tmp_path)
     assert {path.name for path in written} == {"plan.toml", "results.csv", "profile.csv", "run.json", "report.html"}
     assert pd.read_csv(tmp_path / "profile.csv").empty
-    assert "<img" not in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "data:image/png" not in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 def test_files_of_an_earlier_study_do_not_stay_beside_those_of_this_one(half_failed: Study, tmp_path: Path):

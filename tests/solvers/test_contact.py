@@ -19,7 +19,6 @@ from codend.solvers.motion import Motion
 from codend.solvers.solve import find_equilibrium
 from tests.plans import make_plan
 
-
 SETTINGS = RelaxationSettings(steps_allowed=60_000, restarts=0)
 
 
