@@ -63,7 +63,7 @@ def sheet_of(net: Net) -> Sheet:
         edge=np.ascontiguousarray(edge, dtype=np.int32),
         edge_image=np.ascontiguousarray(image, dtype=np.int32),
         even=np.sqrt(PARALLEL) * square,
-        fixed=net.fixed.all(axis=1),
+        fixed=np.asarray(net.fixed.all(axis=1)),
         on_axis=on_axis,
         sectors=sectors,
         cell=float(np.median(net.bar_length)) if len(net.bars) else 1.0,
@@ -126,7 +126,7 @@ def _once_covered(net: Net) -> tuple[Ints, Ints]:
     # a diagonal is a side of two triangles, which run along it in opposite senses; other sides are of four, or of two
     # in the same sense
     runs, senses = np.bincount(which), np.bincount(which, weights=np.where(against, -1.0, 1.0))
-    is_diagonal: NDArray[np.bool_] = (runs == 2) & (senses == 0.0)
+    is_diagonal = np.asarray((runs == 2) & (senses == 0.0))
     diagonal = is_diagonal[which]
     # the triangles of a quadrangle run along its sides in the same sense
     triangle = np.repeat(np.arange(len(half)), 3)
