@@ -18,7 +18,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from codend.mechanics import motion, rigid
+from codend.mechanics import contact, motion, rigid
 from codend.mechanics.bars import bar_lengths
 from codend.mechanics.loads import add_moving_force
 from codend.mechanics.problem import Problem
@@ -168,6 +168,7 @@ class Motion:
 
     def _tried(self, dt: float) -> bool:
         kick = 0.5 * (self.last_step + dt)
+        self.loading = self.problem.touching_at(self.position).loading
         self._measure()
         self._set_loads(kick, dt)
         last_velocity = self.velocity.copy()
@@ -180,8 +181,12 @@ class Motion:
         rigid.add_pulls(self.structure, self._gradient, density, pulls)
         rigid.accelerations(self._inverse, pulls, self._acceleration)
         self.velocity += kick * self._acceleration
+        before = self.position.copy()
         self.position += dt * self.velocity
         if not np.isfinite(self.position).all():
+            return False
+        surface = self.problem.surface
+        if surface is not None and surface.free_share(before, self.position - before) < 1.0:
             return False
         felt = np.einsum("nij,nj->ni", self._masses, self.velocity - last_velocity) / kick
         self.support = felt - pulls
@@ -211,6 +216,7 @@ class Motion:
         motion.add_bar_drag(*here, structure, water, self.mass, self.added, self.density, kick, dt, blocks)
         motion.add_point_drag(*here, loading.points, water, of_points, kick, blocks)
         motion.add_seabed(*here, loading.seabed, kick, dt, self._force, blocks)
+        contact.add_stiffness(*here, loading.contact, kick, dt, self._force, blocks)
         motion.invert(blocks, structure.free, self._inverse)
 
     def _move_supports(self, dt: float) -> None:
