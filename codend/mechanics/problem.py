@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.mechanics.loads import Loading
 from codend.mechanics.points import points_of
@@ -29,6 +30,13 @@ class Problem:
     def bands(self) -> int:
         """Bands of the net that a catch may fill."""
         return len(self.loading.catch.band_meshes)
+
+    def cannot_strain(self, positions: Floats) -> NDArray[np.bool_]:
+        """Bars that no move of what is free makes longer, held lengthwise at both ends, (m,)."""
+        net = self.net
+        along = positions[net.bars[:, 1]] - positions[net.bars[:, 0]]
+        free = ~net.fixed[net.bars].all(axis=1)
+        return np.asarray((net.bar_image == 0) & (np.abs(along * free).max(axis=1) <= 1e-9 * net.bar_length))
 
     @classmethod
     def of(

@@ -33,7 +33,13 @@ LENGTHS_MET = 1e-11
 FARTHEST_OFF = 1e-7
 """Departure from the lengths, relative, that a step may leave."""
 CORRECTIONS = 15
-SLACK_PASSES = 25
+SLACK_PASSES = 60
+PATIENCE = 4
+"""Passes without fewer bars on the wrong side of slackness, after which only half of them change at once."""
+NO_PUSH = 1e-10
+"""Push, over the largest force density, that is round-off."""
+NEARLY_TAUT = 1e-6
+"""What a bar may be shorter than its length at the start, relative, to be looked upon as taut first."""
 MOST_HALVINGS = 8
 
 Path = Callable[[float], Floats]
@@ -104,6 +110,8 @@ class Motion:
         bar_lengths(self.position, self.structure, self._length)
         stretches = self.structure.flexibility > 0.0
         self.strain[:] = np.maximum(np.where(stretches, self._length / self.structure.length - 1.0, 0.0), 0.0)
+        # a crumpled bar that was asked to be as long as it is would tear its neighbours along
+        self.taut[:] = self._length >= (1.0 - NEARLY_TAUT) * self.structure.length
 
     def state(self) -> dict[str, Floats | Ints]:
         """A copy of all that ``set_state`` needs to go on from here."""
@@ -221,17 +229,23 @@ class Motion:
         rest = structure.length
         rigid.accelerations(self._inverse, self._force, self._acceleration)
         free_move = dt * (self.velocity + kick * self._acceleration)
-        density = np.zeros(bars)
-        for _ in range(SLACK_PASSES):
+        density, fewest, patience = np.zeros(bars), bars + 1, PATIENCE
+        for number in range(SLACK_PASSES):
             rigid.tension_system(self.pattern, self._gradient, self._inverse, self.taut, self._entries)
             self._entries[self.pattern.diagonal] += rest**2 * give / (kick * dt)
             if self.system.factorise(self._entries) == -1:
                 return None
             density, error = self._corrected(free_move, known, give, kick * dt)
-            taut = np.where(self.taut, density >= 0.0, error > LENGTHS_MET)
-            if np.array_equal(taut, self.taut):
+            least = -NO_PUSH * float(np.abs(density).max(initial=0.0))
+            wrong = np.flatnonzero(np.where(self.taut, density < least, error > LENGTHS_MET))
+            if len(wrong) == 0:
+                density = np.maximum(density, 0.0)
                 break
-            self.taut[:] = taut
+            patience = PATIENCE if len(wrong) < fewest else patience - 1
+            fewest = min(fewest, len(wrong))
+            # where all at once goes round in circles, half of them
+            change = wrong if patience > 0 or len(wrong) == 1 else wrong[number % 2 :: 2]
+            self.taut[change] = 1 - self.taut[change]
         else:
             self.unsettled += 1
             density = np.maximum(density, 0.0)

@@ -63,7 +63,7 @@ def passage(problem: Problem, position: Floats, gathered: bool = True) -> Refusa
     bar, facet = first_pierced(position, *_sheet(problem, 0 if gathered else 1), touching)
     if bar < 0:
         return None
-    if not gathered:
+    if not gathered or not catch.row_size.any():
         return Refusal(Outcome.PASSED_THROUGH, "a bar pierces the netting")
     band, met = catch.bar_band[bar] + 1, catch.facet_band[facet] + 1
     if problem.structure.is_rope.any() and min(band, met) >= problem.bands - 1:
