@@ -6,7 +6,7 @@ Lengths in m, x along the tow and aft, z up with the surface at 0, unless a key'
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
-from annotated_types import Ge, Gt, Le, MinLen
+from annotated_types import Ge, Gt, Le
 from pydantic import Field, create_model, model_validator
 
 from codend.plan.messages import Contradiction
@@ -138,6 +138,8 @@ class PointTable(Table):
     def _contradictions(self) -> Iterator[Contradiction]:
         if self.name == VESSEL:
             yield Contradiction("name", f'any name but "{VESSEL}", which is the vessel\'s towing point')
+        if self.name in ("ground", "symmetry", "repeats"):
+            yield Contradiction("name", "any name but those of what may hold netting")
         if self.held is not None and self.at is None:
             yield Contradiction("at", "where it is held: [x, y, z] in m", "is missing")
         if self.held == "symmetry" and self.at is not None and self.at[1] != 0.0:
@@ -222,6 +224,3 @@ class SceneModel(Table):
     """Straight bars that a rope is cut into which does not say so itself."""
     tolerance: Annotated[Number, Ge(1e-12), Le(0.1)] = 1e-9
     """Largest nodal residual over the sum of all loads."""
-
-
-Ropes = Annotated[tuple[RopeTable, ...], MinLen(1)]
