@@ -213,7 +213,8 @@ def test_files_of_an_earlier_study_do_not_stay_beside_those_of_this_one(half_fai
     write_report(half_failed, tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {
         *("plan.toml", "results.csv", "profile.csv", "run.json"),
-        *("net_1.vtu", "plots", "report.html", "net_mine.vtu", "notes.txt"),
+        *("net_1.vtu", "net.pvd", "plots", "report.html", "net_mine.vtu", "notes.txt"),
+        *([TURNING] if can_turn() else []),
     }
     assert (tmp_path / "plots" / "mine.png").exists()
 
