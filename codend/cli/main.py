@@ -48,13 +48,12 @@ TABLE_COLUMNS = {
     "speed_m_s": "speed m/s",
     "filled_meshes": "filled meshes",
     "catch_volume_m3": "volume m3",
-    "front_from_codline_m": "front m",
     "max_radius_m": "radius m",
     "drag_n": "drag N",
     "opening_ahead_deg": "opening deg",
     "opening_ahead_error_deg": "+- deg",
     "residual": "residual",
-    "converged": "converged",
+    "converged": "solved",
 }
 """Columns of ``results.csv`` that ``codend run`` prints, and their headings."""
 

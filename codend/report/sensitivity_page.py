@@ -90,10 +90,10 @@ def _html(title: str, table: pd.DataFrame, intervals: pd.DataFrame | None, figur
             "error of the model."
         )
         sections.append(table_section("Intervals", (remark, *better(intervals)), intervals))
-    known = table[["key", "value", "quantity", "derivative", "by_10_percent", "note"]]
-    known = table[[name for name in WHAT if name in table]].join(known)
+    known = last[["quantity", "key", "value", "derivative", "by_10_percent", "note"]]
     remark = (
-        "Derivatives are per unit of the number, of counts per one more; sensitivities.csv has those towards smaller "
+        f"Of {_name(last)}, per unit of the number, of counts per one more; sensitivities.csv has those of all cases, "
+        "towards smaller "
         "and larger values each, and between which values nothing goes slack or taut and the front passes no row."
     )
     sections.append(table_section("Derivatives", (remark,), known))
