@@ -14,6 +14,7 @@ the last of which is their condition on the lengths without its term in dt^2. It
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.compiled import njit
 from codend.mechanics.bars import bar_vector
@@ -181,9 +182,19 @@ def multiply(start: Ints, column: Ints, entries: Floats, density: Floats, produc
 
 @njit(cache=True)
 def relax_one_sided(
-    start: Ints, column: Ints, diagonal: Ints, entries: Floats, right: Floats, density: Floats, sweeps: int
+    start: Ints,
+    column: Ints,
+    diagonal: Ints,
+    entries: Floats,
+    right: Floats,
+    is_strut: NDArray[np.bool_],
+    density: Floats,
+    sweeps: int,
 ) -> None:
-    """Bring q nearer to A q >= right, q >= 0, one of the two equal in every bar: Gauss-Seidel sweeps to and fro."""
+    """Bring q nearer to A q >= right, q >= 0, one of the two equal in every bar: Gauss-Seidel sweeps to and fro.
+
+    Struts have A q = right.
+    """
     bars = len(right)
     for sweep in range(sweeps):
         for step in range(bars):
@@ -191,7 +202,8 @@ def relax_one_sided(
             rest = right[bar]
             for k in range(start[bar], start[bar + 1]):
                 rest -= entries[k] * density[column[k]]
-            density[bar] = max(density[bar] + rest / entries[diagonal[bar]], 0.0)
+            found = density[bar] + rest / entries[diagonal[bar]]
+            density[bar] = found if is_strut[bar] else max(found, 0.0)
 
 
 @njit(cache=True)

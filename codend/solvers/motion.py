@@ -18,8 +18,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from codend.mechanics import motion, rigid
-from codend.mechanics.bars import bar_lengths
+from codend.mechanics import contact, motion, rigid
+from codend.mechanics.bars import bar_lengths, carried
 from codend.mechanics.loads import add_moving_force
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Ints
@@ -116,9 +116,10 @@ class Motion:
         self._factored: Ints | None = None
         bar_lengths(self.position, self.structure, self._length)
         stretches = self.structure.flexibility > 0.0
-        self.strain[:] = np.maximum(np.where(stretches, self._length / self.structure.length - 1.0, 0.0), 0.0)
+        strain = np.where(stretches, self._length / self.structure.length - 1.0, 0.0)
+        self.strain[:] = carried(self.structure.is_strut, strain)
         # a crumpled bar that was asked to be as long as it is would tear its neighbours along
-        self.taut[:] = self._length >= (1.0 - NEARLY_TAUT) * self.structure.length
+        self.taut[:] = self.structure.is_strut | (self._length >= (1.0 - NEARLY_TAUT) * self.structure.length)
 
     def state(self) -> dict[str, Floats | Ints]:
         """A copy of all that ``set_state`` needs to go on from here."""
@@ -175,6 +176,7 @@ class Motion:
 
     def _tried(self, dt: float) -> bool:
         kick = 0.5 * (self.last_step + dt)
+        self.loading = self.problem.touching_at(self.position).loading
         self._measure()
         self._set_loads(kick, dt)
         last_velocity = self.velocity.copy()
@@ -187,8 +189,12 @@ class Motion:
         rigid.add_pulls(self.structure, self._gradient, density, pulls)
         rigid.accelerations(self._inverse, pulls, self._acceleration)
         self.velocity += kick * self._acceleration
+        before = self.position.copy()
         self.position += dt * self.velocity
         if not np.isfinite(self.position).all():
+            return False
+        surface = self.problem.surface
+        if surface is not None and surface.free_share(before, self.position - before) < 1.0:
             return False
         felt = np.einsum("nij,nj->ni", self._masses, self.velocity - last_velocity) / kick
         self.support = felt - pulls
@@ -218,6 +224,7 @@ class Motion:
         motion.add_bar_drag(*here, structure, water, self.mass, self.added, self.density, kick, dt, blocks)
         motion.add_point_drag(*here, loading.points, water, of_points, kick, blocks)
         motion.add_seabed(*here, loading.seabed, kick, dt, self._force, blocks)
+        contact.add_stiffness(*here, loading.contact, kick, dt, self._force, blocks)
         motion.invert(blocks, structure.free, self._inverse)
 
     def _move_supports(self, dt: float) -> None:
@@ -226,7 +233,7 @@ class Motion:
             self.velocity[self.towed] = (there - self.position[self.towed]) / dt
 
     def _solve_for_tensions(self, kick: float, dt: float) -> Floats | None:
-        """Force densities of the step, N/m, (m,): none below 0; None where the lengths are not met.
+        """Force densities of the step, N/m, (m,): of twine none below 0; None where the lengths are not met.
 
         Newton's method on the lengths at the end of the step, all its systems with the matrix of the start; in each
         one bars are taut that then pull, and all others no longer than they may be.
@@ -271,9 +278,11 @@ class Motion:
     def _one_sided(self, right: Floats) -> Floats | None:
         """Force densities q with A q = right where they are above 0 and A q > right elsewhere, A the step's matrix.
 
+        Struts, which may push, have A q = right anyhow.
+
         Which bars are taut is the first guess; a few sweeps of one-sided relaxation tell where it is wrong.
         """
-        column, diagonal = self.pattern.column, self.pattern.diagonal
+        column, diagonal, strut = self.pattern.column, self.pattern.diagonal, self.structure.is_strut
         for number in range(SLACK_PASSES):
             if self._factored is None or not np.array_equal(self.taut, self._factored):
                 rigid.only_taut(self._starts, column, self.taut, self._entries, self._masked)
@@ -284,12 +293,13 @@ class Motion:
             rigid.multiply(self._starts, column, self._entries, density, self._product)
             least = -NO_PUSH * float(np.abs(density).max(initial=0.0))
             scale = NO_PUSH * float(np.abs(right).max(initial=0.0))
-            if not np.any(np.where(self.taut, density < least, right - self._product > scale)):
-                return np.asarray(np.maximum(density, 0.0))
-            density = np.maximum(density, 0.0)
+            pushes = ~strut & (density < least)
+            density, missing = carried(strut, density), right - self._product
+            if not np.any(np.where(self.taut, pushes, missing > scale)):
+                return np.asarray(density)
             sweeps = min(SWEEPS * 2**number, MOST_SWEEPS)
-            rigid.relax_one_sided(self._starts, column, diagonal, self._entries, right, density, sweeps)
-            self.taut[:] = density > 0.0
+            rigid.relax_one_sided(self._starts, column, diagonal, self._entries, right, strut, density, sweeps)
+            self.taut[:] = strut | (density > 0.0)
         self.unsettled += 1
         return density
 
@@ -297,7 +307,8 @@ class Motion:
         bar_lengths(self.position, self.structure, self._length)
         stretches = self.structure.flexibility > 0.0
         self.strain[1] = self.strain[0]
-        self.strain[0] = np.maximum(np.where(stretches, self._length / self.structure.length - 1.0, 0.0), 0.0)
+        strain = np.where(stretches, self._length / self.structure.length - 1.0, 0.0)
+        self.strain[0] = carried(self.structure.is_strut, strain)
 
 
 def _weights(damping: float) -> tuple[float, float, float]:
