@@ -52,6 +52,19 @@ def end_tensions(tension: Floats) -> tuple[float, float]:
     return float(max(first, 0.0)), float(max(last, 0.0))
 
 
+def most_tension(tension: Floats) -> float:
+    """Largest tension along a rope in motion, its ends included, from those of its bars, which are of their middles.
+
+    Led on to the ends as far as two neighbouring bars agree on how it grows: waves do not grow thereby.
+    """
+    found = float(tension.max())
+    if len(tension) > 2:
+        for first, second, third in (tension[:3], tension[-1:-4:-1]):
+            if first > second > third:
+                found = max(found, float(first + 0.5 * min(first - second, second - third)))
+    return found
+
+
 def rope_rows(result: SceneResult) -> list[dict[str, Any]]:
     """A row for every rope, for ``ropes.csv``."""
     built, found = result.built, result.solution
