@@ -30,7 +30,7 @@ def pulls(end_s: float, step_s: float = 0.025, merged: int = 24) -> tuple[np.nda
 def main() -> None:
     """Print the power."""
     asked = argparse.ArgumentParser(description=__doc__)
-    asked.add_argument("--end", type=float, default=120.0)
+    asked.add_argument("--end", type=float, default=600.0)
     pull, _ = pulls(asked.parse_args().end)
     power = np.polyfit(np.log(KNOTS), np.log(pull), 1)[0]
     print(f"pull goes as speed to the power {power:.2f}")
