@@ -43,13 +43,13 @@ def l50(parts: dict[Part, tuple[float, float]], *zones: Zone) -> float:
 
 
 def test_shut_meshes_take_no_attempts_from_open_ones():
-    open_alone = escape_terms(crowd(41.0, 37.0), 0, SPECIES.values).retention(LENGTH_CM)
-    with_shut = escape_terms(crowd(41.0, 37.0, 1.0, 0.5), 0, SPECIES.values).retention(LENGTH_CM)
+    open_alone = escape_terms(crowd(41.0, 37.0), SPECIES.values)[0].retention(LENGTH_CM)
+    with_shut = escape_terms(crowd(41.0, 37.0, 1.0, 0.5), SPECIES.values)[0].retention(LENGTH_CM)
     np.testing.assert_allclose(with_shut, open_alone, atol=1e-12)
 
 
 def test_a_mesh_that_shuts_leaves_its_attempts_to_others_little_by_little():
-    values = np.array([escape_terms(crowd(40.0, o), 0, SPECIES.values).l50_sr()[0] for o in np.linspace(0, 40, 81)])
+    values = np.array([escape_terms(crowd(40.0, o), SPECIES.values)[0].l50_sr()[0] for o in np.linspace(0, 40, 81)])
     assert np.abs(np.diff(values)).max() < 0.2 * np.ptp(values)
 
 
@@ -85,7 +85,7 @@ def test_a_distribution_along_the_codend_says_which_meshes_are_tried():
         return terms_of_catches(haul, SPECIES.model_copy(update={"along": along}))[0].l50_sr()[0]
 
     assert found(1.0, 0.0, 0.0) > found(1.0, 1.0, 0.0) > found(1.0, 1.0, 1.0) > found(0.0, 0.0, 1.0)
-    alone = escape_terms(crowd(30.0), 0, SPECIES.values).l50_sr()[0]
+    alone = escape_terms(crowd(30.0), SPECIES.values)[0].l50_sr()[0]
     np.testing.assert_allclose(found(0.0, 1.0, 0.0), alone, rtol=1e-9)
 
 
