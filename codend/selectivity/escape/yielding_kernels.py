@@ -32,8 +32,8 @@ class Effort(NamedTuple):
 class Passing(NamedTuple):
     """How long a fish passes a mesh at an opening: by its section and rotation (nan: the best), or by a table.
 
-    The table is of even half opening angles from 0 to 90 degrees, (n + 1, ...), its first column the longest fish at the
-    best rotation; without rows every length is exact.
+    The table is of even half opening angles from 0 to 90 degrees, (n + 1, ...), its first column the longest fish at
+    the best rotation; without rows every length is exact.
     """
 
     fish: Fish
