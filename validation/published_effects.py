@@ -4,9 +4,10 @@ Seven effects: mesh size, bending stiffness, meshes round, T90, catch, lastridge
 the fish are of assumed sizes (110 mm mesh, 4.4 m, `codend species`), the twine's stiffness too; every push of a range
 is assumed as well, and none is fitted to any of this. Meshes round and T90 are asked of double 5 mm twine, which is
 assumed for such codends: turned netting differs by its stiffness. Ropes are smeared over all meshes, and shapes that
-are not the same all round are not followed. L50 is of whole hauls, off the computed curve. A published effect has a sign and, where
-a number is at hand, a range; where none is, the size is not judged. A number published alone is taken as a range of a
-sixth either way, or a twentieth of a ratio, and "the larger part" of one as half to all: those widths are this table's.
+are not the same all round are not followed. L50 is of whole hauls, off the computed curve. A published effect has a
+sign and, where a number is at hand, a range; where none is, the size is not judged. A number published alone is taken
+as a range of a sixth either way, or a twentieth of a ratio, and "the larger part" of one as half to all: those widths
+are this table's.
 
 Run as ``python -m validation.published_effects``.
 """

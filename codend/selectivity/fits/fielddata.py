@@ -137,7 +137,8 @@ def read_field_data(
     test_count, other_count = (
         table.numbers(
             name,
-            f"a whole number of counted fish, 0 or more (raised numbers: give the count here and the factor in {name}_raising; fitted as counts they make errors too small)",
+            f"a whole number of counted fish, 0 or more (raised numbers: give the count here and the factor in "
+            f"{name}_raising; fitted as counts they make errors too small)",
             lambda v: (v >= 0.0) & (v == np.round(v)),
         )
         for name in (test, other)

@@ -1,9 +1,9 @@
 """Fish counted and fish raised: what is said of a table that has raising factors, or that looks as if it needed them.
 
 A curve is fitted to the fish that were counted, n of them, each of which stands for as many as its factor says: the
-factors are offsets, so that the curve is that of the raised numbers and its errors are those of n fish. Fitted to raised
-totals as if these were counted, every fish speaks as often as its factor: the errors come out too small by about its
-root, and L50 leans towards the hauls and gears of which least was counted.
+factors are offsets, so that the curve is that of the raised numbers and its errors are those of n fish. Fitted to
+raised totals as if these were counted, every fish speaks as often as its factor: the errors come out too small by about
+its root, and L50 leans towards the hauls and gears of which least was counted.
 """
 
 from __future__ import annotations
