@@ -54,6 +54,6 @@ def _suspected(count: Array, factor: Array) -> Iterator[tuple[str, str]]:
     if whole.any() and (count[whole] % factor[whole] == 0.0).all() and np.log(factor[whole]).sum() > -np.log(CHANCE):
         yield "their raising factor", "Are they raised already? Then they are raised twice: give the fish counted."
     plain = count[(count > 0.0) & (factor == 1.0)]
-    common = int(np.gcd.reduce(plain.astype(np.int64))) if plain.size else 1
+    common = int(np.gcd.reduce(plain.astype(np.int64))) if np.unique(plain).size > 1 else 1
     if common > 1 and (plain.size - 1) * np.log(common) > -np.log(CHANCE):
         yield str(common), "Are they raised totals? Then give the fish counted, and the factor in a column _raising."
