@@ -124,6 +124,23 @@ def test_a_species_with_zones_and_a_distribution_is_read_back_equal_and_its_mist
             load_species(path)
 
 
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"along": Along(rows_ahead=(2.0, 4.0), weight=(1.0, 0.0), source="assumed: test")}, "first row of 0 to 1"),
+        (
+            {"zone": (Zone(section="a", contact=number(0.5).model_copy(update={"low": 0.4}), attempts=number(1.0)),)},
+            r"zone\.0\.contact\.low.* left out",
+        ),
+    ],
+)
+def test_what_would_go_unheard_in_a_species_is_refused(changes, said, tmp_path):
+    path = tmp_path / "species.toml"
+    path.write_text(species_toml(SPECIES.model_copy(update=changes)), encoding="utf-8")
+    with pytest.raises(InputError, match=said):
+        load_species(path)
+
+
 def test_a_zone_without_effect_is_told():
     (haul,) = hauls_of([catch({UPPER: (25.0, 1.0), LOWER: (25.0, 1.0)})])
     zones = tuple(Zone(section=s, contact=number(0.5), attempts=number(2.0)) for s in ("codend", "nosuch", "codend"))
