@@ -221,7 +221,8 @@ def _pulled(plan: Plan, sectors: int, row: int, start: Solution, pull: Pull, pro
         steps += 1
         share = min(0.9 * steps / USUAL_STEPS, 0.9) if len(pulled_by) == 1 else 0.95
         if progress is not None:
-            progress(f"{sectors} of {sectors * net.order:g} sectors, about {share:.0%} done, pull {len(attempts) + 1}", residual)
+            where = f"{sectors} of {sectors * net.order:g} sectors, pull {len(attempts) + 1}"
+            progress(f"{where}, about {share:.0%} done", residual)
 
     prepared: newton.Prepared | None = None
     while len(attempts) < MOST_PULLS:
