@@ -55,7 +55,7 @@ there is in any case, and by the square of the shortening over the number of rop
 
 def smeared_errors(plan: Plan) -> np.ndarray:
     """How far smeared ropes may be off: relative in drag, volume and largest radius, degrees in opening, (4,)."""
-    most = max(max(rope.shortening, 0.0) ** 2 / rope.number for rope in plan.rope)
+    most = max(max(rope.shortening, 0.0) ** 2 / rope.number for rope in plan.ropes)
     return np.asarray(SMEARED @ [1.0, most])
 
 
@@ -112,7 +112,7 @@ def estimate(
     share = (net_n + catch_n) / measures.drag_n
     weight = WEIGHT_LEFT_OUT @ [share, share**2] + OF_THE_CATCH * catch_n / measures.drag_n
     errors = SAFETY * (solver + globalised) + (NOISE + weight) * sizes + by_wrinkles
-    if model.smeared and model.plan.rope:
+    if model.smeared and model.plan.ropes:
         errors += smeared_errors(model.plan) * [*sizes[:3], 1.0]
     if any(share > part.kind.folds_over_from for part in model.plan.netting):
         errors = np.full(4, np.nan)

@@ -118,11 +118,11 @@ def choose(plan: Plan) -> Choice:
         fidelity="sector",
         globalisation=1,
         sectors=1,
-        reason=Reason.ROPES if plan.rope else Reason.LITTLE_WEIGHT if dense else Reason.NO_WEIGHT,
+        reason=Reason.ROPES if plan.ropes else Reason.LITTLE_WEIGHT if dense else Reason.NO_WEIGHT,
         drag_error=float(WEIGHT_LEFT_OUT[0] @ [left_out, left_out**2]),
         unseen_weight_n=unseen,
         order=sector.sectors,
-        meshes_round=tuple(dict.fromkeys(part.meshes_round for part in plan.netting)),
+        meshes_round=tuple(dict.fromkeys(count for part in plan.netting for count in part.open_meshes)),
         weight_n=weight,
         catch_weight_n=of_catch,
         least_drag_n=drag,
@@ -159,7 +159,7 @@ def choose(plan: Plan) -> Choice:
             return all_round(1, Reason.ASKED, 0.0)
     if not by_sector.weight_matters:
         asked_deg = plan.model.opening_accuracy_deg
-        if plan.rope and asked_deg is not None and smeared_errors(plan)[3] <= asked_deg:
+        if plan.ropes and asked_deg is not None and smeared_errors(plan)[3] <= asked_deg:
             return replace(
                 by_sector, fidelity="smeared", reason=Reason.SMEARED, drag_error=float(smeared_errors(plan)[0])
             )
@@ -207,7 +207,7 @@ def _size(plan: Plan, sector: Net, globalisation: int | None) -> tuple[int, bool
     sectors, g = (1, 1) if globalisation is None else (sector.sectors, globalisation)
     # all knots but the codline, which every sector has
     knots = 1 + (len(sector.positions) - 1) * sectors // g**2
-    widest = max(part.meshes_round for part in plan.netting)
+    widest = max(max(part.open_meshes) for part in plan.netting)
     return knots, knots >= SLOW_KNOTS and widest * sectors // sector.sectors >= SLOW_MESHES * g
 
 
@@ -217,7 +217,7 @@ def _largest_globalisation(plan: Plan) -> tuple[int, float]:
     cases = by_size[:1] if by_size[0].catch_value == by_size[-1].catch_value else [by_size[0], by_size[-1]]
     real_n = [sector_measures(plan, case, 1).drag_n for case in cases]
     for g in sorted(plan.globalisations, reverse=True):
-        if g == 1 or min(part.meshes_round for part in plan.netting) < FEWEST_MESHES_ROUND * g:
+        if g == 1 or min(min(part.open_meshes) for part in plan.netting) < FEWEST_MESHES_ROUND * g:
             continue
         globalised_n = [sector_measures(plan, case, g).drag_n for case in cases]
         errors = [abs(globalised / real - 1.0) for globalised, real in zip(globalised_n, real_n, strict=True)]

@@ -89,7 +89,7 @@ class Situation:
     @property
     def has_sector(self) -> bool:
         """Whether more than a sector is modelled, or one with ropes, and that of a narrower one can be set round it."""
-        wider = self.model.sectors is None or (len(self.plan.rope) > 0 and not self.model.smeared)
+        wider = self.model.sectors is None or (len(self.plan.ropes) > 0 and not self.model.smeared)
         return wider and self.plan.model.bars_per_side == 1
 
     @cached_property

@@ -128,7 +128,7 @@ A_SECTOR = Start(
 """Led to all of 418 full nets, in 14 ms with the sector's own equilibrium."""
 SMEARED = Start(
     "smeared ropes, through the interior",
-    lambda s: s.has_sector and len(s.plan.rope) > 0,
+    lambda s: s.has_sector and len(s.plan.ropes) > 0,
     _from_a_sector_through_the_interior,
 )
 """Ropes draw in the columns that they are laced to, and those alone: many of the bars beside them go slack."""

@@ -43,7 +43,8 @@ class Knots:
     def ring(self, side: int, row: Counts, counted: Counts, columns: Counts) -> Corner:
         """Nodes of a row's ring that knots counted on all round are laced to, where there are ``columns`` of them."""
         knots = self.lattice.knots[row]
-        number, image = self.lattice.numbered(taken_up(counted, columns, knots), knots)
+        laced = taken_up(counted, columns, knots, self.lattice.upward[row])
+        number, image = self.lattice.numbered(laced, knots)
         return Corner(self.start[row] + number + side * (self.across[row] * knots), image)
 
     def fore(self, side: int, row: Counts, counted: Counts) -> Corner:
@@ -107,7 +108,8 @@ def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
     # knots that share a node of the ring lie beside each other, ahead of it
     shares = (row < lattice.bands) & (lattice.knots[row] < lattice.columns[band])
     band_shared, row_shared = band[shares], row[shares]
-    laced = taken_up(column[shares], lattice.columns[band_shared], lattice.knots[row_shared])
+    around = lattice.columns[band_shared], lattice.knots[row_shared]
+    laced = taken_up(column[shares], *around, lattice.upward[row_shared])
     middle = _azimuth(lattice, owner[row_shared], laced, row_shared)
     reach = 0.5 * knot_m[band_shared] / shape.radius[row_shared]
     azimuth[shares] = middle + np.clip(azimuth[shares] - middle, -reach, reach)

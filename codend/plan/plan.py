@@ -121,6 +121,11 @@ class Plan(Table):
         """Panels round of the sections that have more than one; 1 of a tube."""
         return max(part.panels for part in self.netting)
 
+    def places_round(self, globalisation: int = 1) -> int:
+        """Places round, at equal angles, at which a tube loses meshes where it tapers."""
+        counts = [count // globalisation for part in self.netting for count in part.open_meshes]
+        return math.gcd(*counts, *(part.panels for part in self.netting if part.has_seams))
+
     @property
     def seam_deg(self) -> float:
         """Azimuth of the first seam, from starboard on over the top: the upper panel has its middle on top.

@@ -38,7 +38,7 @@ def results_table(plan: Plan, fidelity: str, cases: Sequence[CaseResult]) -> pd.
 
 def result_columns(plan: Plan) -> list[str]:
     """Columns of ``results.csv`` of a plan."""
-    return RESULT_COLUMNS + (STRAP_COLUMNS if plan.strap else []) + (ROPE_COLUMNS if plan.rope else [])
+    return RESULT_COLUMNS + (STRAP_COLUMNS if plan.strap else []) + (ROPE_COLUMNS if plan.ropes else [])
 
 
 def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, object]:
@@ -63,7 +63,7 @@ def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, objec
         "stable": "unknown" if result.stability is None else result.stability.stable,
         "growing_harmonics": (result.stability and ranges_text(result.stability.growing)) or float("nan"),
         "sector_order": result.net.order,
-        "sector_meshes": meshes_wide(result.bag, max(section.meshes_round for section in plan.netting)),
+        "sector_meshes": meshes_wide(result.bag, max(max(section.open_meshes) for section in plan.netting)),
         "drag_spread_n": result.followed.drag_spread_n,
         "opening_spread_deg": result.followed.opening_spread_deg,
         "folds": "yes" if result.followed.folds else "no",
