@@ -10,6 +10,7 @@ from codend.bag.bag import Bag, with_hinges
 from codend.bag.near_ratio import NearRatio
 from codend.bag.ropes import with_ropes
 from codend.bag.straps import with_straps
+from codend.bag.windows import with_windows
 from codend.errors import InputError
 from codend.mechanics.drag_laws import drag
 from codend.net.net import Floats
@@ -59,7 +60,11 @@ def build_bag(
     positions, node_row = placed_knots(knots, shape)
     entry = np.arange(knots.fore_start[1])
     drag_law = drag(plan.drag.law, *plan.drag.coefficients)
-    bag = assembled(parts_of(knots), lattice, positions, node_row, entry, drag_law)
+    parts, windows = parts_of(knots), []
+    if plan.window and sectors is None:
+        windows, knots, positions, node_row = with_windows(plan, parts, knots, shape, positions, node_row)
+        entry = np.unique(knots.now(entry))
+    bag = assembled(parts, lattice, positions, node_row, entry, drag_law, windows)
     bag = replace(bag, abreast=lattice.abreast)
     if plan.model.bars_per_side == 2:
         bag = with_hinges(bag)
@@ -131,8 +136,6 @@ def _check_panels(plan: Plan) -> None:
         else:
             continue
         raise InputError(plan.source, f"netting.{index}.{key}", getattr(section, key), allowed)
-    if plan.window:
-        raise InputError(plan.source, "window.0", None, "left out: windows are drawn, but not modelled yet")
 
 
 def rows_of(plan: Plan, globalisation: int = 1) -> list[Netting]:

@@ -111,8 +111,7 @@ def mesh_opening_force(
     bag: Bag, bar_tension_n: Floats, opening_deg: Floats, wanted_deg: float = WANTED_OPENING_DEG
 ) -> Floats:
     """``opening_force`` of the meshes of a bag, whose real tensions and openings are given, (k,)."""
-    bending, rest = bag.band_bending_n[bag.mesh_row], bag.band_rest_rad[bag.mesh_row]
-    return opening_force(bar_tension_n, opening_deg, wanted_deg, bending, rest)
+    return opening_force(bar_tension_n, opening_deg, wanted_deg, bag.mesh_bending_n, bag.mesh_rest_rad)
 
 
 def mesh_openings(bag: Bag, corners: Floats) -> tuple[Floats, Floats]:
@@ -194,7 +193,8 @@ def folded_share(bag: Bag, positions: Floats, rows: Rows, share: Floats) -> floa
 
 
 def measure_rows(bag: Bag, problem: Problem, solution: Solution, meshes: Meshes) -> Rows:
-    """Means over every row of knots."""
+    """Means over every row of knots; of meshes those of windows are left out."""
+    own = bag.mesh_of_section
     ring = np.flatnonzero(bag.node_row >= 0)
     x = _mean_by(bag.node_row[ring], solution.positions[ring, 0], bag.bands + 1)
     r = _mean_by(bag.node_row[ring], ring_radii(bag, solution.positions), bag.bands + 1)
@@ -207,9 +207,9 @@ def measure_rows(bag: Bag, problem: Problem, solution: Solution, meshes: Meshes)
     return Rows(
         x_m=x,
         radius_m=r,
-        opening_deg=_mean_by(bag.mesh_row, meshes.opening_deg, bag.bands + 1),
+        opening_deg=_mean_by(bag.mesh_row[own], meshes.opening_deg[own], bag.bands + 1),
         bar_tension_n=tension,
-        opening_force_n=_mean_by(bag.mesh_row, meshes.opening_force_n, bag.bands + 1),
+        opening_force_n=_mean_by(bag.mesh_row[own], meshes.opening_force_n[own], bag.bands + 1),
         pressure_pa=filled * (by_water + by_weight),
     )
 
@@ -273,15 +273,16 @@ def measure_briefly(bag: Bag, problem: Problem, solution: Solution) -> tuple[flo
     band_geometry(position, problem.structure, problem.loading.catch, area, moment)
     ring = np.flatnonzero(bag.node_row >= 0)
     x = _mean_by(bag.node_row[ring], position[ring, 0], bag.bands + 1)
-    by_row = _mean_by(bag.mesh_row, mesh_openings(bag, mesh_corners(bag, position))[0], bag.bands + 1)
+    own, openings = bag.mesh_of_section, mesh_openings(bag, mesh_corners(bag, position))[0]
+    by_row = _mean_by(bag.mesh_row[own], openings[own], bag.bands + 1)
     has_mesh = np.flatnonzero(np.isfinite(by_row))
     ahead = opening_rows_ahead(bag, share)
-    openings = np.interp(ahead, bag.mesh_place[has_mesh], by_row[has_mesh])
+    middles = np.interp(ahead, bag.mesh_place[has_mesh], by_row[has_mesh])
     return (
         drag_of(problem, solution),
         enclosed_volume(x, area, moment, share),
         float(ring_radii(bag, position).max()),
-        float(np.mean(openings)) if len(ahead) else float("nan"),
+        float(np.mean(middles)) if len(ahead) else float("nan"),
     )
 
 
