@@ -106,6 +106,7 @@ def assembled(
         mesh_row=meshes[:, 16].astype(np.int32),
         globalisation=g,
         windows=tuple(window.netting for window in windows),
+        bar_window=np.where(netting >= lattice.bands, netting - lattice.bands, -1).astype(np.int32),
         mesh_window=np.maximum(mesh_netting - lattice.bands, -1).astype(np.int32),
     )
 

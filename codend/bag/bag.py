@@ -65,6 +65,8 @@ class Bag:
     """Netting of the windows that are let in."""
     mesh_window: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
     """Window that a mesh is of, -1 for none, (k,); empty: all -1."""
+    bar_window: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
+    """Window that a bar of netting is of, -1 for none; empty: all -1."""
     anchors: int = 0
     """Nodes of the hoop that only ropes start from, behind all others."""
 

@@ -91,7 +91,7 @@ def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bo
         raise ValueError(f"sectors must divide {equal}, the equal ones all round, not be {sectors}")
     abreast = most if sectors is None else most // equal * sectors
     order = most // abreast
-    seamed = any(part.tapers or part.has_seams for part in plan.netting)
+    seamed = plan.tapers or any(part.has_seams for part in plan.netting)
     return Lattice(sections, columns // order, abreast, order, globalisation, seamed)
 
 

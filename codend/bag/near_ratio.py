@@ -66,7 +66,7 @@ def near_enough(plan: Plan) -> NearRatio | None:
     """
     widest = max(part.open_meshes[0] for part in plan.netting) // math.gcd(*(part.open_meshes[0] for part in plan.netting))
     rows = len(plan.sections_of_bands())
-    seamed = plan.ropes or plan.window or any(part.tapers for part in plan.netting)
+    seamed = plan.ropes or plan.window or plan.tapers
     if seamed or widest < SLOW_MESHES or rows * widest < SLOW_KNOTS:
         return None
     allowed = plan.model.accuracy / DRAG_BY_MISMATCH

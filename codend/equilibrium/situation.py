@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from codend.equilibrium.bag_model import BagModel, model_of
-from codend.equilibrium.start_shapes import all_round_start
+from codend.equilibrium.start_shapes import all_round_start, windowed_start
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
 from codend.solvers import dynamic_relaxation, interior_point, newton
@@ -95,10 +95,12 @@ class Situation:
     @cached_property
     def sector_all_round(self) -> Solution | None:
         """The equilibrium of a sector set all round, its report that of the sector; None where that is not solved."""
-        sector = model_of(self.plan, self.model.globalisation, 1, smeared=True)
+        sector = model_of(self.plan, self.model.globalisation, 1, smeared=not self.plan.tapers)
         found = self.solve(sector, self.case)
         if not found.report.outcome.converged:
             return None
+        if self.model.bag.windows:
+            return replace(windowed_start(self.model, sector.bag, found), report=found.report)
         sectors = sector.bag.net.sectors // self.model.bag.net.sectors
         start = all_round_start(sector.bag, found.positions, found.bar_tension, sectors, self.model.bag)
         return replace(start, report=found.report)

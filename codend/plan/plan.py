@@ -121,6 +121,11 @@ class Plan(Table):
         """Panels round of the sections that have more than one; 1 of a tube."""
         return max(part.panels for part in self.netting)
 
+    @property
+    def tapers(self) -> bool:
+        """Whether a section does."""
+        return any(part.tapers for part in self.netting)
+
     def places_round(self, globalisation: int = 1) -> int:
         """Places round, at equal angles, at which a tube loses meshes where it tapers."""
         counts = [count // globalisation for part in self.netting for count in part.open_meshes]
