@@ -10,7 +10,7 @@ from codend.bag.bag import Bag, with_hinges
 from codend.bag.near_ratio import NearRatio
 from codend.bag.ropes import with_ropes
 from codend.bag.straps import with_straps
-from codend.bag.windows import with_windows
+from codend.bag.windows import sewn_to_bars, with_windows
 from codend.errors import InputError
 from codend.mechanics.drag_laws import drag
 from codend.net.net import Floats
@@ -65,6 +65,7 @@ def build_bag(
         windows, knots, positions, node_row = with_windows(plan, parts, knots, shape, positions, node_row)
         entry = np.unique(knots.now(entry))
     bag = assembled(parts, lattice, positions, node_row, entry, drag_law, windows)
+    bag = sewn_to_bars(bag, windows)
     bag = replace(bag, abreast=lattice.abreast)
     if plan.model.bars_per_side == 2:
         bag = with_hinges(bag)

@@ -4,12 +4,14 @@ A sector has no windows: it is one of the netting that they are let into, from w
 """
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from codend.bag.bag import Bag
 from codend.errors import InputError
-from codend.net.net import Floats, Ints
+from codend.net.net import BAR_ARRAYS, Floats, Ints
 from codend.netting.knots import Knots
 from codend.netting.parts import Counts, Parts, RowShape
 from codend.netting.windows import LetIn, Opening, cut_out, let_in, placed_window, rows_of_window
@@ -90,6 +92,10 @@ def _numbered_anew(
     def open_meshes(table: NDArray) -> NDArray:
         return np.asarray((table[:, 0:8:2] != table[:, 1:8:2]).all(axis=1))
 
+    for window in windows:
+        window.splits = [
+            (int(number[one]), int(number[other]), share, int(number[node])) for one, other, share, node in window.splits
+        ]
     parts.bars = [whole(anew(bars, 2), 2) for bars in parts.bars]
     parts.facets = [whole(anew(facets, 3), 3) for facets in parts.facets]
     parts.meshes = [meshes[open_meshes(meshes)] for meshes in (anew(table, 8) for table in parts.meshes)]
@@ -104,3 +110,31 @@ def _numbered_anew(
         meshes = anew(np.concatenate(window.meshes), 8)
         window.meshes = [meshes[open_meshes(meshes)]]
     return windows, replace(knots, renumbered=number), positions[kept], node_row[kept]
+
+
+def sewn_to_bars(bag: Bag, windows: list[LetIn]) -> Bag:
+    """The bag with those bars of the netting parted that knots of windows are sewn to."""
+    sewn: dict[tuple[int, int], list[tuple[float, int]]] = {}
+    for window in windows:
+        for one, other, share, node in window.splits:
+            sewn.setdefault((one, other), []).append((share, node))
+    if not sewn:
+        return bag
+    where = {tuple(ends): bar for bar, ends in enumerate(bag.net.bars.tolist())}
+    bars, lengths = bag.net.bars.copy(), bag.net.bar_length.copy()
+    added: list[tuple[int, int, int, float]] = []
+    for (one, other), places in sewn.items():
+        bar, turned = (where[one, other], False) if (one, other) in where else (where[other, one], True)
+        shares, nodes = zip(*[(0.0, one), *sorted(places), (1.0, other)], strict=True)
+        pieces = [(a, b, (t - s) * lengths[bar]) for (s, a), (t, b) in pairwise(zip(shares, nodes, strict=True))]
+        if turned:
+            pieces = [(b, a, length) for a, b, length in pieces]
+        (bars[bar, 0], bars[bar, 1], lengths[bar]), *others = pieces
+        added += [(bar, *piece) for piece in others]
+    of = np.array([bar for bar, *_ in added])
+    arrays = {name: np.append(getattr(bag.net, name), getattr(bag.net, name)[of]) for name in BAR_ARRAYS if name != "bars"}
+    arrays["bar_length"] = np.append(lengths, [length for *_, length in added])
+    ends = np.array([(a, b) for _, a, b, _ in added], dtype=np.int32)
+    net = replace(bag.net, bars=np.concatenate([bars, ends]), **arrays)
+    own = ("bar_band", "bar_is_twine", "bar_window")
+    return replace(bag, net=net, **{name: np.append(getattr(bag, name), getattr(bag, name)[of]) for name in own})

@@ -1,13 +1,16 @@
 """Windows: a hole cut into the netting of a section of a full net, and a piece of other netting sewn into it.
 
 The hole's fore and aft edges run along a row of knots, its sides along a column of them, so that no bar is cut in two.
-The edge that has fewer knots gives those of the seam; the other's are taken up, two by two, in the ratio of the counts,
-ends to ends. Square netting has a bar along its sides: where its knots there are more than the other's, those between
-stay free. The netting along the sides, half a mesh of either piece, is covered from knot to knot.
+Along its fore and aft edge the netting that has fewer knots gives those of the seam; the other's are taken up, two by
+two, in the ratio of the counts. Along the sides, where taking up would make one netting shorter, edges of as many knots
+are sewn knot to knot. Else the window's knots are sewn to the lattice's edge bars where they come to lie when both edges
+are stretched; but square netting with more knots, held by a bar along its side, leaves those free that are not nearest
+to one of the other's. The netting along the sides, half a mesh of either piece, is covered from knot to knot.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +23,8 @@ from codend.plan.tables import Netting
 
 Chain = list[tuple[float, list[int]]]
 """Nodes along one side of a seam: how far down, as a share, and the fore and the aft one."""
+NEAR_A_KNOT = 0.15
+"""Of a bar: how near to a knot of the lattice one of the window is sewn to the knot itself."""
 OFF_ROWS = -2
 """Row of a node that lies in no ring of knots because it is a window's."""
 
@@ -48,6 +53,8 @@ class LetIn:
     facets: list[NDArray] = field(default_factory=list)
     weights: list[Floats] = field(default_factory=list)
     meshes: list[NDArray] = field(default_factory=list)
+    splits: list[tuple[int, int, float, int]] = field(default_factory=list)
+    """Both ends of a bar of the lattice, and a node of the window's that is sewn to it, how far along as a share."""
     alias: dict[int, int] = field(default_factory=dict)
     """Nodes of the lattice that are taken up, and those they are taken up by."""
 
@@ -127,14 +134,11 @@ def let_in(knots: Knots, opening: Opening, netting: Netting, wide: int, deep: in
     rows = netting.rows_per_mesh * deep
     host_deep = (opening.aft - opening.fore) // host.rows_per_mesh
     ends = {"fore": shared_knots(opening.across, wide)}
-    sides = shared_knots(host_deep, deep)
-    # a bar along the edge holds the knots between
-    if (host_deep > deep and not host.kind.staggered) or (deep > host_deep and not netting.kind.staggered):
-        sides = nearest_only(sides, host_deep, deep)
+    sides = _sewn_sides(host, host_deep, netting, deep)
     of_end = {c: h for h, c in nearest_only(ends["fore"], opening.across, wide)} | {
         c: h for h, c in ends["fore"] if wide > opening.across
     }
-    of_side = {i: j for j, i in nearest_only(sides, host_deep, deep)} | {i: j for j, i in sides if deep > host_deep}
+    of_side = {i: j for j, i in sides}
     stepped = netting.rows_per_mesh
 
     def lattice_node(end: int, side: int, row: int, column: int) -> int:
@@ -157,7 +161,7 @@ def let_in(knots: Knots, opening: Opening, netting: Netting, wide: int, deep: in
             where = opening.fore if row == 0 else opening.aft
             return lattice_node(FORE if at_side and end == FORE and row == rows else AFT, side, where, column)
         if not at_side or row // stepped not in of_side:
-            return None
+            return None  # its own, or sewn to a bar
         place = of_side[row // stepped]
         where = opening.fore + place * host.rows_per_mesh
         column = opening.first if left else opening.first + opening.across
@@ -167,7 +171,8 @@ def let_in(knots: Knots, opening: Opening, netting: Netting, wide: int, deep: in
 
     patch = patch_of(netting, wide, rows, first, sewn)
     window = LetIn(netting, opening, patch)
-    for (one, other), fore, aft in patch.twines(side_edges=host.kind.staggered or deep != host_deep, end_edges=host.kind.staggered):
+    edges = host.kind.staggered or deep != host_deep, host.kind.staggered
+    for (one, other), fore, aft in patch.twines(*edges):
         window.add_bars(one, other, window.band(window.row(fore), window.row(aft)), False)
     for one, other, row in patch.knots:
         window.add_bars(np.array([one]), np.array([other]), window.band(window.row(row), window.row(row)), True)
@@ -180,36 +185,62 @@ def let_in(knots: Knots, opening: Opening, netting: Netting, wide: int, deep: in
         row = min(max(row, 1), lattice.bands - 1)
         rest = np.tile([0] * 8 + [row], (len(nodes[0]), 1))
         window.meshes.append(np.concatenate([np.stack(nodes, axis=1), rest], axis=1))
-    _take_up(window, lattice_node, ends["fore"], of_end, sides, of_side, host)
+    _take_up(window, lattice_node, ends["fore"], of_end)
     for right in (False, True):
         column = opening.first + (opening.across if right else 0)
         own = _side_of_lattice(knots, opening, column, right, host)
-        _cover(window, own, patch.side(right), sides, host, right)
+        other = patch.side(right)
+        pairs = [(host.rows_per_mesh * j, stepped * i) for j, i in sides]
+        if len(sides) < 1 + min(host_deep, deep):
+            own, pairs = _sewn_to_bars(window, own, deep, right)
+        _cover(window, own, other, pairs, right)
     return window
 
 
-def _take_up(window, lattice_node, ends, of_end, sides, of_side, host) -> None:  # noqa: ANN001
-    """Knots of the lattice that several of share one of the window, and the one that stands for them."""
-    opening, alias = window.opening, window.alias
-    for h, c in ends:
-        if of_end[c] == h:
+def _sewn_sides(host: Netting, host_deep: int, netting: Netting, deep: int) -> list[tuple[int, int]]:
+    """Pairs of knots of both side edges that are one; the corners alone where the window is sewn to bars."""
+    if host_deep == deep:
+        return [(i, i) for i in range(deep + 1)]
+    barred = netting if deep > host_deep else host
+    if not barred.kind.staggered:
+        return nearest_only(shared_knots(host_deep, deep), host_deep, deep)
+    return [(0, 0), (host_deep, deep)]
+
+
+def _sewn_to_bars(window: LetIn, lattice: Chain, deep: int, right: bool) -> tuple[Chain, list[tuple[int, int]]]:
+    """The lattice's side with the window's knots on its bars, and pairs of what is one in both chains."""
+    bars, steps, patch = len(lattice) - 1, window.netting.rows_per_mesh, window.patch
+    facing, edge = (RIGHT, 2 * patch.wide) if right else (LEFT, 0)
+    chain, pairs = list(lattice), []
+    for knot in range(1, deep):
+        place = knot * bars / deep
+        bar, share = int(place), place - int(place)
+        t, (fore, aft) = knot / deep, (int(patch.nodes[end, facing, steps * knot, edge]) for end in (FORE, AFT))
+        if min(share, 1.0 - share) < NEAR_A_KNOT:
+            there = lattice[round(place)][1]
+            window.alias.update({fore: there[FORE], aft: there[AFT]} if fore != aft else {fore: there[AFT]})
+            pairs.append((lattice[round(place)][0], steps * knot))
             continue
+        window.splits.append((lattice[bar][1][AFT], lattice[bar + 1][1][FORE], share, aft))
+        chain.append((t, [fore, aft]))
+        pairs.append((t, steps * knot))
+    chain.sort(key=lambda node: node[0])
+    down = [node[0] for node in chain]
+    inner = [(down.index(t), i) for t, i in pairs]
+    return chain, [(0, 0), *inner, (len(chain) - 1, patch.rows)]
+
+
+def _take_up(
+    window: LetIn, node: Callable[[int, int, int, int], int], ends: list[tuple[int, int]], of_end: dict[int, int]
+) -> None:
+    """Knots of the lattice's fore and aft edge that share one of the window, and the one that stands for them."""
+    opening = window.opening
+    for h, c in ends:
         for row in (opening.fore, opening.aft):
             for side in (LEFT, RIGHT):
-                first, second = opening.first + h, opening.first + of_end[c]
-                if (one := lattice_node(AFT, side, row, first)) != (other := lattice_node(AFT, side, row, second)):
-                    alias[one] = other
-    for j, i in sides:
-        if of_side[i] == j:
-            continue
-        for column in (opening.first, opening.first + opening.across):
-            for side in (LEFT, RIGHT):
-                for end in (FORE, AFT):
-                    first, second = (opening.fore + place * host.rows_per_mesh for place in (j, of_side[i]))
-                    to = AFT if second == opening.fore else FORE if second == opening.aft else end
-                    one, other = lattice_node(end, side, first, column), lattice_node(to, side, second, column)
-                    if one != other:
-                        alias[one] = other
+                one, other = (node(AFT, side, row, opening.first + place) for place in (h, of_end[c]))
+                if one != other:
+                    window.alias[one] = other
 
 
 def _side_of_lattice(knots: Knots, opening: Opening, column: int, right: bool, host: Netting) -> Chain:
@@ -236,15 +267,12 @@ def _side_of_lattice(knots: Knots, opening: Opening, column: int, right: bool, h
     return chain
 
 
-def _cover(window: LetIn, lattice: Chain, patch: Chain, sides: list[tuple[int, int]], host: Netting, right: bool) -> None:
+def _cover(window: LetIn, lattice: Chain, patch: Chain, pairs: list[tuple[int, int]], right: bool) -> None:
     """Cover the netting between the two chains of a side, from one shared knot to the next."""
     opening = window.opening
-    steps = host.rows_per_mesh, window.netting.rows_per_mesh
     patch = [(t, [nodes[AFT]] * 2 if t == 0.0 else [nodes[FORE]] * 2 if t == 1.0 else nodes) for t, nodes in patch]
-    ends = [(steps[0] * j, steps[1] * i) for j, i in sides]
-    for (j, i), (j_next, i_next) in zip(ends[:-1], ends[1:], strict=True):
-        ahead = _between(lattice, j, j_next), _between(patch, i, i_next)
-        one, other = ahead
+    for (j, i), (j_next, i_next) in pairwise(pairs):
+        one, other = _between(lattice, j, j_next), _between(patch, i, i_next)
         a = b = 0
         while a < len(one) - 1 or b < len(other) - 1:
             following = [chain[k + 1][0] if k < len(chain) - 1 else np.inf for chain, k in ((one, a), (other, b))]
