@@ -18,6 +18,7 @@ from codend.netting.knots import knots_of, placed_knots
 from codend.netting.parts import Lattice, RowShape
 from codend.netting.pattern import parts_of
 from codend.netting.taper import columns_along
+from codend.netting.windows import LetIn
 from codend.plan.plan import Netting, Plan
 
 
@@ -60,7 +61,7 @@ def build_bag(
     positions, node_row = placed_knots(knots, shape)
     entry = np.arange(knots.fore_start[1])
     drag_law = drag(plan.drag.law, *plan.drag.coefficients)
-    parts, windows = parts_of(knots), []
+    parts, windows = parts_of(knots), list[LetIn]()
     if plan.window and sectors is None:
         windows, knots, positions, node_row = with_windows(plan, parts, knots, shape, positions, node_row)
         entry = np.unique(knots.now(entry))

@@ -40,6 +40,10 @@ class Measures:
     entry_reaction_n: float
     opening_ahead_deg: float
     opening_force_ahead_n: float
+    opening_ahead_spread_deg: float
+    """Standard deviation round the ring of the openings in the rows ahead, about the means of their rows."""
+    opening_ahead_least_deg: float
+    opening_ahead_most_deg: float
     max_bar_tension_n: float
     max_strap_tension_n: float
     """nan where there is no strap."""
@@ -226,7 +230,7 @@ def current_loads(problem: Problem, solution: Solution) -> tuple[Floats, Floats]
     return on_twine, by_catch
 
 
-def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows) -> Measures:
+def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows, meshes: Meshes) -> Measures:
     """Drag, volume, sizes and openings of a solved net."""
     net, structure, loading = problem.net, problem.structure, problem.loading
     position, share = np.ascontiguousarray(solution.positions), solution.share
@@ -257,6 +261,7 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows) -> Measu
         entry_reaction_n=float(-support[held_by_the_entry(bag), 0].sum() * net.order),
         opening_ahead_deg=float(np.mean(openings)) if len(ahead) else float("nan"),
         opening_force_ahead_n=float(np.mean(forces)) if len(ahead) else float("nan"),
+        **_spread_ahead(bag, meshes, ahead),
         max_bar_tension_n=float(np.delete(tension, np.append(straps, bag.ropes)).max()),
         max_strap_tension_n=float(tension[straps].max()) if len(straps) else float("nan"),
         max_rope_tension_n=float(tension[bag.ropes].max()) if len(bag.ropes) else float("nan"),
@@ -264,6 +269,20 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows) -> Measu
         turn_deg=float(np.degrees(band_turns(position, structure, loading.catch, problem.rings)[0].sum())),
         sideways_imbalance=sideways_imbalance(bag, position, load, support),
     )
+
+
+def _spread_ahead(bag: Bag, meshes: Meshes, ahead: Floats) -> dict[str, float]:
+    """How openings differ round the ring in the rows just ahead of the front; nan where ropes are smeared."""
+    place = bag.mesh_place[bag.mesh_row]
+    found = bag.mesh_of_section & np.isfinite(meshes.opening_deg)
+    if len(ahead):
+        found &= (place > ahead.min() - 0.5 + 1e-9) & (place < ahead.max() + 0.5 - 1e-9)
+    names = ("opening_ahead_spread_deg", "opening_ahead_least_deg", "opening_ahead_most_deg")
+    if len(ahead) == 0 or not found.any() or (len(bag.ropes) and bag.rope_share.min() != 1.0):
+        return dict.fromkeys(names, float("nan"))
+    openings, row = meshes.opening_deg[found], bag.mesh_row[found]
+    about = openings - _mean_by(row, openings, bag.bands + 1)[row]
+    return dict(zip(names, map(float, (np.sqrt(np.mean(about**2)), openings.min(), openings.max())), strict=True))
 
 
 def measure_briefly(bag: Bag, problem: Problem, solution: Solution) -> tuple[float, float, float, float]:
@@ -296,7 +315,7 @@ def measure_all(bag: Bag, problem: Problem, solution: Solution) -> tuple[Meshes,
     """Meshes, rows and sums of a solved bag."""
     meshes = measure_meshes(bag, problem, solution)
     rows = measure_rows(bag, problem, solution, meshes)
-    return meshes, rows, measure(bag, problem, solution, rows)
+    return meshes, rows, measure(bag, problem, solution, rows, meshes)
 
 
 def opening_rows_ahead(bag: Bag, share: Floats) -> Floats:

@@ -64,7 +64,9 @@ def near_enough(plan: Plan) -> NearRatio | None:
 
     None where the exact sector is narrow itself, no narrower one is near enough, or ropes have their places in it.
     """
-    widest = max(part.open_meshes[0] for part in plan.netting) // math.gcd(*(part.open_meshes[0] for part in plan.netting))
+    widest = max(part.open_meshes[0] for part in plan.netting) // math.gcd(
+        *(part.open_meshes[0] for part in plan.netting)
+    )
     rows = len(plan.sections_of_bands())
     seamed = plan.ropes or plan.window or plan.tapers
     if seamed or widest < SLOW_MESHES or rows * widest < SLOW_KNOTS:

@@ -5,6 +5,7 @@ A sector has no windows: it is one of the netting that they are let into, from w
 
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from codend.bag.bag import Bag
 from codend.errors import InputError
 from codend.net.net import BAR_ARRAYS, Floats, Ints
 from codend.netting.knots import Knots
-from codend.netting.parts import Counts, Parts, RowShape
+from codend.netting.parts import Parts, RowShape
 from codend.netting.windows import LetIn, Opening, cut_out, let_in, placed_window, rows_of_window
 from codend.plan.plan import Plan
 
@@ -94,7 +95,8 @@ def _numbered_anew(
 
     for window in windows:
         window.splits = [
-            (int(number[one]), int(number[other]), share, int(number[node])) for one, other, share, node in window.splits
+            (int(number[one]), int(number[other]), share, int(number[node]))
+            for one, other, share, node in window.splits
         ]
     parts.bars = [whole(anew(bars, 2), 2) for bars in parts.bars]
     parts.facets = [whole(anew(facets, 3), 3) for facets in parts.facets]
@@ -132,9 +134,12 @@ def sewn_to_bars(bag: Bag, windows: list[LetIn]) -> Bag:
         (bars[bar, 0], bars[bar, 1], lengths[bar]), *others = pieces
         added += [(bar, *piece) for piece in others]
     of = np.array([bar for bar, *_ in added])
-    arrays = {name: np.append(getattr(bag.net, name), getattr(bag.net, name)[of]) for name in BAR_ARRAYS if name != "bars"}
+    arrays: dict[str, Any] = {
+        name: np.append(getattr(bag.net, name), getattr(bag.net, name)[of]) for name in BAR_ARRAYS if name != "bars"
+    }
     arrays["bar_length"] = np.append(lengths, [length for *_, length in added])
     ends = np.array([(a, b) for _, a, b, _ in added], dtype=np.int32)
     net = replace(bag.net, bars=np.concatenate([bars, ends]), **arrays)
     own = ("bar_band", "bar_is_twine", "bar_window")
-    return replace(bag, net=net, **{name: np.append(getattr(bag, name), getattr(bag, name)[of]) for name in own})
+    of_bag: dict[str, Any] = {name: np.append(getattr(bag, name), getattr(bag, name)[of]) for name in own}
+    return replace(bag, net=net, **of_bag)

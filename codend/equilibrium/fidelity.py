@@ -11,6 +11,7 @@ from codend.bag.loads import catch_weight_density
 from codend.bag.near_ratio import DRAG_BY_MISMATCH, SLOW_KNOTS, SLOW_MESHES, NearRatio, near_enough
 from codend.equilibrium.accuracy import WEIGHT_LEFT_OUT, sector_measures, smeared_errors
 from codend.equilibrium.bag_model import bag_of
+from codend.errors import InputError
 from codend.mechanics.weight import wet_weight
 from codend.net.net import Net
 from codend.plan.plan import Plan
@@ -31,6 +32,8 @@ class Reason(Enum):
     """The plan is the same all round but for its equal ropes, and sectors as wide as they are apart are exact."""
     SMEARED = auto()
     """Ropes smeared over all meshes are near enough for the accuracy in opening that was asked for."""
+    WINDOW = auto()
+    """A window is somewhere round the net; meshes are merged as the accuracy allows."""
     NO_WEIGHT = auto()
     """The plan is the same all round, and nothing is given a density other than the water's."""
     LITTLE_WEIGHT = auto()
@@ -118,7 +121,11 @@ def choose(plan: Plan) -> Choice:
         fidelity="sector",
         globalisation=1,
         sectors=1,
-        reason=Reason.ROPES if plan.ropes else Reason.LITTLE_WEIGHT if dense else Reason.NO_WEIGHT,
+        reason=Reason.ROPES
+        if plan.ropes or any(part.has_seams for part in plan.netting)
+        else Reason.LITTLE_WEIGHT
+        if dense
+        else Reason.NO_WEIGHT,
         drag_error=float(WEIGHT_LEFT_OUT[0] @ [left_out, left_out**2]),
         unseen_weight_n=unseen,
         order=sector.sectors,
@@ -145,6 +152,12 @@ def choose(plan: Plan) -> Choice:
             slow=slow,
         )
 
+    if plan.window and asked in ("sector", "smeared", "meridian"):
+        allowed = '"auto", "full" or "globalised": a window lies somewhere round the net, where a sector has no place'
+        raise InputError(plan.source, "model.fidelity", asked, allowed)
+    if plan.tapers and asked == "smeared":
+        allowed = '"auto", "sector", "full" or "globalised": ropes are not smeared over netting that tapers'
+        raise InputError(plan.source, "model.fidelity", asked, allowed)
     match asked:
         case "sector":
             return replace(by_sector, reason=Reason.ASKED)
@@ -157,9 +170,12 @@ def choose(plan: Plan) -> Choice:
             return replace(chosen, fidelity="globalised")
         case "full":
             return all_round(1, Reason.ASKED, 0.0)
+    if plan.window and not by_sector.weight_matters:
+        globalisation, error = _largest_globalisation(plan)
+        return all_round(globalisation, Reason.WINDOW, error)
     if not by_sector.weight_matters:
         asked_deg = plan.model.opening_accuracy_deg
-        if plan.ropes and asked_deg is not None and smeared_errors(plan)[3] <= asked_deg:
+        if plan.ropes and not plan.tapers and asked_deg is not None and smeared_errors(plan)[3] <= asked_deg:
             return replace(
                 by_sector, fidelity="smeared", reason=Reason.SMEARED, drag_error=float(smeared_errors(plan)[0])
             )

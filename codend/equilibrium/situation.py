@@ -95,7 +95,7 @@ class Situation:
     @cached_property
     def sector_all_round(self) -> Solution | None:
         """The equilibrium of a sector set all round, its report that of the sector; None where that is not solved."""
-        sector = model_of(self.plan, self.model.globalisation, 1, smeared=not self.plan.tapers)
+        sector = model_of(self.plan, self.model.globalisation, 1, smeared=True)
         found = self.solve(sector, self.case)
         if not found.report.outcome.converged:
             return None

@@ -58,7 +58,9 @@ def windowed_start(wider: BagModel, sector: Bag, found: Solution) -> Solution:
         there = whole.bar_is_twine == twine
         pulls[there] = mean[whole.bar_band[there]]
     for number, (window, hole) in enumerate(zip(wider.plan.window, wider.plan.holes, strict=True)):
-        lines = window.meshes_round * window.rows_per_mesh / (hole.across * wider.plan.netting[hole.section].rows_per_mesh)
+        lines = (
+            window.meshes_round * window.rows_per_mesh / (hole.across * wider.plan.netting[hole.section].rows_per_mesh)
+        )
         own = np.flatnonzero(whole.bar_window == number)
         pulls[own] /= lines
         if not window.kind.staggered:

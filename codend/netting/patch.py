@@ -71,7 +71,7 @@ class Patch:
                 yield (ring[:-1], ring[1:]), row, row
 
     def quadrangles(self) -> Iterator[tuple[Line, int, int]]:
-        """Corners of the netting between the twines, but for the half meshes at the side edges, and rows of its ends."""
+        """Corners of the netting between the twines, half meshes at the side edges left out, and rows of its ends."""
         nodes, last = self.nodes, 2 * self.wide
         for row in range(self.rows):
             h = self.halves(row)

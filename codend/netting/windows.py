@@ -3,8 +3,8 @@
 The hole's fore and aft edges run along a row of knots, its sides along a column of them, so that no bar is cut in two.
 Along its fore and aft edge the netting that has fewer knots gives those of the seam; the other's are taken up, two by
 two, in the ratio of the counts. Along the sides, where taking up would make one netting shorter, edges of as many knots
-are sewn knot to knot. Else the window's knots are sewn to the lattice's edge bars where they come to lie when both edges
-are stretched; but square netting with more knots, held by a bar along its side, leaves those free that are not nearest
+are sewn knot to knot. Else the window's knots are sewn to the lattice's edge bars where they lie when both edges are
+stretched; but square netting with more knots, held by a bar along its side, leaves those free that are not nearest
 to one of the other's. The netting along the sides, half a mesh of either piece, is covered from knot to knot.
 """
 
@@ -188,12 +188,11 @@ def let_in(knots: Knots, opening: Opening, netting: Netting, wide: int, deep: in
     _take_up(window, lattice_node, ends["fore"], of_end)
     for right in (False, True):
         column = opening.first + (opening.across if right else 0)
-        own = _side_of_lattice(knots, opening, column, right, host)
-        other = patch.side(right)
+        chain = _side_of_lattice(knots, opening, column, right, host)
         pairs = [(host.rows_per_mesh * j, stepped * i) for j, i in sides]
         if len(sides) < 1 + min(host_deep, deep):
-            own, pairs = _sewn_to_bars(window, own, deep, right)
-        _cover(window, own, other, pairs, right)
+            chain, pairs = _sewn_to_bars(window, chain, deep, right)
+        _cover(window, chain, patch.side(right), pairs, right)
     return window
 
 

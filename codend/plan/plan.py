@@ -309,6 +309,8 @@ class Plan(Table):
         Rows that carry a strap stay rows.
         """
         counts = [count for part in self.netting for count in (*part.open_meshes, part.meshes_long)]
+        counts += [count for window in self.window for count in (window.meshes_round, window.meshes_long)]
+        counts += [count for hole in self.holes for count in (hole.fore, hole.deep, hole.across)]
         counts += [count // part.panels for part in self.netting if part.has_seams for count in part.open_meshes]
         common = math.gcd(*counts, *self.strap_rows, *self.rope_rows)
         most = min(min(part.open_meshes) for part in self.netting) // 3

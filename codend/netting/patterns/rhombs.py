@@ -59,7 +59,9 @@ def _add_meshes(parts: Parts, knots: Knots, rows: Counts) -> None:
     # of the knots of either band that share one, the last one leads to the next knot of the ring
     upward, around = lattice.upward[row], lattice.knots[row]
     ahead, behind = (
-        np.where(upward, knot * lattice.columns[row - i] // around, -(-(knot + 1) * lattice.columns[row - i] // around) - 1)
+        np.where(
+            upward, knot * lattice.columns[row - i] // around, -(-(knot + 1) * lattice.columns[row - i] // around) - 1
+        )
         for i in (1, 0)
     )
     fore_middle, aft_middle = ahead + lattice.shift[row], behind + lattice.shift[row]
