@@ -3,11 +3,17 @@
 >>> plan = codend.load_plan("plan.toml")
 >>> study = codend.solve(plan)
 >>> study.table
+>>> study.plot("opening")
+>>> codend.selectivity(study, "haddock.toml")
+>>> codend.fit("hauls.csv", "covered").answers[0].estimates
 
 A net that is no codend, from its nodes and bars:
 
 >>> net = codend.Net.from_bars(positions, ends, held, stiffness_n=5e4)
->>> codend.find_equilibrium(codend.Problem.of(net)).positions
+>>> problem = codend.Problem.of(net)
+>>> found = codend.find_equilibrium(problem)
+>>> codend.loads_and_supports(problem, found)
+>>> codend.draw(problem, found)
 """
 
 from importlib import import_module
@@ -18,10 +24,13 @@ if TYPE_CHECKING:
     from codend.mechanics.problem import Problem
     from codend.net.net import Net
     from codend.plan.plan import Plan, load_plan
+    from codend.public import Study, solve
+    from codend.report.net_figure import draw
+    from codend.selectivity.fits.analysis import fit_field_data as fit
+    from codend.solvers.reactions import loads_and_supports
     from codend.solvers.solve import find_equilibrium
     from codend.studies.many import sweep
     from codend.studies.opening_force import pull_mesh
-    from codend.studies.study import Study, solve
 
 __all__ = [
     "InputError",
@@ -29,8 +38,11 @@ __all__ = [
     "Plan",
     "Problem",
     "Study",
+    "draw",
     "find_equilibrium",
+    "fit",
     "load_plan",
+    "loads_and_supports",
     "pull_mesh",
     "solve",
     "sweep",
@@ -41,19 +53,25 @@ _HOME = {
     "Net": "codend.net.net",
     "Plan": "codend.plan.plan",
     "Problem": "codend.mechanics.problem",
-    "Study": "codend.studies.study",
+    "Study": "codend.public",
+    "draw": "codend.report.net_figure",
     "find_equilibrium": "codend.solvers.solve",
+    "fit_field_data": "codend.selectivity.fits.analysis",
     "load_plan": "codend.plan.plan",
+    "loads_and_supports": "codend.solvers.reactions",
     "pull_mesh": "codend.studies.opening_force",
-    "solve": "codend.studies.study",
+    "solve": "codend.public",
     "sweep": "codend.studies.many",
 }
+_OTHER_NAMES = {"fit": "fit_field_data"}
+_ROOMS = {"panel": "codend.scenes.panel", "selectivity": "codend.selectivity"}
 
 
 def __getattr__(name: str) -> Any:
     """Import public names where they are first used: the compiled and table libraries take their time."""
-    if name in _HOME:
-        return getattr(import_module(_HOME[name]), name)
-    if name == "panel":
-        return import_module("codend.scenes.panel")
+    if name in _ROOMS:
+        return import_module(_ROOMS[name])
+    name_there = _OTHER_NAMES.get(name, name)
+    if name_there in _HOME:
+        return getattr(import_module(_HOME[name_there]), name_there)
     raise AttributeError(f"module 'codend' has no attribute '{name}'")

@@ -121,11 +121,7 @@ def choose(plan: Plan) -> Choice:
         fidelity="sector",
         globalisation=1,
         sectors=1,
-        reason=Reason.ROPES
-        if plan.ropes or any(part.has_seams for part in plan.netting)
-        else Reason.LITTLE_WEIGHT
-        if dense
-        else Reason.NO_WEIGHT,
+        reason=Reason.ROPES if plan.seamed else Reason.LITTLE_WEIGHT if dense else Reason.NO_WEIGHT,
         drag_error=float(WEIGHT_LEFT_OUT[0] @ [left_out, left_out**2]),
         unseen_weight_n=unseen,
         order=sector.sectors,

@@ -5,10 +5,10 @@ All checks are made by ``plan_from_dict``, wherever the plan came from, and end 
 
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final, Self
+from typing import TYPE_CHECKING, Annotated, Any, Final, Self
 
 from annotated_types import MinLen
 from pydantic import PrivateAttr, model_validator
@@ -19,11 +19,14 @@ from codend.io.toml import read_toml
 from codend.plan.kinds import kinds_in_words
 from codend.plan.messages import Contradiction
 from codend.plan.mistakes import checked
-from codend.plan.overrides import CatchKind, apply_overrides
+from codend.plan.overrides import CatchKind, Overrides, apply_overrides
 from codend.plan.reach import least_radius_m
 from codend.plan.ropes import Rope, Selvedge, selvedges_of
 from codend.plan.tables import Catch, Drag, Entry, Model, Netting, Strap, Table, Text, Tow
 from codend.plan.windows import Hole, Window, hole_of, out_of_place
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 MOST_CASES: Final = 10_000
 """Some minutes of solving; a list that makes more is a slip."""
@@ -34,7 +37,8 @@ _STAND_INS: Final = {
     "model": None,
     "netting.twine_mm": 1e-6,
     **{f"netting.{key}": None for key in ("name", "twines", "twine_density_kg_m3", "material", "axial_stiffness_n")},
-    **{f"netting.{key}": None for key in ("knot_axial_stiffness_n", "bending_stiffness_n_m2", "rest_opening_deg")},
+    **{f"netting.{key}": None for key in ("knot_axial_stiffness_n", "knot_compression")},
+    **{f"netting.{key}": None for key in ("bending_stiffness_n_m2", "rest_opening_deg")},
     "strap.length_m": 1.0,
     **{f"strap.{key}": None for key in ("axial_stiffness_n", "diameter_mm", "density_kg_m3")},
     **{f"catch.{key}": None for key in ("coefficient", "sphere_cp_csv")},
@@ -95,13 +99,14 @@ class Plan(Table):
         yield from self._catches_that_do_not_fit()
         yield from self._straps_out_of_place()
         yield from self._ropes_out_of_place()
-        yield from out_of_place(self.window, self.netting, self.section_names, self.seam_deg)
+        astray = list(out_of_place(self.window, self.netting, self.section_names, self.seam_deg))
+        yield from astray
         # laid even flat across the entry
         gap_m = least_radius_m(self.netting, self.entry_radius_m, 0)
         if gap_m > 0.0:
             allowed = f"more: laid flat the netting ends {gap_m:.3g} m short of the axis, where the codline gathers it"
             yield Contradiction(f"netting.{len(self.netting) - 1}.meshes_long", allowed)
-        if self.model.globalisation not in (divisors := self.globalisations):
+        if not astray and self.model.globalisation not in (divisors := self.globalisations):
             allowed = ", ".join(map(str, divisors))
             and_straps = ", and of the rows from every strap to the codline" if self.strap else ""
             reason = f"divisors of all meshes_round and meshes_long{and_straps}"
@@ -120,6 +125,11 @@ class Plan(Table):
     def panels(self) -> int:
         """Panels round of the sections that have more than one; 1 of a tube."""
         return max(part.panels for part in self.netting)
+
+    @property
+    def seamed(self) -> bool:
+        """Whether ropes or seams show all along it, so that not every mesh round is alike."""
+        return len(self.rope) > 0 or any(part.has_seams for part in self.netting)
 
     @property
     def tapers(self) -> bool:
@@ -321,13 +331,48 @@ class Plan(Table):
         pairs = [(speed, size) for speed in self.tow.speed_m_s for size in self.catch.sizes]
         return tuple(Case(n, speed, self.catch.kind, size) for n, (speed, size) in enumerate(pairs, start=1))
 
+    def with_pressure(self, law: "Callable[[ArrayLike], ArrayLike]") -> "Plan":
+        """The same plan with a pressure law of one's own.
+
+        Args:
+            law: net pressure on the netting, inside less outside, over rho V^2 / 2, by the angle in degrees between
+                the upstream direction and the netting's outward normal, arrays (k,). It is read at every degree, and
+                between by a monotone cubic.
+
+        Raises:
+            InputError: the law gives what is no number.
+        """
+        import numpy as np
+
+        theta = np.arange(0.0, 181.0)
+        net = np.broadcast_to(np.asarray(law(theta), dtype=float), theta.shape)
+        curve = [[float(angle), float(cp)] for angle, cp in zip(theta, 1.0 - net, strict=True)]
+        tables = self.to_dict()
+        kept = {key: value for key, value in tables["catch"].items() if key not in ("coefficient", "sphere_cp_csv")}
+        return plan_from_dict(tables | {"catch": kept | {"pressure": "sphere", "sphere_cp": curve}}, self.source)
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any], overrides: Overrides = ()) -> "Plan":
+        """A plan from its tables, as ``tomllib`` would read them; see ``plan_from_dict``.
+
+        Raises:
+            InputError: keys that are unknown, missing, mistyped, out of range or contradictory.
+        """
+        return plan_from_dict(data, overrides=overrides)
+
+    def __repr__(self) -> str:
+        sections = ", ".join(f"{part.meshes_round} x {part.meshes_long} {part.mesh}" for part in self.netting)
+        return f"<Plan {self.title!r}: {sections}; {len(self.cases())} cases>"
+
     def to_dict(self) -> dict[str, Any]:
         """Plain tables, defaults filled in and absent keys left out; ``plan_from_dict`` reads them back."""
         return self.model_dump(mode="json", exclude_none=True)
 
 
-def load_plan(path: str | Path, overrides: Sequence[str] = ()) -> Plan:
-    """Read a TOML plan, lay ``overrides`` such as ``"netting.0.bar_mm=25"`` over it, and check the result.
+def load_plan(path: str | Path, overrides: Overrides = ()) -> Plan:
+    """Read a TOML plan, lay ``overrides`` over it, and check the result.
+
+    Overrides are texts such as ``"netting.0.bar_mm=25"``, or a table such as ``{"netting.0.bar_mm": 25}``.
 
     Raises:
         InputError: no such file, not TOML, or anything ``plan_from_dict`` refuses.
@@ -335,7 +380,7 @@ def load_plan(path: str | Path, overrides: Sequence[str] = ()) -> Plan:
     return plan_from_dict(read_toml(path, "TOML plan"), path, overrides)
 
 
-def plan_from_dict(data: Mapping[str, Any], source: str | Path = "plan", overrides: Sequence[str] = ()) -> Plan:
+def plan_from_dict(data: Mapping[str, Any], source: str | Path = "plan", overrides: Overrides = ()) -> Plan:
     """Check tables as ``tomllib`` returns them, after ``overrides`` (see ``apply_overrides`` for their rules).
 
     Raises:

@@ -16,7 +16,9 @@ class Rope(Table):
     """Equal ropes along the netting at equal angles, laced to its knots; truly no compression."""
 
     kind: Literal["lastridge"] = "lastridge"
+    """The only kind there is: along the netting."""
     number: Annotated[Whole, Ge(1), Le(100)]
+    """How many, at equal angles."""
     shortening: Annotated[Number, Gt(-1), Lt(0.9)]
     """By how much the rope is shorter than the stretched netting it is laced to, relative; below 0 it is longer."""
     diameter_mm: Annotated[Number, Gt(0), Le(500)] | None = None

@@ -5,6 +5,7 @@ Every number keeps the name and unit of its key in the file; properties without 
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt, Le, Lt, MinLen
@@ -46,6 +47,7 @@ class Tow(Table):
     speed_m_s: Annotated[tuple[Annotated[Number, Ge(1e-4), Le(10)], ...], *Several]
     """As slow as the methods are mapped in ``validation.stability``; slower is a slip, not a tow."""
     water_density_kg_m3: Annotated[Number, Ge(900), Le(1300)] = SEA_WATER_KG_M3
+    """Left out: sea water, and the run says so."""
 
 
 class Entry(Table):
@@ -70,12 +72,17 @@ class Netting(Table):
     """
 
     mesh: MeshName
+    """Kind of netting: diamond (T0), turned by 90 degrees, or square."""
     meshes_round: Annotated[Whole, Ge(3), Le(10_000)]
+    """Whole meshes all round."""
     meshes_long: Annotated[Whole, Ge(1), Le(10_000)]
+    """Whole meshes along."""
     name: Text | None = None
     """What tables call the section; None: its number."""
     bar_mm: Annotated[Number, Gt(0), Le(10_000)] | None = None
+    """Twine from one knot to the next, without the knot. Exactly one of the three sizes is given."""
     mesh_mm: Annotated[Number, Gt(0), Le(20_000)] | None = None
+    """The full stretched mesh, knot centre to knot centre: 2 (bar + knot)."""
     inside_mesh_mm: Annotated[Number, Gt(0), Le(20_000)] | None = None
     """What a gauge measures: the full mesh less one knot."""
     knot_mm: Annotated[Number, Ge(0), Le(1000)] = 0.0
@@ -85,16 +92,21 @@ class Netting(Table):
     rtex: Annotated[Number, Gt(0), Le(1e6)] | None = None
     """Of one twine, g/km."""
     runnage_m_kg: Annotated[Number, Gt(0), Le(1e6)] | None = None
+    """Length of a kilogram of one twine."""
     twine_number: Text | None = None
     """Denier of a yarn and number of yarns, as in 210/24."""
     material: MaterialName | None = None
+    """What the twine is of: gives its density, and its thickness where that is left out."""
     twines: Annotated[Whole, Ge(1), Le(2)] = 1
+    """2: double twine."""
     twine_density_kg_m3: Annotated[Number, Ge(500), Le(10_000)] | None = None
     """None: that of the material; without one, the twine is taken as neutrally buoyant and wet weight is left out."""
     axial_stiffness_n: Annotated[Number, Gt(0), Le(1e9)] | None = None
     """EA of one bar, N; None: inextensible."""
     knot_axial_stiffness_n: Annotated[Number, Gt(0), Le(1e9)] | None = None
     """EA of a knot, N; None: knots do not stretch, however soft the twine."""
+    knot_compression: bool = False
+    """Whether knots resist being shortened as they do being stretched; else they give way, as twine does."""
     bending_stiffness_n_m2: Annotated[Number, Ge(0), Le(100)] = 0.0
     """EI of one bar, N m^2."""
     rest_opening_deg: Annotated[Number, Ge(0), Lt(180)] = 20.0
@@ -119,6 +131,8 @@ class Netting(Table):
             raise Contradiction("knot_mm", f"0 for {self.kind.words} mesh")
         if self.knot_axial_stiffness_n is not None and self.knot_mm == 0:
             raise Contradiction("knot_axial_stiffness_n", "only with knot_mm above 0, without which there is no knot")
+        if self.knot_compression and self.knot_mm == 0:
+            raise Contradiction("knot_compression", "only with knot_mm above 0, without which there is no knot")
         if self.bar_m <= 0:
             size, knots, many = ("mesh_mm", 2, "two knots") if self.mesh_mm else ("inside_mesh_mm", 1, "a knot")
             raise Contradiction(size, f"more than {many}, {1000 * knots * self.knot_m:g} mm")
@@ -424,16 +438,23 @@ class Catch(Table):
     """How much is in the bag, by exactly one measure, and how it presses on the netting."""
 
     filled_meshes: Annotated[tuple[Annotated[Number, Gt(0)], ...], *Several] | None = None
+    """Meshes from the codline to the front. Exactly one of the four sizes is given."""
     volume_m3: Annotated[tuple[Annotated[Number, Gt(0)], ...], *Several] | None = None
+    """What the netting encloses behind the front."""
     mass_kg: Annotated[tuple[Annotated[Number, Gt(0)], ...], *Several] | None = None
+    """That volume times the density."""
     front_from_codline_m: Annotated[tuple[Annotated[Number, Gt(0)], ...], *Several] | None = None
+    """Along the axis."""
     density_kg_m3: Annotated[Number, Ge(100), Le(5000)] | None = None
     """None: that of the water (LB99 5 takes the two as very close)."""
     pressure: Literal["sphere", "uniform"] = "sphere"
+    """Stagnation pressure inside and that on a sphere outside, or the same everywhere."""
     coefficient: Annotated[Number, Gt(0), Le(10)] = 1.4
     """Net pressure over rho V^2 / 2 under the uniform law."""
     sphere_cp_csv: Text | None = None
     """The user's own Cp curve for the sphere law, relative to the plan's folder; see ``Plan.sphere_cp_path``."""
+    sphere_cp: tuple[tuple[Number, Number], ...] | None = None
+    """The same in the plan itself: pairs of an angle, in degrees, and Cp."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -442,8 +463,16 @@ class Catch(Table):
         if self.pressure == "sphere" and self.coefficient != default:
             # The default is let through: a plan may name it and still switch between the laws by one key.
             raise Contradiction("coefficient", f'{default:g}, or pressure = "uniform", which alone has a coefficient')
-        if self.pressure == "uniform" and self.sphere_cp_csv is not None:
-            raise Contradiction("sphere_cp_csv", 'only with pressure = "sphere"')
+        for key in ("sphere_cp_csv", "sphere_cp"):
+            if self.pressure == "uniform" and getattr(self, key) is not None:
+                raise Contradiction(key, 'only with pressure = "sphere"')
+        if self.sphere_cp is not None:
+            if self.sphere_cp_csv is not None:
+                raise Contradiction("sphere_cp", "either sphere_cp_csv or sphere_cp", "contradicts sphere_cp_csv")
+            angles = [angle for angle, _ in self.sphere_cp]
+            rising = all(first < second for first, second in pairwise(angles))
+            if len(angles) < 2 or not rising or (angles[0], angles[-1]) != (0.0, 180.0):
+                raise Contradiction("sphere_cp", "pairs [angle, Cp] whose angles rise from 0 to 180 degrees")
         return self
 
     @property
@@ -465,7 +494,9 @@ class Drag(Table):
     """
 
     law: Literal["le-bris-1999", "bessonneau-1997", "choo-casarella-1971"] = "le-bris-1999"
+    """That of the paper it is named after."""
     normal: Annotated[Number, Ge(0), Le(10)]
+    """Coefficient across the twine; left out: that of the law. 0 switches the twine's drag off."""
     tangential: Annotated[Number, Ge(0), Le(10)]
     """f, a fraction of ``normal``, in le-bris-1999; Cf, a coefficient of its own, in bessonneau-1997; in
     choo-casarella-1971 both numbers are factors on the law's coefficients, which depend on the Reynolds number."""
@@ -490,10 +521,13 @@ class Model(Table):
     """How the plan is to be modelled and solved."""
 
     fidelity: Literal["auto", "meridian", "smeared", "sector", "globalised", "full"] = "auto"
+    """What stands for the netting; `auto` takes the cheapest that keeps within the accuracy."""
     globalisation: Annotated[Whole, Ge(1), Le(1000)] = 1
     """Real meshes merged into one model mesh, each way."""
     bars_per_side: Annotated[Whole, Ge(1), Le(2)] = 1
+    """2: a hinge in the middle of each bar, which matters only where twine is slack."""
     method: Literal["auto", "dynamic-relaxation", "newton", "rigid-bars"] = "auto"
+    """How the equilibrium is found."""
     damping: Literal["kinetic", "viscous"] = "kinetic"
     """Of dynamic relaxation."""
     tolerance: Annotated[Number, Ge(1e-12), Le(0.1)] = 1e-6

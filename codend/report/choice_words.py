@@ -14,7 +14,8 @@ def reason_text(choice: Choice) -> str:
             if choice.weight_matters and not choice.sees_weight:
                 said += f"; it leaves out the wet weight, which here matters ({weighed})"
         case Reason.ROPES:
-            said = f"The plan is the same all round but for equal ropes or seams: {_sector(choice)}, as they repeat, is exact"
+            alike = "The plan is the same all round but for equal ropes or seams"
+            said = f"{alike}: {_sector(choice)}, as they repeat, is exact"
         case Reason.SMEARED:
             said = (
                 "Ropes smeared over all meshes round are near enough for the accuracy in opening that is asked for: "
