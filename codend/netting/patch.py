@@ -84,13 +84,19 @@ class Patch:
                 ends = fore[RIGHT, row + 1, h + 1], fore[LEFT, row + 1, h + 1]
                 yield (aft[RIGHT, row, h], aft[LEFT, row, h + 2], *ends), row, row + 1
             else:
-                a, b = h[:-1], h[1:]
-                ends = fore[LEFT, row + 1, b], fore[LEFT, row + 1, a]
-                yield (aft[LEFT, row, a], aft[LEFT, row, b], *ends), row, row + 1
+                a, b, m = h[:-1], h[1:], h[1:-1]
+                ends = fore[LEFT, row + 1, b], fore[RIGHT, row + 1, a]
+                yield (aft[RIGHT, row, a], aft[LEFT, row, b], *ends), row, row + 1
+                # the width of knots that it is sewn to
+                ends = fore[RIGHT, row + 1, m], fore[LEFT, row + 1, m]
+                yield (aft[LEFT, row, m], aft[RIGHT, row, m], *ends), row, row + 1
             # between knots that lie along the netting
             h = self.halves(row + 1)
-            ends = aft[LEFT, row + 1, h[1:]], aft[LEFT, row + 1, h[:-1]]
-            yield (fore[LEFT, row + 1, h[:-1]], fore[LEFT, row + 1, h[1:]], *ends), row + 1, row + 1
+            ends = aft[LEFT, row + 1, h[1:]], aft[RIGHT, row + 1, h[:-1]]
+            yield (fore[RIGHT, row + 1, h[:-1]], fore[LEFT, row + 1, h[1:]], *ends), row + 1, row + 1
+            m = h[(h > 0) & (h < last)]
+            ends = aft[RIGHT, row + 1, m], aft[LEFT, row + 1, m]
+            yield (fore[LEFT, row + 1, m], fore[RIGHT, row + 1, m], *ends), row + 1, row + 1
 
     def meshes(self) -> Iterator[tuple[list[tuple[Counts, Counts]], float]]:
         """Sides of whole meshes, each as its two nodes, and the row of their middle."""

@@ -226,6 +226,8 @@ def _sewn_to_bars(window: LetIn, lattice: Chain, deep: int, right: bool) -> tupl
     chain.sort(key=lambda node: node[0])
     down = [node[0] for node in chain]
     inner = [(down.index(t), i) for t, i in pairs]
+    # the lattice's own netting ends at its bars as they were: what a knot draws aside is covered as well
+    _cover(window, lattice, chain, [(i, down.index(t)) for i, (t, _) in enumerate(lattice)], right)
     return chain, [(0, 0), *inner, (len(chain) - 1, patch.rows)]
 
 
