@@ -62,7 +62,7 @@ class Lattice:
             ahead, aft = self.columns[band - 1 : band + 1]
             wide, narrow = max(ahead, aft), min(ahead, aft)
             knot = np.arange(wide)
-            lag = 2.0 * np.pi / self.order * np.mean(knot / wide - taken_up(knot, wide, narrow, False) / narrow)
+            lag = 2.0 * np.pi / self.order * np.mean(knot / wide - taken_up(knot, wide, narrow) / narrow)
             turn[band] = lag if ahead > aft else -lag
         return np.cumsum(turn)
 
@@ -112,7 +112,7 @@ class Lattice:
         return inside % wide * self.abreast + inside // wide, image
 
 
-def taken_up(knot: Counts, wide: Counts, narrow: Counts, upward: NDArray[np.bool_] | bool) -> Counts:
+def taken_up(knot: Counts, wide: Counts, narrow: Counts, upward: NDArray[np.bool_] | bool = False) -> Counts:
     """Knot of a ring of ``narrow`` that a knot of ``wide`` is laced to, both counted on all round.
 
     100 meshes are joined to 60 at the ratio of 5 to 3: of each 5, two pairs are taken up two by two and one is not.
