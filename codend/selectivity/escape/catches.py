@@ -127,11 +127,12 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
     results.require(("fidelity", "opening_ahead_deg"))
     solved = solved_cases(run.results, results.source, ("case", "speed_m_s", "filled_meshes", "catch_volume_m3"))
     InputTable(results.source, solved).check("case", ~solved["case"].duplicated().to_numpy(), "each case once")
+    section_of = dict(zip(run.plan.section_names, run.plan.netting, strict=True))
     found = []
     for result in solved.to_dict("records"):
         profile, merged = _profile_of(run, result)
         meshes = _meshes_of(run, result, profile, merged)
-        sections = [run.plan.netting[run.plan.section_names.index(name)] for name in meshes["section"]]
+        sections = [section_of[name] for name in meshes["section"]]
         place, row = profile["meshes_from_entry"].to_numpy(), meshes["row"].to_numpy(dtype=int)
         front_row = np.interp(place[-1] - result["filled_meshes"], place, merged * np.arange(len(place)))
         # a merged row stands for real rows about it, of square mesh for those behind it
@@ -196,7 +197,8 @@ def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, mer
     source = str(Path(run.source) / "meshes.csv")
     meshes = run.meshes[run.meshes["case"] == result["case"]]
     section = profile["section"].to_numpy()
-    count = around[[run.plan.section_names.index(name) for name in section]] // merged * counting
+    number = {name: i for i, name in enumerate(run.plan.section_names)}
+    count = around[[number[name] for name in section]] // merged * counting
     wanted = np.repeat(np.arange(len(count)), count)
     if not np.array_equal(np.sort(meshes["row"]), wanted):
         allowed = f"the {len(wanted)} of the plan in rows {wanted[0]} to {wanted[-1]}"
