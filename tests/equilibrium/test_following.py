@@ -11,7 +11,7 @@ from codend.solvers.gentle import End
 from codend.studies.case_result import CaseResult
 from codend.studies.study import solve
 from tests.plans import make_plan
-from validation.shaken import QUANTITIES, row_of, shaken
+from validation.shaken import QUANTITIES, row_of, row_of_random, shaken
 from validation.wrinkles.matrix import commercial
 
 
@@ -132,6 +132,15 @@ def test_a_stable_net_comes_back_when_shaken():
             assert end is End.SETTLED
             assert measures.drag_n == pytest.approx(result.measures.drag_n, rel=1e-5)
             assert measures.opening_ahead_deg == pytest.approx(result.measures.opening_ahead_deg, abs=1e-3)
+
+
+@pytest.mark.parametrize(("number", "stable"), [(1, "yes"), (7, "no"), (8, "yes")])
+def test_random_plans_come_back_when_shaken_or_lie_within_their_errors(number, stable):
+    """A small part of ``python -m validation.shaken --random``."""
+    row = row_of_random(number, shakes=1)
+    assert (row["stable"], row["ends"]) == (stable, "settled")
+    assert row.get("comes back", "yes") == "yes"
+    assert max(value for name, value in row.items() if name.endswith("over its error")) <= 1.0
 
 
 @pytest.mark.parametrize("seed", [1013, 1033])
