@@ -172,6 +172,20 @@ def solve_nearby(
     return _solve(_Iterations(problem, tangent.prepared, settings, None, takes_factors=True), tolerance, start)
 
 
+def drifted(tangent: TangentAtEquilibrium, tolerance: float) -> Solution | None:
+    """Where the iterations of ``NEARBY`` lead from an equilibrium that they do not bring to a tolerance.
+
+    Netting all but slack moves on and on for next to no force. None where they fail, or do reach it.
+    """
+    problem, start = tangent.problem, tangent.solution
+    run = _Iterations(problem, tangent.prepared, NEARBY, None)
+    if run.to_equilibrium(tolerance, start, NEARBY.switches[0]) is not Outcome.STEPS_SPENT:
+        return None
+    state = run.state
+    tension = carried(problem.structure.is_strut, state.density * state.length)
+    return replace(start, positions=state.position.copy(), bar_tension=tension, share=state.share.copy())
+
+
 class _Iterations:
     """Iterations from a start to wherever they get."""
 
