@@ -102,6 +102,8 @@ def estimate(
         return Errors.unknown()
     exact = measure_briefly(model.bag, problem, polished)
     solver = np.abs(sizes - exact)
+    # while the tangent's factors are there
+    with_suction = _change_with_suction(polished, tangent, exact[0])
     globalised = by_ratio(model, case, measures)
     if model.globalisation > 1:
         globalised += _distance(*(sector_measures(model.plan, case, g) for g in (1, model.globalisation)))
@@ -117,7 +119,7 @@ def estimate(
     if any(share > part.kind.folds_over_from for part in model.plan.netting):
         errors = np.full(4, np.nan)
     drag, volume, radius, opening = map(float, errors)
-    return Errors(drag, volume, radius, opening, _change_with_suction(polished, tangent, exact[0]))
+    return Errors(drag, volume, radius, opening, with_suction)
 
 
 def sector_measures(plan: Plan, case: Case, globalisation: int) -> Measures:
