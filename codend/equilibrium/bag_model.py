@@ -46,8 +46,8 @@ class BagModel:
         structure = structure_of(self.bag.net)
         if len(structure.free) > MOST_NODES:
             return Ring(structure, self.bag.bands)
-        key = (structure.order, *_joints(structure, self.bag.bands))
-        return _rings.of(key, lambda: Ring(structure, self.bag.bands))
+        key = (structure.order == 2.0, *_joints(structure, self.bag.bands))
+        return _rings.of(key, lambda: Ring(structure, self.bag.bands)).of_order(structure.order)
 
 
 MOST_NODES = 3000

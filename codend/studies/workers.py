@@ -62,9 +62,9 @@ def _in_processes(function: Callable[[J], R], jobs: Iterable[J], workers: int) -
         wait(starting, timeout=WAITED_FOR_S)
         try:
             while True:
-                for future in [future for future in starting if future.done()]:
-                    starting.remove(future)
-                    room += WAITING * future.result()
+                for started in [started for started in starting if started.done()]:
+                    starting.remove(started)
+                    room += WAITING * started.result()
                 done = [future for future in handed if future.done()]
                 for job in islice(left, room + len(done)):
                     handed[pool.submit(function, job)] = job
