@@ -5,11 +5,10 @@ from numpy.typing import NDArray
 
 from catch_models.filling import enclosed_volume
 from codend.compiled import njit
-from codend.mechanics.bars import add_bar_forces, bar_lengths
 from codend.mechanics.catch_front import band_geometry, row_positions
 from codend.mechanics.catch_weight import add_force as add_weight
 from codend.mechanics.drag import add_force as add_drag
-from codend.mechanics.loads import Loading, add_force
+from codend.mechanics.loads import Loading
 from codend.mechanics.pressure import Catch, law_and_slope
 from codend.mechanics.pressure import add_force as add_pressure
 from codend.mechanics.structure import Structure
@@ -113,28 +112,6 @@ def add_current_loads(
     add_drag(position, np.empty((0, 3)), structure, loading.water, loading.catch, share, on_twine)
     add_pressure(position, structure, loading.catch, share, by_catch)
     add_weight(position, structure, loading.catch, share, by_catch)
-
-
-@njit(cache=True)
-def write_loads_and_supports(
-    position: Floats,
-    structure: Structure,
-    loading: Loading,
-    share: Floats,
-    tension: Floats,
-    load: Floats,
-    support: Floats,
-) -> None:
-    """Write the loads on the nodes, and what it takes to hold each of them so, N, each (n, 3); both must be 0."""
-    add_force(position, structure, loading, share, load)
-    density = np.empty(len(tension))
-    bar_lengths(position, structure, density)
-    for bar in range(len(tension)):
-        density[bar] = tension[bar] / density[bar] if density[bar] > 0.0 else 0.0
-    add_bar_forces(position, structure, density, support)
-    for node in range(len(load)):
-        for i in range(3):
-            support[node, i] = -(support[node, i] + load[node, i])
 
 
 @njit(cache=True, error_model="numpy")

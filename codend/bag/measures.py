@@ -17,13 +17,14 @@ from codend.bag.measure_kernels import (
     rows_ahead,
     write_openings,
 )
-from codend.bag.supports import held_by_the_entry, loads_and_supports, sideways_imbalance
+from codend.bag.supports import held_by_the_entry, sideways_imbalance
 from codend.mechanics import catch_weight
 from codend.mechanics.crossing import band_turns
 from codend.mechanics.possible import inward_share
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
 from codend.solvers.outcome import Solution
+from codend.solvers.reactions import loads_and_supports
 
 WANTED_OPENING_DEG = 30.0
 """Opening to which the opening force brings a mesh (Le Bris et al. 1999, figure 11)."""

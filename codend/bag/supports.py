@@ -9,9 +9,7 @@ from numpy.typing import NDArray
 
 from codend.bag import measure_kernels
 from codend.bag.bag import Bag
-from codend.mechanics.problem import Problem
 from codend.net.net import Floats
-from codend.solvers.outcome import Solution
 
 
 def held_by_the_entry(bag: Bag) -> NDArray[np.bool_]:
@@ -19,19 +17,6 @@ def held_by_the_entry(bag: Bag) -> NDArray[np.bool_]:
     held = bag.net.fixed.all(axis=1) & (bag.node_row == 0)
     held[len(held) - bag.anchors :] = True
     return np.asarray(held)
-
-
-def loads_and_supports(problem: Problem, solution: Solution) -> tuple[Floats, Floats]:
-    """Loads on the nodes, the twine's bending among them, and what it takes to hold each node so, N, each (n, 3).
-
-    The latter is what a support carries, and at a free node what the solver leaves out of balance.
-    """
-    position = np.ascontiguousarray(solution.positions)
-    load, support = np.zeros_like(position), np.zeros_like(position)
-    measure_kernels.write_loads_and_supports(
-        position, problem.structure, problem.loading, solution.share, solution.bar_tension, load, support
-    )
-    return load, support
 
 
 def sideways_imbalance(bag: Bag, positions: Floats, load: Floats, support: Floats) -> float:

@@ -10,6 +10,7 @@ from codend.mechanics.crossing import band_turns
 from codend.mechanics.piercing import TOUCHING, first_pierced
 from codend.mechanics.problem import Problem
 from codend.mechanics.rings import first_crossed_ring
+from codend.mechanics.sheet import Sheet
 from codend.net.net import Floats
 from codend.solvers.outcome import Outcome
 
@@ -18,6 +19,8 @@ LARGEST_TURN = 0.5 * math.pi
 GATHERED = 0.25
 """Of the shortest bar: depth up to which the last mesh of a net with ropes touches itself. Ropes shorter than netting
 fold it where the codline gathers it."""
+ROUND_OFF = 1e-9
+"""Of the shortest bar."""
 DEEPEST = 0.1
 """Of the shortest bar; see ``touching_m``."""
 _IMPOSSIBLE = {
@@ -54,6 +57,8 @@ def passage(problem: Problem, position: Floats, gathered: bool = True) -> Refusa
 
     ``gathered`` asks it of the last band as well, whose twines are gathered at the codline; else no band is named.
     """
+    if problem.surface is not None:
+        return _through_surface(problem, position, problem.surface.sheet)
     catch = problem.loading.catch
     touching = touching_m(problem)
     if catch.row_size.any():
@@ -63,7 +68,7 @@ def passage(problem: Problem, position: Floats, gathered: bool = True) -> Refusa
     bar, facet = first_pierced(position, *_sheet(problem, 0 if gathered else 1), touching)
     if bar < 0:
         return None
-    if not gathered:
+    if not gathered or not catch.row_size.any():
         return Refusal(Outcome.PASSED_THROUGH, "a bar pierces the netting")
     band, met = catch.bar_band[bar] + 1, catch.facet_band[facet] + 1
     if problem.structure.is_rope.any() and min(band, met) >= problem.bands - 1:
@@ -72,6 +77,19 @@ def passage(problem: Problem, position: Floats, gathered: bool = True) -> Refusa
         if ahead < 0 and first_pierced(position, *_sheet(problem), deeper)[0] < 0:
             return None
     return Refusal(Outcome.PASSED_THROUGH, f"a bar of band {band} pierces band {met} of {problem.bands}")
+
+
+def _through_surface(problem: Problem, position: Floats, sheet: Sheet) -> Refusal | None:
+    """Where the surface that contact acts on is pierced, by any depth but round-off."""
+    (first, second), turn = sheet.edge.T.copy(), sheet.edge_image[:, 1].copy()
+    depth = ROUND_OFF * float(problem.structure.length.min())
+    whole = np.ones(len(sheet.face))
+    edge, _ = first_pierced(
+        position, first, second, turn, sheet.face, sheet.face_image, whole, problem.structure.order, depth
+    )
+    if edge < 0:
+        return None
+    return Refusal(Outcome.PASSED_THROUGH, f"the side from node {first[edge]} to {second[edge]} pierces the netting")
 
 
 def layers_touch(problem: Problem, position: Floats) -> bool:
