@@ -11,7 +11,7 @@ from codend.errors import InputError
 from codend.mechanics.structure import Structure, structure_of
 from codend.net.last_made import LastMade
 from codend.plan.plan import Plan
-from codend.solvers import newton
+from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.ring import Ring
 
 
@@ -30,29 +30,30 @@ class BagModel:
     """Nearly the ratio of the sections' counts, where a sector of it is modelled."""
 
     @cached_property
-    def prepared(self) -> newton.Prepared:
+    def prepared(self) -> Prepared:
         """The unknowns numbered, and room for Newton's method to work in; made when first asked for.
 
-        Models of the same bars share it where they are narrow: it holds the factors of whichever was solved last.
+        The numbering is that of the last model of the same joints.
         """
-        structure = structure_of(self.bag.net)
+        structure, bands = structure_of(self.bag.net), self.bag.bands
         if len(structure.free) > MOST_NODES:
-            return newton.prepare(structure, self.bag.bands)
-        return _prepared.of(_joints(structure, self.bag.bands), lambda: newton.prepare(structure, self.bag.bands))
+            return prepare(structure, bands)
+        like = _prepared.of(_joints(structure, bands), lambda: prepare(structure, bands))
+        return prepare(structure, bands, like)
 
     @cached_property
     def ring(self) -> Ring:
-        """The net as a sector of a ring, and room to ask its harmonics; made when first asked for, and shared alike."""
-        structure = structure_of(self.bag.net)
+        """The net as a sector of a ring, and room to ask its harmonics; numbered as the last of its joints."""
+        structure, bands = structure_of(self.bag.net), self.bag.bands
         if len(structure.free) > MOST_NODES:
-            return Ring(structure, self.bag.bands)
-        key = (structure.order == 2.0, *_joints(structure, self.bag.bands))
-        return _rings.of(key, lambda: Ring(structure, self.bag.bands)).of_order(structure.order)
+            return Ring(structure, bands)
+        key = (structure.order == 2.0, *_joints(structure, bands))
+        return _rings.of(key, lambda: Ring(structure, bands)).beside(structure, bands)
 
 
 MOST_NODES = 3000
 """Of nets whose numbered unknowns are kept for others of the same bars."""
-_prepared: LastMade[newton.Prepared] = LastMade(2)
+_prepared: LastMade[Prepared] = LastMade(2)
 _rings: LastMade[Ring] = LastMade(1)
 
 

@@ -81,11 +81,14 @@ class Ring:
         self._weight[self._off_axis, 0] = np.where(off == 0, 1.0, 0.5)
         self._weight[self._off_axis, 1] = 0.5 * np.sign(image) * np.sign(row - column)
 
-    def of_order(self, order: float) -> "Ring":
-        """The same room for a ring of so many such sectors, none of them two."""
+    def beside(self, structure: Structure, bands: int) -> "Ring":
+        """A ring of sectors with the same joints, of which neither are two or both, with room of its own."""
         other = copy(self)
+        order = structure.order
         other.order = int(order) if order.is_integer() else order
         other._axis_weights = [entries.weights(k, other.order) for k, entries in enumerate(self._at_axis)]
+        other.state, other.step = empty_state(structure, bands), empty_step(structure, self.pattern)
+        other.even, other.odd = np.zeros_like(self.even), np.zeros_like(self.odd)
         return other
 
     def gather(self, fronted: bool) -> None:
