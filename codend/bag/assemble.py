@@ -68,6 +68,7 @@ def assembled(
         bar_normal_drag=np.full(len(band), normal),
         bar_tangential_drag=np.full(len(band), tangential),
         bar_is_rope=np.zeros(len(band), dtype=bool),
+        bar_is_strut=is_knot & lattice.of_bands(lambda section: section.knot_compression)[band],
         facets=layout.facets,
         facet_image=layout.facet_image,
         facet_weight=layout.facet_weight * np.asarray(_polygon_area(g * around) / _polygon_area(around)),

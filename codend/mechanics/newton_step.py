@@ -98,9 +98,9 @@ def right_sides(
     density, gaps, lengths, hardening = state.density, state.gap, state.length, step.hardening
     for bar in range(len(density)):
         hardening[bar] = 0.0
-        if density[bar] != 0.0 or gaps[bar] != 0.0:
+        if density[bar] != 0.0 or gaps[bar] != 0.0 or structure.is_strut[bar]:
             compliance = max(flexibilities[bar], 1.0 / (STIFFEST * tension))
-            if barrier > 0.0:
+            if barrier > 0.0 and not structure.is_strut[bar]:
                 compliance += barrier / density[bar] ** 2
             hardening[bar] = 1.0 / (compliance * lengths[bar] ** 3)
     right_side(structure, state, state, step)
