@@ -57,7 +57,7 @@ def _in_processes(function: Callable[[J], R], jobs: Iterable[J], workers: int) -
     """Jobs done by this process and, once they are ready, which takes a second, by others beside it."""
     before = set(active_children())
     left, handed, room = iter(jobs), dict[Future[R], J](), 0
-    with _one_thread_each(), ProcessPoolExecutor(workers - 1, get_context("spawn"), end_with_parent) as pool:
+    with one_thread_each(), ProcessPoolExecutor(workers - 1, get_context("spawn"), end_with_parent) as pool:
         starting = [pool.submit(_ready, function) for _ in range(workers - 1)]
         wait(starting, timeout=WAITED_FOR_S)
         try:
@@ -117,8 +117,11 @@ def _on_a_cluster(function: Callable[[J], R], jobs: Iterable[J], address: str) -
 
 
 @contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Have processes started in the block compute in one thread each: there are as many of them as cores."""
+def one_thread_each() -> Iterator[None]:
+    """Have processes started in the block compute in one thread each, and libraries loaded in it do so here.
+
+    There are as many processes as cores, of which this is one.
+    """
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:
