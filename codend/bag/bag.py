@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from codend.bag.measure_kernels import write_corners
 from codend.net.net import Floats, Ints, Net, numbered_all_round, rotate, split_bars
 from codend.plan.kinds import Kind
 
@@ -67,7 +68,7 @@ class Bag:
         """Number of bands of netting from the entry to the codline."""
         return len(self.band_meshes)
 
-    @property
+    @cached_property
     def row_place(self) -> Floats:
         """Place of every row of knots, in meshes from the entry, (bands + 1,)."""
         return np.concatenate([[0.0], np.cumsum(self.band_meshes)])
@@ -83,11 +84,32 @@ class Bag:
         return self.band_is_staggered[self.mesh_row]
 
     @cached_property
+    def mesh_is_folded(self) -> NDArray[np.bool_]:
+        """Whether a mesh is folded over its widest part by a strap, (k,)."""
+        return np.isin(self.mesh_row, self.node_row[self.net.bars[self.straps, 0]]) & self.mesh_is_staggered
+
+    @cached_property
+    def mesh_bands(self) -> tuple[Ints, Ints]:
+        """Bands that a mesh reaches ahead and behind into, the same of one that lies in one band, each (k,)."""
+        behind = np.minimum(self.mesh_row, self.bands - 1)
+        return np.where(self.mesh_is_staggered, np.maximum(behind - 1, 0), behind), behind
+
+    @cached_property
+    def twine_band(self) -> Ints:
+        """Band that a bar of twine lies in, -1 for other bars, (m,)."""
+        return np.where(self.bar_is_twine, self.bar_band, -1)
+
+    @cached_property
+    def netting(self) -> Ints:
+        """Bars that are neither straps nor ropes."""
+        return np.delete(np.arange(len(self.net.bars), dtype=np.int32), np.append(self.straps, self.ropes))
+
+    @cached_property
     def mesh_opens(self) -> NDArray[np.bool_]:
         """Whether a mesh opens and closes, (k,)."""
         return np.array([kind.opens for kind in self.band_kind])[self.mesh_row]
 
-    @property
+    @cached_property
     def mesh_place(self) -> Floats:
         """Middle of the meshes that a row counts, in meshes from the entry, (bands + 1,)."""
         behind = np.append(0.5 * self.band_meshes * ~self.band_is_staggered, 0.0)
@@ -96,7 +118,9 @@ class Bag:
 
 def mesh_corners(bag: Bag, positions: Floats) -> Floats:
     """End positions of the four sides of every mesh, (k, 4, 2, 3): mesh, side, end, coordinate."""
-    return rotate(positions[bag.mesh_sides], bag.mesh_side_image, bag.net.order)
+    corners = np.empty((len(bag.mesh_sides), 4, 2, 3))
+    write_corners(positions, bag.mesh_sides, bag.mesh_side_image, float(bag.net.order), corners)
+    return corners
 
 
 @dataclass(frozen=True)

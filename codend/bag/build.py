@@ -14,7 +14,7 @@ from codend.mechanics.drag_laws import drag
 from codend.net.net import Floats
 from codend.netting.knots import knots_of, placed_knots
 from codend.netting.parts import Lattice, RowShape
-from codend.netting.pattern import parts_of
+from codend.netting.pattern import layout_of
 from codend.plan.plan import Netting, Plan
 
 
@@ -56,7 +56,7 @@ def build_bag(
     positions, node_row = placed_knots(knots, shape)
     entry = np.arange(knots.fore_start[1])
     drag_law = drag(plan.drag.law, *plan.drag.coefficients)
-    bag = assembled(parts_of(knots), lattice, positions, node_row, entry, drag_law)
+    bag = assembled(layout_of(knots), lattice, positions, node_row, entry, drag_law)
     bag = replace(bag, abreast=lattice.abreast)
     if plan.model.bars_per_side == 2:
         bag = with_hinges(bag)

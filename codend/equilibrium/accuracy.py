@@ -108,6 +108,8 @@ def estimate(
         return Errors.unknown()
     exact = measure_briefly(model.bag, problem, there)
     solver = (1.0 if settled else UNSETTLED) * np.abs(sizes - exact)
+    # while the tangent's factors are there
+    with_suction = _change_with_suction(polished, tangent, exact[0]) if settled else float("nan")
     globalised = by_ratio(model, case, measures)
     if model.globalisation > 1:
         globalised += _distance(*(sector_measures(model.plan, case, g) for g in (1, model.globalisation)))
@@ -123,8 +125,7 @@ def estimate(
     if any(share > part.kind.folds_over_from for part in model.plan.netting):
         errors = np.full(4, np.nan)
     drag, volume, radius, opening = map(float, errors)
-    suction = _change_with_suction(polished, tangent, exact[0]) if settled else float("nan")
-    return Errors(drag, volume, radius, opening, suction)
+    return Errors(drag, volume, radius, opening, with_suction)
 
 
 def sector_measures(plan: Plan, case: Case, globalisation: int) -> Measures:

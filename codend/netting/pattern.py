@@ -1,13 +1,14 @@
 """Netting between the knots: what the pattern of each band writes, and the knots, which all write alike."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from codend.net.last_made import LastMade
 from codend.netting.knots import LEFT, RIGHT, Knots
-from codend.netting.parts import Parts
+from codend.netting.parts import Layout, Parts
 from codend.netting.patterns.rhombs import add_rhombs
 from codend.netting.patterns.squares import add_squares
 
@@ -18,11 +19,27 @@ PATTERNS: Final[dict[str, Callable[[Parts, Knots, NDArray[np.bool_]], None]]] = 
 """Functions that write bars, facets, meshes and corners of the bands for which the last argument, (bands,), is true."""
 
 
-def parts_of(knots: Knots) -> Parts:
-    """Bars, facets, meshes and corners of all sections."""
+MOST_KNOTS: Final = 10_000
+"""Of nets whose layout is kept for others of the same counts: it takes about a kilobyte a knot."""
+_layouts: LastMade[Layout] = LastMade(4)
+
+
+def layout_of(knots: Knots) -> Layout:
+    """Bars, facets, meshes and corners of all sections; plans that differ in their sizes alone have the same."""
+    pattern = knots.lattice.of_bands(lambda section: section.kind.pattern)
+    own = {name: pattern == name for name in PATTERNS}
+    if knots.codline > MOST_KNOTS:
+        return _parts_of(knots, own).joined()
+    lattice = knots.lattice
+    arrays = (lattice.columns, lattice.staggered, knots.along, knots.across, *own.values())
+    key = (lattice.abreast, lattice.order == 1, *(array.tobytes() for array in arrays))
+    return _layouts.of(key, lambda: _parts_of(knots, own).joined())
+
+
+def _parts_of(knots: Knots, own: Mapping[str, NDArray[np.bool_]]) -> Parts:
     parts = Parts(knots.codline)
     for name, add_pattern in PATTERNS.items():
-        add_pattern(parts, knots, np.array([s.kind.pattern == name for s in knots.lattice.sections]))
+        add_pattern(parts, knots, own[name])
     _add_knots(parts, knots)
     return parts
 
