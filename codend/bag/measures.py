@@ -165,7 +165,7 @@ def ring_middles(bag: Bag, positions: Floats) -> Floats:
     if bag.net.order > 1:
         return np.zeros((bag.bands + 1, 2))
     ring = np.flatnonzero(bag.node_row >= 0)
-    return np.stack([_mean_by(bag.node_row[ring], positions[ring, i], bag.bands + 1) for i in (1, 2)], axis=1)
+    return np.stack([mean_by(bag.node_row[ring], positions[ring, i], bag.bands + 1) for i in (1, 2)], axis=1)
 
 
 def ring_radii(bag: Bag, positions: Floats) -> Floats:
@@ -196,10 +196,10 @@ def folded_share(bag: Bag, positions: Floats, rows: Rows, share: Floats) -> floa
 def measure_rows(bag: Bag, problem: Problem, solution: Solution, meshes: Meshes) -> Rows:
     """Means over every row of knots."""
     ring = np.flatnonzero(bag.node_row >= 0)
-    x = _mean_by(bag.node_row[ring], solution.positions[ring, 0], bag.bands + 1)
-    r = _mean_by(bag.node_row[ring], ring_radii(bag, solution.positions), bag.bands + 1)
+    x = mean_by(bag.node_row[ring], solution.positions[ring, 0], bag.bands + 1)
+    r = mean_by(bag.node_row[ring], ring_radii(bag, solution.positions), bag.bands + 1)
     twine = bag.bar_is_twine
-    by_band = _mean_by(bag.bar_band[twine], real_tensions(bag, solution.bar_tension)[twine], bag.bands)
+    by_band = mean_by(bag.bar_band[twine], real_tensions(bag, solution.bar_tension)[twine], bag.bands)
     tension = 0.5 * (np.concatenate([by_band[:1], by_band]) + np.concatenate([by_band, by_band[-1:]]))
     filled = 0.5 * (np.concatenate([[0.0], solution.share]) + np.concatenate([solution.share, solution.share[-1:]]))
     by_water = _pressure_at(problem, -np.gradient(r), np.abs(np.gradient(x)))
@@ -207,9 +207,9 @@ def measure_rows(bag: Bag, problem: Problem, solution: Solution, meshes: Meshes)
     return Rows(
         x_m=x,
         radius_m=r,
-        opening_deg=_mean_by(bag.mesh_row, meshes.opening_deg, bag.bands + 1),
+        opening_deg=mean_by(bag.mesh_row, meshes.opening_deg, bag.bands + 1),
         bar_tension_n=tension,
-        opening_force_n=_mean_by(bag.mesh_row, meshes.opening_force_n, bag.bands + 1),
+        opening_force_n=mean_by(bag.mesh_row, meshes.opening_force_n, bag.bands + 1),
         pressure_pa=filled * (by_water + by_weight),
     )
 
@@ -272,8 +272,8 @@ def measure_briefly(bag: Bag, problem: Problem, solution: Solution) -> tuple[flo
     area, moment = np.empty(bag.bands), np.empty(bag.bands)
     band_geometry(position, problem.structure, problem.loading.catch, area, moment)
     ring = np.flatnonzero(bag.node_row >= 0)
-    x = _mean_by(bag.node_row[ring], position[ring, 0], bag.bands + 1)
-    by_row = _mean_by(bag.mesh_row, mesh_openings(bag, mesh_corners(bag, position))[0], bag.bands + 1)
+    x = mean_by(bag.node_row[ring], position[ring, 0], bag.bands + 1)
+    by_row = mean_by(bag.mesh_row, mesh_openings(bag, mesh_corners(bag, position))[0], bag.bands + 1)
     has_mesh = np.flatnonzero(np.isfinite(by_row))
     ahead = opening_rows_ahead(bag, share)
     openings = np.interp(ahead, bag.mesh_place[has_mesh], by_row[has_mesh])
@@ -330,7 +330,8 @@ def _mean_over(values: Floats, index: np.ndarray) -> Floats:
     return np.asarray((values[index] * there).sum(axis=1) / there.sum(axis=1))
 
 
-def _mean_by(group: np.ndarray, values: Floats, groups: int) -> Floats:
+def mean_by(group: np.ndarray, values: Floats, groups: int) -> Floats:
+    """Mean of the values of each group, (groups,); nan where a group has none."""
     count = np.bincount(group, minlength=groups)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(np.bincount(group, weights=values, minlength=groups) / count)

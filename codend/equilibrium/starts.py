@@ -55,6 +55,12 @@ def _from_a_sector_through_the_interior(s: Situation) -> Solution | None:
     return s.through_the_interior(s.problem, s.sector_all_round)
 
 
+def _along_the_rows(s: Situation) -> Solution | None:
+    if s.along_the_rows is None:
+        return None
+    return _later(s.through_the_interior(s.problem, s.along_the_rows), s.along_the_rows.report.solve_ms)
+
+
 def _relaxed_from_a_sector(s: Situation) -> Solution | None:
     if s.sector_all_round is None:
         return None
@@ -132,6 +138,12 @@ SMEARED = Start(
     _from_a_sector_through_the_interior,
 )
 """Ropes draw in the columns that they are laced to, and those alone: many of the bars beside them go slack."""
+ROWS = Start(
+    "the rows of a sector of nearly the ratio, through the interior",
+    lambda s: s.wide,
+    _along_the_rows,
+)
+"""Ahead of a joint much netting is slack, which no crude bag tells."""
 CRUDE = Start(
     "a crude bag",
     lambda s: True,
@@ -185,7 +197,7 @@ RIGID_SLACK = Start(
 )
 """Led to bags of square mesh, whose rings go slack, where bars that push had not."""
 
-_BY_NEWTON = (LED, A_SECTOR, SMEARED, CRUDE, MERIDIAN, STEPS, CRUDE_RELAXED, HALF_A_BAG)
+_BY_NEWTON = (LED, A_SECTOR, SMEARED, ROWS, CRUDE, MERIDIAN, STEPS, CRUDE_RELAXED, HALF_A_BAG)
 _BY_RELAXATION = (A_SECTOR_RELAXED, RELAXED_TO_THE_END)
 
 STARTS: Final[dict[str, tuple[Start, ...]]] = {
