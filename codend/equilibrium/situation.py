@@ -4,8 +4,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import numpy as np
-
 from codend.bag.near_ratio import SLOW_MESHES, near_ratios
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.start_shapes import all_round_start, along_the_rows
@@ -111,13 +109,14 @@ class Situation:
 
     @property
     def wide(self) -> bool:
-        """Whether joined sections make the model so wide that a sector of nearly their ratio costs nothing beside it."""
+        """Whether joined sections make the model so wide that a sector of nearly their ratio costs nothing beside."""
         joined = len({section.meshes_round for section in self.plan.netting}) > 1
         return joined and not self.plan.rope and self.plan.model.bars_per_side == 1 and self._width >= SLOW_MESHES
 
     @property
-    def _width(self) -> int:
-        return int(np.bincount(np.maximum(self.model.bag.node_row, 0)).max())
+    def _width(self) -> float:
+        """Knots of the widest ring."""
+        return float(self.problem.loading.catch.row_size.max())
 
     @cached_property
     def along_the_rows(self) -> Solution | None:

@@ -17,7 +17,7 @@ LARGEST_TURN = 0.5 * math.pi
 """Turn about its axis, from entry to codline, up to which a net is not wrung, rad."""
 GATHERED = 0.25
 """Of the shortest bar: depth up to which the last mesh of a net with ropes touches itself. Ropes shorter than netting
-fold it where the codline gathers it."""
+fold it where the codline gathers it, and so does a joint that takes up several meshes in one."""
 DEEPEST = 0.1
 """Of the shortest bar; see ``touching_m``."""
 _IMPOSSIBLE = {
@@ -66,12 +66,22 @@ def passage(problem: Problem, position: Floats, gathered: bool = True) -> Refusa
     if not gathered:
         return Refusal(Outcome.PASSED_THROUGH, "a bar pierces the netting")
     band, met = catch.bar_band[bar] + 1, catch.facet_band[facet] + 1
+    if _gathered_ahead(problem, band) and _gathered_ahead(problem, met):
+        aside = GATHERED * float(np.median(problem.structure.length))
+        if first_pierced(position, *_sheet(problem), aside)[0] < 0:
+            return None
     if problem.structure.is_rope.any() and min(band, met) >= problem.bands - 1:
         deeper = GATHERED * float(problem.structure.length.min())
         ahead = first_pierced(position, *_sheet(problem, 2), touching)[0]
         if ahead < 0 and first_pierced(position, *_sheet(problem), deeper)[0] < 0:
             return None
     return Refusal(Outcome.PASSED_THROUGH, f"a bar of band {band} pierces band {met} of {problem.bands}")
+
+
+def _gathered_ahead(problem: Problem, band: int) -> bool:
+    """Whether a band, counted from 1, lies in the mesh ahead of a row that takes up two or more of its knots in one."""
+    sizes = problem.loading.catch.row_size
+    return any(row < problem.bands and 2.0 * sizes[row] <= sizes[band - 1] for row in (band, band + 1))
 
 
 def layers_touch(problem: Problem, position: Floats) -> bool:

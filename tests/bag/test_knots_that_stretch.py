@@ -17,14 +17,14 @@ ANSWER = {
     "length_m": [11.67769, 10.44678],
     "max_radius_m": [1.875798, 1.930651],
 }
-"""Of the public program for knotted elastic codends, which is axisymmetric: its rings are circles, on which the pressure
+"""Of the public program for knotted elastic codends, which is axisymmetric: its rings are circles, on which pressure
 acts and whose cones hold the catch. A model of bars with such rings agrees to 1e-5."""
 SOFT = {"knot_mm": 8.0, "axial_stiffness_n": 300.0, "knot_axial_stiffness_n": 150.0}
 
 
 @pytest.mark.parametrize("fidelity", ["meridian", "sector", "auto"])
 def test_the_public_programs_example_is_met(fidelity):
-    """A sector's rings are polygons of 100 sides: at one radius their area is 0.066 % less, and so are drag and volume."""
+    """A sector's rings are polygons of 100 sides: their area, and so drag and volume, is 0.066 % less at one radius."""
     table = solve(load_plan(PLAN, [f'model.fidelity="{fidelity}"'])).table
     for quantity, answer in ANSWER.items():
         assert table[quantity].to_numpy() == pytest.approx(answer, rel=1e-3)
