@@ -6,11 +6,8 @@ fore ones and the two aft ones when the knot lies along the netting (T0), the tw
 it lies across (T90). Bars, facets and meshes are written once, in ports.
 
 Where two sections meet, the knots of the row are those of the section with fewer meshes round. The other one's are
-laced to them in the ratio of the two counts, so that some of its knots share one: its twines end there, or its first
+laced to them in the ratio of the two counts, so that some of its knots share one: its twines end there, or its last
 knots if they lie along the netting.
-
-Netting begins with a row of knots, which the entry or the section ahead holds, and ends in twines, which the codline
-or the section behind gathers (the order of Priour's axisymmetric codends of hexagonal mesh: Ocean Engineering, 2014).
 """
 
 from dataclasses import dataclass
@@ -30,13 +27,13 @@ class Knots:
 
     lattice: Lattice
     along: NDArray[np.bool_]
-    """Whether the knots of a row lie along the netting: they have nodes of their own for the twines behind."""
+    """Whether the knots of a row lie along the netting: they have nodes of their own for the twines ahead."""
     across: NDArray[np.bool_]
     """Whether they lie across: they have one node to the left and one to the right."""
+    fore_start: Counts
+    """First of a row's nodes where the twines ahead end, the ring itself but for knots that lie along."""
     start: Counts
-    """First node of a row's ring, where the twines ahead end."""
-    aft_start: Counts
-    """First of a row's nodes where the twines behind start, of knots that lie along."""
+    """First node of a row's ring."""
 
     @property
     def codline(self) -> int:
@@ -51,31 +48,32 @@ class Knots:
 
     def fore(self, side: int, row: Counts, counted: Counts) -> Corner:
         """Nodes in which the twines of the band ahead end; its columns are counted on all round."""
-        return self.ring(side, row, counted, self.lattice.columns[row - 1])
-
-    def aft(self, side: int, row: Counts, counted: Counts) -> Corner:
-        """Nodes from which the twines of the band behind start; its columns are counted on all round."""
-        columns = self.lattice.columns[row]
+        columns = self.lattice.columns[row - 1]
         ring = self.ring(side, row, counted, columns)
         number, image = self.lattice.numbered(counted, columns)
         own = self.along[row]
-        return Corner(np.where(own, self.aft_start[row] + number, ring.node), np.where(own, image, ring.image))
+        return Corner(np.where(own, self.fore_start[row] + number, ring.node), np.where(own, image, ring.image))
+
+    def aft(self, side: int, row: Counts, counted: Counts) -> Corner:
+        """Nodes from which the twines of the band behind start; its columns are counted on all round."""
+        return self.ring(side, row, counted, self.lattice.columns[row])
 
 
 def knots_of(lattice: Lattice) -> Knots:
     """Number the knots of a net.
 
-    The knot of a row belongs to the band behind it; the codline has none. Where the counts of two sections differ, or
-    square mesh lies ahead, the row is laced at points: its knots cannot lie across.
+    The knot of a row belongs to the band ahead of it; the entry's own row has knots only where they lie across, and
+    the codline gathers those. Where the counts of two sections differ, or square mesh follows, the row is laced at
+    points: its knots cannot lie across.
     """
-    along = np.array([*(s.knot_along_m > 0.0 for s in lattice.sections), False])
+    along = np.array([False, *(s.knot_along_m > 0.0 for s in lattice.sections)])
     lie_across = np.array([s.knot_across_m > 0.0 for s in lattice.sections])
-    plain = (lattice.columns[:-1] == lattice.columns[1:]) & lattice.staggered[:-1]
-    across = np.concatenate([lie_across[:1], lie_across[1:] & plain, [False]])
-    in_ring = lattice.knots * (1 + across)
-    nodes = in_ring + along * np.append(lattice.columns, 0)
-    start = np.cumsum(nodes) - nodes
-    return Knots(lattice, along, across, start, start + in_ring)
+    plain = (lattice.columns[:-1] == lattice.columns[1:]) & lattice.staggered[1:]
+    across = np.concatenate([lie_across[:1], lie_across[:-1] & plain, [False]])
+    fore_nodes = along * np.concatenate([[0], lattice.columns])
+    nodes = fore_nodes + lattice.knots * (1 + across)
+    fore_start = np.cumsum(nodes) - nodes
+    return Knots(lattice, along, across, fore_start, fore_start + fore_nodes)
 
 
 def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
@@ -89,7 +87,8 @@ def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
 
     # the band whose columns a row's knots are
     rows = np.arange(lattice.bands)
-    owner = np.where(lattice.columns == lattice.knots[:-1], rows, rows - 1)
+    ahead = np.maximum(rows - 1, 0)
+    owner = np.where(lattice.columns[ahead] == lattice.knots[:-1], ahead, rows)
     row, knot = lattice.rings(rows)
     azimuth = _azimuth(lattice, owner[row], knot, row)
     half_knot = np.where(knots.across[row], 0.5 * knot_m[owner[row]], 0.0)
@@ -102,16 +101,17 @@ def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
     positions[knots.codline] = (shape.x[-1], 0.0, 0.0)
     node_row[knots.codline] = lattice.bands
 
-    row, column = lattice.places(np.flatnonzero(knots.along[:-1]))
-    azimuth = _azimuth(lattice, row, column, row)
-    # knots that share a node of the ring lie beside each other, behind it
-    shares = lattice.knots[row] < lattice.columns[row]
-    shared = row[shares]
-    laced = taken_up(column[shares], lattice.columns[shared], lattice.knots[shared])
-    middle = _azimuth(lattice, owner[shared], laced, shared)
-    reach = 0.5 * knot_m[shared] / shape.radius[shared]
+    band, column = lattice.places(np.flatnonzero(knots.along[1:]))
+    row = band + 1
+    azimuth = _azimuth(lattice, band, column, row)
+    # knots that share a node of the ring lie beside each other, ahead of it
+    shares = (row < lattice.bands) & (lattice.knots[row] < lattice.columns[band])
+    band_shared, row_shared = band[shares], row[shares]
+    laced = taken_up(column[shares], lattice.columns[band_shared], lattice.knots[row_shared])
+    middle = _azimuth(lattice, owner[row_shared], laced, row_shared)
+    reach = 0.5 * knot_m[band_shared] / shape.radius[row_shared]
     azimuth[shares] = middle + np.clip(azimuth[shares] - middle, -reach, reach)
-    positions[knots.aft(LEFT, row, column).node] = shape.placed(row, azimuth, knot_share[row])
+    positions[knots.fore(LEFT, row, column).node] = shape.placed(row, azimuth, knot_share[band])
     return positions, node_row
 
 

@@ -102,11 +102,11 @@ class RowShape:
     radius: Floats
     azimuth_rad: float
 
-    def placed(self, row: NDArray, azimuth: Floats, aft: Floats | float = 0.0) -> Floats:
-        """Points at the azimuth (rad), a fraction ``aft`` of the band behind the row on towards the next one."""
-        behind = np.minimum(row + 1, len(self.x) - 1)
-        x = (1.0 - aft) * self.x[row] + aft * self.x[behind]
-        radius = (1.0 - aft) * self.radius[row] + aft * self.radius[behind]
+    def placed(self, row: NDArray, azimuth: Floats, ahead: Floats | float = 0.0) -> Floats:
+        """Points at the azimuth (rad), a fraction ``ahead`` of the band back from the row towards the one before."""
+        before = np.maximum(row - 1, 0)
+        x = (1.0 - ahead) * self.x[row] + ahead * self.x[before]
+        radius = (1.0 - ahead) * self.radius[row] + ahead * self.radius[before]
         angle = azimuth + self.azimuth_rad
         return np.stack([x, radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
 
