@@ -8,7 +8,7 @@ The section is a superellipse |x / a|^n + |y / b|^n = 1, an ellipse for n = 2, w
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Generic, Literal, TypeVar
+from typing import Annotated, Any, Generic, Literal, TypeVar
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, MinLen
@@ -53,12 +53,15 @@ class Section(_Table):
     """The largest section that has to pass, of a fish of length 1."""
 
     height_per_length: Ratio
+    """Height of the largest section that has to pass, over the length of the fish."""
     width_per_length: Ratio
+    """Width of the same."""
     exponent: Sourced[Annotated[Number, Ge(1.2), Le(20)]] | None = None
     """Of the superellipse; left out, the section is an ellipse, 2."""
     height_compression: Share
     """Share of the height that gives way in the mesh."""
     width_compression: Share
+    """Share of the width that gives way in the mesh."""
 
 
 class Spreads(_Table):
@@ -100,6 +103,7 @@ class Along(_Table):
     weight: Annotated[tuple[Annotated[Number, Ge(0)], ...], MinLen(1)]
     """Attempts there, relative; open meshes of a row share them."""
     source: Text
+    """Where the distribution comes from."""
 
 
 class Zone(_Table):
@@ -113,7 +117,9 @@ class Zone(_Table):
     panel: Text | None = None
     """None: all panels of the section."""
     contact: Sourced[Annotated[Number, Ge(0), Le(1)]]
+    """Probability that a fish on its way tries a mesh there at all."""
     attempts: Sourced[Annotated[Number, Gt(0), Le(1000)]]
+    """Meshes that such a fish comes to there."""
 
     def holds(self, section: str, panel: str) -> bool:
         """Whether a part of the codend is of the zone."""
@@ -133,8 +139,11 @@ class LengthClasses(_Table):
     """Lengths for which retention is tabled."""
 
     from_cm: Annotated[Number, Gt(0), Le(500)]
+    """Shortest."""
     to_cm: Annotated[Number, Gt(0), Le(500)]
+    """Longest."""
     step_cm: Annotated[Number, Gt(0), Le(50)]
+    """From one to the next."""
 
 
 DEFAULTS = {
@@ -162,6 +171,10 @@ class Species(_Table):
     along: Along | None = None
     """None: evenly over ``behaviour.rows_ahead`` rows."""
     zone: tuple[Zone, ...] = ()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled as plain tables: classes made of ``Sourced`` with bounds have no name they could be found by."""
+        return Species.model_validate, (self.model_dump(exclude_unset=True),)
 
     def number(self, parameter: str) -> Sourced[float] | None:
         """A number by its dotted name, with its source; None where the species leaves it out."""

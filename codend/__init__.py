@@ -3,6 +3,9 @@
 >>> plan = codend.load_plan("plan.toml")
 >>> study = codend.solve(plan)
 >>> study.table
+>>> study.plot("opening")
+>>> codend.selectivity(study, "haddock.toml")
+>>> codend.fit("hauls.csv", "covered").answers[0].estimates
 
 A net that is no codend, from its nodes and bars:
 
@@ -18,10 +21,11 @@ if TYPE_CHECKING:
     from codend.mechanics.problem import Problem
     from codend.net.net import Net
     from codend.plan.plan import Plan, load_plan
+    from codend.public import Study, solve
+    from codend.selectivity.fits.analysis import fit_field_data as fit
     from codend.solvers.solve import find_equilibrium
     from codend.studies.many import sweep
     from codend.studies.opening_force import pull_mesh
-    from codend.studies.study import Study, solve
 
 __all__ = [
     "InputError",
@@ -30,6 +34,7 @@ __all__ = [
     "Problem",
     "Study",
     "find_equilibrium",
+    "fit",
     "load_plan",
     "pull_mesh",
     "solve",
@@ -41,19 +46,23 @@ _HOME = {
     "Net": "codend.net.net",
     "Plan": "codend.plan.plan",
     "Problem": "codend.mechanics.problem",
-    "Study": "codend.studies.study",
+    "Study": "codend.public",
     "find_equilibrium": "codend.solvers.solve",
+    "fit_field_data": "codend.selectivity.fits.analysis",
     "load_plan": "codend.plan.plan",
     "pull_mesh": "codend.studies.opening_force",
-    "solve": "codend.studies.study",
+    "solve": "codend.public",
     "sweep": "codend.studies.many",
 }
+_OTHER_NAMES = {"fit": "fit_field_data"}
+_ROOMS = {"panel": "codend.scenes.panel", "selectivity": "codend.selectivity"}
 
 
 def __getattr__(name: str) -> Any:
     """Import public names where they are first used: the compiled and table libraries take their time."""
-    if name in _HOME:
-        return getattr(import_module(_HOME[name]), name)
-    if name == "panel":
-        return import_module("codend.scenes.panel")
+    if name in _ROOMS:
+        return import_module(_ROOMS[name])
+    name_there = _OTHER_NAMES.get(name, name)
+    if name_there in _HOME:
+        return getattr(import_module(_HOME[name_there]), name_there)
     raise AttributeError(f"module 'codend' has no attribute '{name}'")

@@ -12,7 +12,10 @@ import pytest
 from tests import ROOT
 
 DATA = (
+    "codend/guide/codend.png",
+    "codend/guide/columns.toml",
     "codend/guide/glossary.md",
+    "codend/guide/plan-keys.md",
     "codend/py.typed",
     "codend/report/report.html",
     "catch_models/py.typed",

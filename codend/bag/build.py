@@ -48,6 +48,7 @@ def build_bag(
             stiffness has no place in the model.
     """
     _check_bending(plan)
+    _check_panels(plan)
     lattice = _lattice_of(plan, globalisation, sectors, smeared, near)
     x, radius = rows if rows is not None else crude_rows(plan, globalisation)
     shape = RowShape(x, np.concatenate([[plan.entry_radius_m], radius[1:-1], [0.0]]), azimuth_rad)
@@ -96,6 +97,20 @@ def _check_bending(plan: Plan) -> None:
         return
     value = stiff[0].bending_stiffness_n_m2
     raise InputError(file=plan.source, key="netting.bending_stiffness_n_m2", value=value, allowed=allowed)
+
+
+def _check_panels(plan: Plan) -> None:
+    """Refuse what of panels and windows is not modelled yet."""
+    for index, section in enumerate(plan.netting):
+        if section.tapers:
+            key = "meshes_round_aft" if section.meshes_round_aft is not None else "cut"
+            allowed = "left out: sections that taper are drawn, but not modelled yet"
+            raise InputError(plan.source, f"netting.{index}.{key}", getattr(section, key), allowed)
+        if section.selvedge_meshes:
+            allowed = "0: selvedges are drawn, but not modelled yet"
+            raise InputError(plan.source, f"netting.{index}.selvedge_meshes", section.selvedge_meshes, allowed)
+    if plan.window:
+        raise InputError(plan.source, "window.0", None, "left out: windows are drawn, but not modelled yet")
 
 
 def rows_of(plan: Plan, globalisation: int = 1) -> list[Netting]:

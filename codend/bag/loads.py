@@ -63,6 +63,9 @@ def pressure_law_of(plan: Plan) -> PressureLaw:
     """
     if plan.catch.pressure == "uniform":
         return uniform_law(plan.catch.coefficient)
+    if plan.catch.sphere_cp is not None:
+        theta_deg, cp = np.array(plan.catch.sphere_cp).T
+        return sphere_law_through(theta_deg, cp)
     if plan.sphere_cp_path is None:
         return sphere_law()
     return _law_of_curve(plan.sphere_cp_path)

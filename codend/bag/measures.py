@@ -10,13 +10,14 @@ import numpy as np
 from catch_models.filling import enclosed_volume
 from catch_models.pressure import PressureLaw
 from codend.bag.bag import Bag, mesh_corners, real_tensions
-from codend.bag.supports import held_by_the_entry, loads_and_supports, sideways_imbalance
+from codend.bag.supports import held_by_the_entry, sideways_imbalance
 from codend.mechanics import catch_weight, drag, pressure
 from codend.mechanics.catch_front import band_geometry
 from codend.mechanics.crossing import band_turns
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, rotate
 from codend.solvers.outcome import Solution
+from codend.solvers.reactions import loads_and_supports
 
 WANTED_OPENING_DEG = 30.0
 """Opening to which the opening force brings a mesh (Le Bris et al. 1999, figure 11)."""

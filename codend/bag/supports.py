@@ -8,11 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.bag.bag import Bag
-from codend.mechanics import bars
-from codend.mechanics.loads import add_force
-from codend.mechanics.problem import Problem
 from codend.net.net import Floats
-from codend.solvers.outcome import Solution
 
 
 def held_by_the_entry(bag: Bag) -> NDArray[np.bool_]:
@@ -20,21 +16,6 @@ def held_by_the_entry(bag: Bag) -> NDArray[np.bool_]:
     held = bag.net.fixed.all(axis=1) & (bag.node_row == 0)
     held[len(held) - bag.anchors :] = True
     return np.asarray(held)
-
-
-def loads_and_supports(problem: Problem, solution: Solution) -> tuple[Floats, Floats]:
-    """Loads on the nodes, the twine's bending among them, and what it takes to hold each node so, N, each (n, 3).
-
-    The latter is what a support carries, and at a free node what the solver leaves out of balance.
-    """
-    position, structure = np.ascontiguousarray(solution.positions), problem.structure
-    load, length = np.zeros_like(position), np.empty(len(problem.net.bars))
-    add_force(position, structure, problem.loading, solution.share, load)
-    bars.bar_lengths(position, structure, length)
-    density = np.divide(solution.bar_tension, length, out=np.zeros_like(length), where=length > 0.0)
-    total = load.copy()
-    bars.add_bar_forces(position, structure, density, total)
-    return load, -total
 
 
 def sideways_imbalance(bag: Bag, positions: Floats, load: Floats, support: Floats) -> float:

@@ -37,10 +37,16 @@ shortening = 0.15              # of the stretched netting
 diameter_mm = 24.0
 axial_stiffness_n = 5e5        # left out: inextensible
 """
-_OPEN = "meshes_round = {round}              # open meshes all round, those in selvedges left out\nmeshes_long = 50\n"
+_OPEN = "meshes_round = {round}             # all round\nmeshes_long = 50\n"
+_PANELS = """\
+panels = 2                     # sewn together: upper and lower
+selvedge_meshes = 3            # of each edge of a panel, taken up: 100 - 2 x 2 x 3 = 88 stay open
+# cut = "1N2B"                 # of the side edges, where a section tapers; or meshes_round_aft
+"""
 TEMPLATES = dict(
     t0=_HEAD + 'mesh = "diamond"\n' + _OPEN.format(round=100) + _TWINE + _CATCH,
     t90=_HEAD + 'mesh = "t90"\n' + _OPEN.format(round=50) + _TWINE + _CATCH,
+    panels=_HEAD + 'mesh = "diamond"\n' + _OPEN.format(round=100) + _PANELS + _TWINE + _ROPES + _CATCH,
     ropes=_HEAD + 'mesh = "diamond"\n' + _OPEN.format(round=100) + _TWINE + _ROPES + _CATCH,
 )
 
@@ -53,18 +59,23 @@ def net_plan() -> None:
 @net_plan.command()
 @click.argument("plan", metavar="PLAN.toml")
 @click.option("--out", "path", required=True, type=click.Path(path_type=Path), help="SVG file to write.")
+@click.option("--limits", metavar="FILE.toml", help="Limits to hold the plan to: [[limit]] tables, each with a source.")
 @set_option
-def show(plan: str, path: Path, changes: tuple[str, ...]) -> int:
-    """Draw the net plan to scale: sections, twine, ropes, straps, joins, and what twine they take."""
+def show(plan: str, path: Path, limits: str | None, changes: tuple[str, ...]) -> int:
+    """Draw the net plan to scale: panels, cuts, selvedges, windows, twine, ropes, straps, joins, and what they take."""
     from codend.io.files import write_text
+    from codend.plan.limits import held_to
     from codend.plan.plan import load_plan
     from codend.report.net_plan import plan_svg
     from codend.report.size_words import size_sentences
 
     checked = load_plan(plan, changes)
-    write_text(plan_svg(checked), path)
+    findings = [] if limits is None else held_to(checked, limits)
+    write_text(plan_svg(checked, findings), path)
     for sentence in size_sentences(checked):
         click.echo(sentence)
+    for finding in findings:
+        click.echo(finding.words)
     click.echo(f"written: {path}")
     return 0
 
@@ -72,6 +83,6 @@ def show(plan: str, path: Path, changes: tuple[str, ...]) -> int:
 @net_plan.command()
 @click.option("--kind", type=click.Choice(list(TEMPLATES)), default="t0", show_default=True, help="Which template.")
 def new(kind: str) -> int:
-    """Print a commented template: of diamond netting, of T90, or with two lastridge ropes."""
+    """Print a commented template: of diamond netting, of T90, of two panels with ropes, or of ropes on a tube."""
     click.echo(TEMPLATES[kind], nl=False)
     return 0

@@ -1,4 +1,4 @@
-"""The command ``codend scene``: ropes, weights and floats that are towed, at rest and in motion."""
+"""The command ``codend scene``: ropes, netting, weights and floats that are towed, at rest and in motion."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from codend.scenes.build import BuiltScene
     from codend.scenes.measures import SceneResult
 
-FILES = ("results.csv", "ropes.csv", "points.csv", "scene.png", "report.html", "motion.png", "motion.gif", "net.pvd")
+TABLES = ("results.csv", "ropes.csv", "netting.csv", "points.csv")
+FILES = (*TABLES, "scene.png", "report.html", "motion.png", "motion.gif", "net.pvd")
 GOES_ON = "motion_state.npz"
 """What a motion goes on from; there until it has ended."""
 TABLE = {
@@ -22,6 +23,14 @@ TABLE = {
     "slack_share": "slack",
     "deepest_m": "deepest m",
 }
+NETTING_TABLE = {
+    "name": "netting",
+    "drag_n": "drag N",
+    "lift_n": "lift N",
+    "max_bar_tension_n": "largest in a bar N",
+    "opening_deg": "opening deg",
+    "deepest_m": "deepest m",
+}
 
 
 @click.command(cls=SeveralPairs)
@@ -29,11 +38,11 @@ TABLE = {
 @out_option
 @set_option
 def scene(scene: str, folder: Path, changes: tuple[str, ...]) -> int:
-    """Equilibrium of towed or moored ropes with weights, floats and doors, and their motion in time.
+    """Equilibrium of towed or moored ropes and netting with weights, floats and doors, and their motion in time.
 
-    Writes results.csv, ropes.csv, points.csv, a figure, net_<n>.vtu and a report into DIR; of a scene with a table
-    [time] also motion.csv, its figure and film, and net.pvd. A motion that was killed goes on from its last output
-    when the same command is given again.
+    Writes results.csv, ropes.csv, netting.csv, points.csv, a figure, net_<n>.vtu and a report into DIR; of a scene
+    with a table [time] also motion.csv, its figure and film, and net.pvd. A motion that was killed goes on from its
+    last output when the same command is given again.
     """
     from codend.scenes.scene import load_scene
 
@@ -51,6 +60,7 @@ def scene(scene: str, folder: Path, changes: tuple[str, ...]) -> int:
     from codend.scenes.build import build
     from codend.scenes.follow import outputs
     from codend.scenes.measures import cautions, point_rows, result_row, rope_rows, solve_scene
+    from codend.scenes.netting_measures import netting_rows
 
     built = build(checked)
     found = solve_scene(built)
@@ -66,11 +76,15 @@ def scene(scene: str, folder: Path, changes: tuple[str, ...]) -> int:
             if found.converged:
                 tension = found.solution.bar_tension
                 write_bars(found.solution.positions, built.problem.net.bars, folder / "net_1.vtu", tension_n=tension)
+        netting = netting_rows(built, found.solution.positions, found.solution.bar_tension)
         tables = {
             "results.csv": pd.DataFrame([result_row(found)]),
             "ropes.csv": ropes,
+            "netting.csv": pd.DataFrame(netting),
             "points.csv": pd.DataFrame(point_rows(found)),
         }
+        titles = {"results.csv": "Equilibrium", "ropes.csv": "Ropes", "netting.csv": "Netting", "points.csv": "Points"}
+        tables = {name: table for name, table in tables.items() if len(table)}
         for name, table in tables.items():
             write_table(table, folder / name)
         figures = []
@@ -86,13 +100,14 @@ def scene(scene: str, folder: Path, changes: tuple[str, ...]) -> int:
             times = [number * checked.time.output_s for number in range(len(names))]
             write_series(names, times, folder / "net.pvd")
             write_bytes(film(built, [folder / name for name in names], times), folder / "motion.gif")
-        titles = ("Equilibrium", "Ropes", "Points")
-        page = scene_page(checked, list(zip(titles, tables.values(), strict=True)), figures, notes)
+        page = scene_page(checked, [(titles[name], table) for name, table in tables.items()], figures, notes)
         write_text(page, folder / "report.html")
         (folder / GOES_ON).unlink(missing_ok=True)
-    shown = [column for column in (*TABLE, "peak_tension_n", "peak_time_s") if column in ropes]
-    heads = [TABLE.get(column, column) for column in shown]
-    click.echo(text_table(heads, ropes[shown].itertuples(index=False, name=None)))
+    for table, heads in ((ropes, TABLE), (pd.DataFrame(netting), NETTING_TABLE)):
+        shown = [column for column in (*heads, "peak_tension_n", "peak_time_s") if column in table]
+        if shown:
+            words = [heads.get(column, column) for column in shown]
+            click.echo(text_table(words, table[shown].itertuples(index=False, name=None)))
     for note in notes:
         click.echo(note)
     return 0 if found.converged else NOT_CONVERGED
@@ -150,6 +165,9 @@ def _move(built: "BuiltScene", found: "SceneResult", folder: Path):  # type: ign
     notes = []
     if unsettled := int(frame.state["clock"][2]):
         notes.append(f"In {unsettled} steps it was not settled which bars are slack: take a smaller time.step_s.")
+    if passages := int(frame.passages[0]):
+        seen = f"at {passages} of {last} outputs, first at {frame.passages[1]:g} s"
+        notes.append(f"Netting has passed through itself or a rope, which nothing in a motion prevents: {seen}.")
     return frame.peaks, notes
 
 

@@ -20,7 +20,7 @@ MOST_MB: Final = 2000
 """Of a table of a run: a case of a net of 100 000 knots is 15 MB of ``meshes.csv``."""
 WORDS: Final[dict[str, dict[str, object]]] = {
     "converged": {"True": True, "False": False, "TRUE": True, "FALSE": False},
-    "fidelity": {name: name for name in ("meridian", "sector", "globalised", "full")},
+    "fidelity": {name: name for name in ("meridian", "smeared", "sector", "globalised", "full")},
     "stable": {name: name for name in ("yes", "no", "unknown")},
     "folds": {name: name for name in ("yes", "no")},
 }

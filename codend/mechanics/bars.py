@@ -66,6 +66,16 @@ def bar_lengths(position: Floats, structure: Structure, length: Floats) -> None:
 
 
 @njit(cache=True)
+def bar_products(position: Floats, move: Floats, structure: Structure, product: Floats) -> None:
+    """Write the scalar product of every bar with the move of its second end against its first, m2, (m,)."""
+    firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
+    for bar in range(len(firsts)):
+        dx, dy, dz = bar_vector(position, firsts[bar], seconds[bar], images[bar], rotations)
+        vx, vy, vz = bar_vector(move, firsts[bar], seconds[bar], images[bar], rotations)
+        product[bar] = dx * vx + dy * vy + dz * vz
+
+
+@njit(cache=True)
 def length_error(structure: Structure, length: Floats, density: Floats) -> float:
     """Largest departure from the law of the twine, relative to the bar's length.
 

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics import bending, catch_weight, drag, points, pressure, seabed
+from codend.mechanics import bending, catch_weight, contact, drag, points, pressure, seabed
+from codend.mechanics.contact import Contact
 from codend.mechanics.points import Points
 from codend.mechanics.pressure import Catch
 from codend.mechanics.seabed import Seabed
@@ -27,6 +28,8 @@ class Loading(NamedTuple):
     points: Points
     catch: Catch
     seabed: Seabed
+    contact: Contact
+    """What lies near what: a solver looks again as the net moves (``solvers.contact``)."""
 
 
 @njit(cache=True)
@@ -50,6 +53,7 @@ def add_moving_force(
     pressure.add_force(position, structure, loading.catch, share, force)
     catch_weight.add_force(position, structure, loading.catch, share, force)
     seabed.add_force(position, loading.seabed, force)
+    contact.add_force(position, loading.contact, force)
 
 
 @njit(cache=True)
@@ -63,6 +67,7 @@ def add_tangent(
     pressure.add_tangent(position, structure, loading.catch, pattern, share, blocks)
     catch_weight.add_tangent(position, structure, loading.catch, pattern, share, blocks)
     seabed.add_tangent(position, loading.seabed, pattern, blocks)
+    contact.add_tangent(position, loading.contact, pattern, blocks)
 
 
 @njit(cache=True)
@@ -75,3 +80,4 @@ def add_bound(position: Floats, structure: Structure, loading: Loading, share: F
     pressure.add_bound(position, structure, loading.catch, share, bound)
     catch_weight.add_bound(position, structure, loading.catch, share, bound)
     seabed.add_bound(position, loading.seabed, bound)
+    contact.add_bound(position, loading.contact, bound)

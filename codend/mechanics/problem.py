@@ -1,15 +1,18 @@
 """A net under loads: what a solver is given, and all it knows."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from codend.mechanics.contact import no_contact
 from codend.mechanics.loads import Loading
 from codend.mechanics.points import points_of
 from codend.mechanics.pressure import FILLED_MESHES, Catch
 from codend.mechanics.rings import Rings, rings_of
 from codend.mechanics.seabed import Seabed, no_seabed
 from codend.mechanics.structure import Structure, structure_of
+from codend.mechanics.surface import ContactLaw, Surface
 from codend.mechanics.water import Water, uniform_flow
 from codend.mechanics.weight import wet_weight
 from codend.net.net import Floats, Net
@@ -24,11 +27,26 @@ class Problem:
     loading: Loading
     rings: Rings
     """Rings of knots in the order in which the net was built, wherever it starts."""
+    surface: Surface | None = None
+    """What nothing may pass through; None where contact is left out."""
 
     @property
     def bands(self) -> int:
         """Bands of the net that a catch may fill."""
         return len(self.loading.catch.band_meshes)
+
+    def touching_at(self, position: Floats) -> "Problem":
+        """The problem with what is near what in a shape; itself where it has no contact."""
+        if self.surface is None:
+            return self
+        return replace(self, loading=self.loading._replace(contact=self.surface.near(position)))
+
+    def cannot_strain(self, positions: Floats) -> NDArray[np.bool_]:
+        """Bars that no move of what is free makes longer, held lengthwise at both ends, (m,)."""
+        net = self.net
+        along = positions[net.bars[:, 1]] - positions[net.bars[:, 0]]
+        free = ~net.fixed[net.bars].all(axis=1)
+        return np.asarray((net.bar_image == 0) & (np.abs(along * free).max(axis=1) <= 1e-9 * net.bar_length))
 
     @classmethod
     def of(
@@ -40,6 +58,7 @@ class Problem:
         weight: bool = True,
         catch: Catch | None = None,
         seabed: Seabed | None = None,
+        contact: ContactLaw | None = None,
     ) -> "Problem":
         """A net under its own loads.
 
@@ -50,14 +69,18 @@ class Problem:
             weight: whether bars and points have their weight in water.
             catch: what presses on the facets; nothing by default.
             seabed: what carries the nodes that lie on it; none by default.
+            contact: how facets and bars of the net press on each other, without friction; not at all by default.
         """
         water = uniform_flow(SEA_WATER_KG_M3, np.zeros(3)) if water is None else water
         dead = wet_weight(net, water.density) if weight else np.zeros_like(net.positions)
         if nodal_force_n is not None:
             dead = dead + nodal_force_n
         catch = no_catch(net) if catch is None else catch
-        loading = Loading(dead, water, points_of(net), catch, no_seabed() if seabed is None else seabed)
-        return cls(net, structure_of(net), loading, rings_of(net.positions, loading.catch.node_row, net.order))
+        seabed = no_seabed() if seabed is None else seabed
+        loading = Loading(dead, water, points_of(net), catch, seabed, no_contact())
+        rings = rings_of(net.positions, loading.catch.node_row, net.order)
+        surface = None if contact is None else Surface.of(net, contact)
+        return cls(net, structure_of(net), loading, rings, surface)
 
 
 SEA_WATER_KG_M3 = 1025.0

@@ -272,8 +272,8 @@ def relax(
     energy, last_energy, energy_before = 0.0, 0.0, 0.0
     keep, push, back = 1.0, 1.0, 0.0
     at_rest = True
-    # stiff twine is too stiff a load to stand still for long
-    interval = REFRESH if len(structure.corner_rest) == 0 else 1
+    # stiff twine and contact are too stiff loads to stand still for long
+    interval = REFRESH if len(structure.corner_rest) == 0 and len(loading.contact.kind) == 0 else 1
     longest = LONGEST_MOVE * structure.length.mean()
     last_x, last_force = state[:, X : X + 3].copy(), work.force.copy()
     while True:

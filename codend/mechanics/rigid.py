@@ -155,7 +155,9 @@ def tension_system(pattern: RigidPattern, gradient: Floats, inverse: Floats, tau
                     entries[slots[pair]] += u * gradient[r, 0] + v * gradient[r, 1] + w * gradient[r, 2]
                 pair += 1
     for bar in range(len(diagonal)):
-        entries[diagonal[bar]] *= 1.0 + SLIGHT_GIVE
+        entry = entries[diagonal[bar]]
+        # a bar between supports that hold it along itself carries nothing that could be told
+        entries[diagonal[bar]] = entry * (1.0 + SLIGHT_GIVE) if entry > 0.0 else 1.0
 
 
 @njit(cache=True)

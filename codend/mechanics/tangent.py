@@ -28,19 +28,25 @@ class Pattern(NamedTuple):
     """Blocks of the corners of a facet, (f, 3, 3)."""
     corner_slot: Ints
     """Blocks of the three nodes of a corner that resists opening, (c, 3, 3)."""
+    contact_slot: Ints
+    """Blocks of the four nodes of two parts near each other, (k, 4, 4)."""
     diagonal: Ints
     """Blocks of the nodes with themselves, (n,)."""
     image: Ints
     """Sectors by which the column's node is turned against the row's, 0 where those blocks are added up, (blocks,)."""
 
 
-def pattern_of(structure: Structure, by_image: bool = False) -> Pattern:
+NOTHING_NEAR = np.zeros((0, 4), dtype=np.int32), np.zeros((0, 4), dtype=np.int32)
+
+
+def pattern_of(structure: Structure, by_image: bool = False, near: tuple[Ints, Ints] = NOTHING_NEAR) -> Pattern:
     """Blocks of a net's tangent: those of all images of a node added up, or kept apart ``by_image``.
 
-    Added up they are the tangent for moves that are the same in all sectors, each in its own axes.
+    Added up they are the tangent for moves that are the same in all sectors, each in its own axes. ``near`` are nodes
+    and images of the parts between which contact acts, (k, 4) each.
     """
     nodes = len(structure.free)
-    reach = len(structure.rotations) - 1 if by_image else 0
+    reach = max(len(structure.rotations) - 1, 2 * int(np.abs(near[1]).max(initial=0))) if by_image else 0
 
     def paired(node: Ints, image: Ints) -> NDArray[np.int64]:
         """Keys of all pairs of the nodes (p, k) that a load joins, (p, k, k)."""
@@ -55,19 +61,21 @@ def pattern_of(structure: Structure, by_image: bool = False) -> Pattern:
         paired(bars, bar_images),
         paired(structure.facets, structure.facet_image),
         paired(structure.corners, structure.corner_image),
+        paired(*near),
         paired(own, np.zeros_like(own)),
     )
     pairs = [part.ravel() for part in parts]
     keys, place = np.unique(np.concatenate(pairs), return_inverse=True)
     place = place.astype(np.int32)
-    bars_end, facets_end, corners_end = np.cumsum([part.size for part in pairs[:3]])
+    bars_end, facets_end, corners_end, near_end = np.cumsum([part.size for part in pairs[:4]])
     return Pattern(
         row=(keys // (nodes * (2 * reach + 1))).astype(np.int32),
         column=(keys % nodes).astype(np.int32),
         bar_slot=np.ascontiguousarray(place[:bars_end].reshape(-1, 4)),
         facet_slot=np.ascontiguousarray(place[bars_end:facets_end].reshape(-1, 3, 3)),
         corner_slot=np.ascontiguousarray(place[facets_end:corners_end].reshape(-1, 3, 3)),
-        diagonal=np.ascontiguousarray(place[corners_end:]),
+        contact_slot=np.ascontiguousarray(place[corners_end:near_end].reshape(-1, 4, 4)),
+        diagonal=np.ascontiguousarray(place[near_end:]),
         image=(keys // nodes % (2 * reach + 1) - reach).astype(np.int32),
     )
 

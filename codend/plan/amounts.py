@@ -18,10 +18,23 @@ class Amounts:
     netting_area_m2: float
     """Fictitious area of the stretched netting: full mesh squared times meshes round and long."""
 
+    def __add__(self, other: "Amounts") -> "Amounts":
+        """Of both together; the mass is known where both are."""
+        known = self.mass_kg is not None and other.mass_kg is not None
+        return Amounts(
+            self.twine_m + other.twine_m,
+            (self.mass_kg or 0.0) + (other.mass_kg or 0.0) if known else None,
+            self.twine_area_m2 + other.twine_area_m2,
+            self.netting_area_m2 + other.netting_area_m2,
+        )
 
-def amounts_of(section: Netting) -> Amounts:
-    """Twine of a section of N meshes round and M long: 4 N M bars and 2 N M knots, in square mesh 2 N M bars."""
-    meshes = section.mean_meshes_round * section.meshes_long
+
+def amounts_of(section: Netting, gone: int = 0) -> Amounts:
+    """Twine of a section of N meshes round and M long: 4 N M bars and 2 N M knots, in square mesh 2 N M bars.
+
+    ``gone`` of its meshes are left out: those in whose place windows are.
+    """
+    meshes = section.mean_meshes_round * section.meshes_long - gone
     bars = 4 * meshes if section.kind.staggered else 2 * meshes
     length_m = bars * section.bar_m + 2 * meshes * section.knot_m
     mass = None if section.mass_kg_m is None else length_m * section.mass_kg_m

@@ -36,6 +36,8 @@ class Kind:
     """Whether the meridian method takes it."""
     hole: HoleShape
     """What fish have to pass."""
+    straight_cut: Literal["N", "T"] | None
+    """What cutters call the cut straight along the codend; None where edges are cut along bars only."""
     folds_over_from: float = math.inf
     """Wet weight over the drag from which nets of it can fold over, and no estimate holds (found on full nets)."""
 
@@ -58,6 +60,7 @@ KINDS: Final[dict[MeshName, Kind]] = {
         opens=True,
         membrane=True,
         hole="rhombus, knots along",
+        straight_cut="N",
     ),
     "t90": Kind(
         words="T90",
@@ -68,6 +71,7 @@ KINDS: Final[dict[MeshName, Kind]] = {
         opens=True,
         membrane=True,
         hole="rhombus, knots across",
+        straight_cut="T",
     ),
     "square": Kind(
         words="square",
@@ -78,6 +82,7 @@ KINDS: Final[dict[MeshName, Kind]] = {
         opens=False,
         membrane=False,
         hole="rectangle",
+        straight_cut=None,
         folds_over_from=0.005,
     ),
 }

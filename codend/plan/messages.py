@@ -148,7 +148,7 @@ def describe(annotation: Any) -> str:
     if origin in (Union, UnionType):
         return " or ".join(describe(argument) for argument in arguments if argument is not NoneType)
     if origin is Literal:
-        return ", ".join(f'"{choice}"' for choice in arguments)
+        return ", ".join(f'"{choice}"' if isinstance(choice, str) else str(choice) for choice in arguments)
     if origin is tuple and _is_model(arguments[0]):
         return f"one or more tables, each with {', '.join(arguments[0].model_fields)}"
     if origin is tuple and arguments[-1] is not Ellipsis:

@@ -23,7 +23,11 @@ ENTRY_SIZES: tuple[str, ...] = ("radius_m", "hanging_ratio")
 _SHAPE = "KEY=VALUE, such as netting.0.bar_mm=25 or tow.speed_m_s=[1.0, 1.5]"
 
 
-def apply_overrides(data: Mapping[str, Any], overrides: Sequence[str], file: str | Path) -> dict[str, Any]:
+Overrides = Sequence[str] | Mapping[str, Any]
+"""Changes to a plan: ``"netting.0.bar_mm=25"`` as texts, or ``{"netting.0.bar_mm": 25}``."""
+
+
+def apply_overrides(data: Mapping[str, Any], overrides: Overrides, file: str | Path) -> dict[str, Any]:
     """A copy of ``data`` with each ``dotted.key=value`` set, in order; nothing is validated here.
 
     A value is read as a TOML value; what is not TOML is taken as a bare text, so ``catch.pressure=uniform`` works.
@@ -34,6 +38,8 @@ def apply_overrides(data: Mapping[str, Any], overrides: Sequence[str], file: str
     Raises:
         InputError: an override is not KEY=VALUE, or its key leads into something that is no table or list.
     """
+    if isinstance(overrides, Mapping):
+        return apply_values(data, [(tuple(key.split(".")), value) for key, value in overrides.items()], file)
     return apply_values(data, [parsed_override(override, file) for override in overrides], file)
 
 
@@ -100,6 +106,7 @@ def _rivals(key: Sequence[str]) -> tuple[str, ...]:
     groups: dict[str, tuple[tuple[str, ...], ...]] = {
         "catch": (CATCH_QUANTITIES,),
         "netting": (MESH_SIZES, TITRES),
+        "window": (MESH_SIZES, TITRES),
         "entry": (ENTRY_SIZES,),
         "strap": (STRAP_LENGTHS,),
     }

@@ -5,10 +5,10 @@ All checks are made by ``plan_from_dict``, wherever the plan came from, and end 
 
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final, Self
+from typing import TYPE_CHECKING, Annotated, Any, Final, Self
 
 from annotated_types import MinLen
 from pydantic import PrivateAttr, model_validator
@@ -19,10 +19,14 @@ from codend.io.toml import read_toml
 from codend.plan.kinds import kinds_in_words
 from codend.plan.messages import Contradiction
 from codend.plan.mistakes import checked
-from codend.plan.overrides import CatchKind, apply_overrides
+from codend.plan.overrides import CatchKind, Overrides, apply_overrides
 from codend.plan.reach import least_radius_m
-from codend.plan.ropes import Rope
+from codend.plan.ropes import Rope, Selvedge, selvedges_of
 from codend.plan.tables import Catch, Drag, Entry, Model, Netting, Strap, Table, Text, Tow
+from codend.plan.windows import Hole, Window, hole_of, out_of_place
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 MOST_CASES: Final = 10_000
 """Some minutes of solving; a list that makes more is a slip."""
@@ -62,6 +66,7 @@ class Plan(Table):
     netting: Annotated[tuple[Netting, ...], MinLen(1)]
     strap: tuple[Strap, ...] = ()
     rope: tuple[Rope, ...] = ()
+    window: tuple[Window, ...] = ()
     catch: Catch
     drag: Drag = Drag.model_validate({})
     model: Model = Model()
@@ -74,8 +79,9 @@ class Plan(Table):
 
     def _contradictions(self) -> Iterator[Contradiction]:
         yield from self._names_given_twice()
+        yield from self._other_panels()
         first = self.netting[0]
-        limit_m, ratio = first.stretched_radius_m, self.entry.hanging_ratio
+        limit_m, ratio = first.open_meshes[0] * first.stretched_radius_per_mesh_m, self.entry.hanging_ratio
         if ratio is not None and not first.kind.opens:
             yield Contradiction("entry.hanging_ratio", f"radius_m, with {first.kind.words} mesh at the entry")
         elif self.entry_radius_m > limit_m or (self.entry_radius_m == limit_m and first.kind.opens):
@@ -92,6 +98,7 @@ class Plan(Table):
         yield from self._catches_that_do_not_fit()
         yield from self._straps_out_of_place()
         yield from self._ropes_out_of_place()
+        yield from out_of_place(self.window, self.netting, self.section_names, self.seam_deg)
         # laid even flat across the entry
         gap_m = least_radius_m(self.netting, self.entry_radius_m, 0)
         if gap_m > 0.0:
@@ -110,15 +117,53 @@ class Plan(Table):
         if self.entry.radius_m is not None:
             return self.entry.radius_m
         assert self.entry.hanging_ratio is not None
-        return self.entry.hanging_ratio * first.meshes_round * first.full_mesh_m / (2 * math.pi)
+        return self.entry.hanging_ratio * first.open_meshes[0] * first.full_mesh_m / (2 * math.pi)
+
+    @property
+    def panels(self) -> int:
+        """Panels round of the sections that have more than one; 1 of a tube."""
+        return max(part.panels for part in self.netting)
+
+    @property
+    def seam_deg(self) -> float:
+        """Azimuth of the first seam, from starboard on over the top: the upper panel has its middle on top.
+
+        The only seam of a single panel with a selvedge lies underneath; a tube has none, and 0.
+        """
+        if self.panels > 1 or any(part.selvedge_meshes for part in self.netting):
+            return 90.0 - 180.0 / self.panels
+        return 0.0
+
+    @property
+    def ropes(self) -> tuple[Rope | Selvedge, ...]:
+        """Ropes along the netting, those of the plan before the selvedges, which are cords as well."""
+        return (*self.rope, *selvedges_of(self.netting))
+
+    @property
+    def holes(self) -> tuple[Hole, ...]:
+        """What the windows are let into."""
+        return tuple(hole_of(window, self.netting, self.section_names, self.seam_deg) for window in self.window)
+
+    @property
+    def window_names(self) -> tuple[str, ...]:
+        """What tables call the windows: their names, or "window" and their numbers, from 1."""
+        return tuple(window.name or f"window {number}" for number, window in enumerate(self.window, start=1))
+
+    def _other_panels(self) -> Iterator[Contradiction]:
+        """Sections of other panels than the first that has any: their seams would not meet."""
+        first = next((part.panels for part in self.netting if part.panels > 1), 1)
+        for index, part in enumerate(self.netting):
+            if part.panels > 1 and part.panels != first:
+                yield Contradiction(f"netting.{index}.panels", f"{first}, as in the sections ahead, or 1")
 
     def _names_given_twice(self) -> Iterator[Contradiction]:
         """Names of sections that tables could not tell apart."""
-        names = self.section_names
-        for index, part in enumerate(self.netting):
-            if part.name is not None and names.count(part.name) > 1:
-                allowed = "a name that no other section has, nor its number where it has no name"
-                yield Contradiction(f"netting.{index}.name", allowed)
+        names = self.section_names + self.window_names
+        for table, parts in (("netting", self.netting), ("window", self.window)):
+            for index, part in enumerate(parts):
+                if part.name is not None and names.count(part.name) > 1:
+                    allowed = "a name that no other section has, nor its number where it has no name"
+                    yield Contradiction(f"{table}.{index}.name", allowed)
 
     def _catches_that_do_not_fit(self) -> Iterator[Contradiction]:
         """Catches beyond what the netting could hold whatever its shape: errors of unit, mostly."""
@@ -160,8 +205,8 @@ class Plan(Table):
             while place == strap.meshes_from_codline or place < meshes_long:
                 length_m = strap.length_m
                 if strap.circumference_share is not None:
-                    section = self._section_at(place)
-                    length_m = strap.circumference_share * section.meshes_round * section.full_mesh_m
+                    section, open_meshes = self._open_meshes_at(place)
+                    length_m = strap.circumference_share * open_meshes * section.full_mesh_m
                 own = {"meshes_from_codline": place, "length_m": length_m}
                 alone = {"circumference_share": None, "spacing_meshes": None}
                 yield index, strap.model_copy(update=own | alone)
@@ -169,13 +214,14 @@ class Plan(Table):
                     break
                 place += strap.spacing_meshes
 
-    def _section_at(self, meshes_from_codline: float) -> Netting:
-        """The section at a place, the one nearer to the codline where two meet."""
+    def _open_meshes_at(self, meshes_from_codline: float) -> tuple[Netting, int]:
+        """The section at a place, the one nearer to the codline where two meet, and its open meshes round there."""
         for part in reversed(self.netting):
             if meshes_from_codline <= part.meshes_long:
-                return part
+                fore, aft = part.open_meshes
+                return part, round(aft + (fore - aft) * meshes_from_codline / part.meshes_long)
             meshes_from_codline -= part.meshes_long
-        return self.netting[0]
+        return self.netting[0], self.netting[0].open_meshes[0]
 
     @property
     def straps(self) -> tuple[Strap, ...]:
@@ -185,7 +231,7 @@ class Plan(Table):
     def _ropes_out_of_place(self) -> Iterator[Contradiction]:
         """Ropes that end at no row of knots, or more of them than there are meshes round."""
         meshes_long = sum(part.meshes_long for part in self.netting)
-        fewest = min(part.meshes_round for part in self.netting)
+        fewest = min(min(part.open_meshes) for part in self.netting)
         for index, rope in enumerate(self.rope):
             if rope.number > fewest:
                 yield Contradiction(f"rope.{index}.number", f"at most {fewest}, the fewest meshes round")
@@ -255,9 +301,10 @@ class Plan(Table):
 
         Rows that carry a strap stay rows.
         """
-        counts = [count for part in self.netting for count in (part.meshes_round, part.meshes_long)]
+        counts = [count for part in self.netting for count in (*part.open_meshes, part.meshes_long)]
+        counts += [count // part.panels for part in self.netting if part.has_seams for count in part.open_meshes]
         common = math.gcd(*counts, *self.strap_rows, *self.rope_rows)
-        most = min(part.meshes_round for part in self.netting) // 3
+        most = min(min(part.open_meshes) for part in self.netting) // 3
         return tuple(g for g in range(1, min(common, most) + 1) if common % g == 0)
 
     def cases(self) -> tuple[Case, ...]:
@@ -265,13 +312,48 @@ class Plan(Table):
         pairs = [(speed, size) for speed in self.tow.speed_m_s for size in self.catch.sizes]
         return tuple(Case(n, speed, self.catch.kind, size) for n, (speed, size) in enumerate(pairs, start=1))
 
+    def with_pressure(self, law: "Callable[[ArrayLike], ArrayLike]") -> "Plan":
+        """The same plan with a pressure law of one's own.
+
+        Args:
+            law: net pressure on the netting, inside less outside, over rho V^2 / 2, by the angle in degrees between
+                the upstream direction and the netting's outward normal, arrays (k,). It is read at every degree, and
+                between by a monotone cubic.
+
+        Raises:
+            InputError: the law gives what is no number.
+        """
+        import numpy as np
+
+        theta = np.arange(0.0, 181.0)
+        net = np.broadcast_to(np.asarray(law(theta), dtype=float), theta.shape)
+        curve = [[float(angle), float(cp)] for angle, cp in zip(theta, 1.0 - net, strict=True)]
+        tables = self.to_dict()
+        kept = {key: value for key, value in tables["catch"].items() if key not in ("coefficient", "sphere_cp_csv")}
+        return plan_from_dict(tables | {"catch": kept | {"pressure": "sphere", "sphere_cp": curve}}, self.source)
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any], overrides: Overrides = ()) -> "Plan":
+        """A plan from its tables, as ``tomllib`` would read them; see ``plan_from_dict``.
+
+        Raises:
+            InputError: keys that are unknown, missing, mistyped, out of range or contradictory.
+        """
+        return plan_from_dict(data, overrides=overrides)
+
+    def __repr__(self) -> str:
+        sections = ", ".join(f"{part.meshes_round} x {part.meshes_long} {part.mesh}" for part in self.netting)
+        return f"<Plan {self.title!r}: {sections}; {len(self.cases())} cases>"
+
     def to_dict(self) -> dict[str, Any]:
         """Plain tables, defaults filled in and absent keys left out; ``plan_from_dict`` reads them back."""
         return self.model_dump(mode="json", exclude_none=True)
 
 
-def load_plan(path: str | Path, overrides: Sequence[str] = ()) -> Plan:
-    """Read a TOML plan, lay ``overrides`` such as ``"netting.0.bar_mm=25"`` over it, and check the result.
+def load_plan(path: str | Path, overrides: Overrides = ()) -> Plan:
+    """Read a TOML plan, lay ``overrides`` over it, and check the result.
+
+    Overrides are texts such as ``"netting.0.bar_mm=25"``, or a table such as ``{"netting.0.bar_mm": 25}``.
 
     Raises:
         InputError: no such file, not TOML, or anything ``plan_from_dict`` refuses.
@@ -279,7 +361,7 @@ def load_plan(path: str | Path, overrides: Sequence[str] = ()) -> Plan:
     return plan_from_dict(read_toml(path, "TOML plan"), path, overrides)
 
 
-def plan_from_dict(data: Mapping[str, Any], source: str | Path = "plan", overrides: Sequence[str] = ()) -> Plan:
+def plan_from_dict(data: Mapping[str, Any], source: str | Path = "plan", overrides: Overrides = ()) -> Plan:
     """Check tables as ``tomllib`` returns them, after ``overrides`` (see ``apply_overrides`` for their rules).
 
     Raises:

@@ -16,7 +16,9 @@ def least_radius_m(netting: Sequence[Netting], entry_radius_m: float, rows_to_co
     Where sections differ in their meshes round this is a bound from below, by chains of bars and knots straight from
     the entry, whose ends are off by up to half a mesh for every section.
     """
-    counts = [part.meshes_round for part in netting]
+    if any(part.tapers for part in netting):
+        return 0.0  # no bound is known
+    counts = [part.open_meshes[0] for part in netting]
     joined = len(set(counts)) > 1
     radius = entry_radius_m
     if joined:
@@ -28,7 +30,7 @@ def least_radius_m(netting: Sequence[Netting], entry_radius_m: float, rows_to_co
             if part.stretches or radius <= part.bar_m + part.knot_m:
                 return 0.0
             # the nearest that the aft ring may come tells the most that its knots take, and so the least turn
-            turn = math.pi / part.meshes_round if part.kind.staggered and not joined else 0.0
+            turn = math.pi / part.open_meshes[0] if part.kind.staggered and not joined else 0.0
             turn -= math.asin(0.5 * across_m / radius) + math.asin(0.5 * across_m / (radius - part.bar_m))
             turn = max(turn, 0.0)
             flat_m = math.sqrt(max(part.bar_m**2 - (radius * math.sin(turn)) ** 2, 0.0))

@@ -4,12 +4,14 @@ Every number keeps the name and unit of its key in the file; properties without 
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt, Le, Lt, MinLen
 from pydantic import AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Strict, model_validator
 
+from codend.plan.cuts import Cut, cut_of, cut_that_loses
 from codend.plan.kinds import KINDS, Kind, MeshName
 from codend.plan.messages import Contradiction
 from codend.plan.overrides import CATCH_QUANTITIES, ENTRY_SIZES, MESH_SIZES, STRAP_LENGTHS, TITRES, CatchKind
@@ -19,6 +21,12 @@ Number = Annotated[float, Strict(), AllowInfNan(False)]
 Whole = Annotated[int, Strict()]
 Text = Annotated[str, MinLen(1)]
 Several = (MinLen(1), BeforeValidator(lambda found: found if isinstance(found, list | tuple) else (found,)))
+
+PanelName = Literal["upper", "port", "lower", "starboard"]
+PANELS: dict[int, tuple[PanelName, ...]] = {2: ("upper", "lower"), 4: ("upper", "port", "lower", "starboard")}
+"""Panels sewn together round, from the seam on the starboard side on over the top."""
+TUBE = "tube"
+"""What tables call the netting of a section that is no panel."""
 
 SEA_WATER_KG_M3 = 1025.0
 """Assumed where a plan says nothing of its water: sea water, as it is commonly reckoned."""
@@ -39,6 +47,7 @@ class Tow(Table):
     speed_m_s: Annotated[tuple[Annotated[Number, Ge(1e-4), Le(10)], ...], *Several]
     """As slow as the methods are mapped in ``validation.stability``; slower is a slip, not a tow."""
     water_density_kg_m3: Annotated[Number, Ge(900), Le(1300)] = SEA_WATER_KG_M3
+    """Left out: sea water, and the run says so."""
 
 
 class Entry(Table):
@@ -63,12 +72,17 @@ class Netting(Table):
     """
 
     mesh: MeshName
+    """Kind of netting: diamond (T0), turned by 90 degrees, or square."""
     meshes_round: Annotated[Whole, Ge(3), Le(10_000)]
+    """Whole meshes all round."""
     meshes_long: Annotated[Whole, Ge(1), Le(10_000)]
+    """Whole meshes along."""
     name: Text | None = None
     """What tables call the section; None: its number."""
     bar_mm: Annotated[Number, Gt(0), Le(10_000)] | None = None
+    """Twine from one knot to the next, without the knot. Exactly one of the three sizes is given."""
     mesh_mm: Annotated[Number, Gt(0), Le(20_000)] | None = None
+    """The full stretched mesh, knot centre to knot centre: 2 (bar + knot)."""
     inside_mesh_mm: Annotated[Number, Gt(0), Le(20_000)] | None = None
     """What a gauge measures: the full mesh less one knot."""
     knot_mm: Annotated[Number, Ge(0), Le(1000)] = 0.0
@@ -78,10 +92,13 @@ class Netting(Table):
     rtex: Annotated[Number, Gt(0), Le(1e6)] | None = None
     """Of one twine, g/km."""
     runnage_m_kg: Annotated[Number, Gt(0), Le(1e6)] | None = None
+    """Length of a kilogram of one twine."""
     twine_number: Text | None = None
     """Denier of a yarn and number of yarns, as in 210/24."""
     material: MaterialName | None = None
+    """What the twine is of: gives its density, and its thickness where that is left out."""
     twines: Annotated[Whole, Ge(1), Le(2)] = 1
+    """2: double twine."""
     twine_density_kg_m3: Annotated[Number, Ge(500), Le(10_000)] | None = None
     """None: that of the material; without one, the twine is taken as neutrally buoyant and wet weight is left out."""
     axial_stiffness_n: Annotated[Number, Gt(0), Le(1e9)] | None = None
@@ -92,10 +109,19 @@ class Netting(Table):
     """EI of one bar, N m^2."""
     rest_opening_deg: Annotated[Number, Ge(0), Lt(180)] = 20.0
     """Opening angle at which bending is at rest; no effect without bending stiffness."""
+    panels: Literal[1, 2, 4] = 1
+    """Panels sewn together round; 1: a tube."""
+    selvedge_meshes: Annotated[Whole, Ge(0), Le(1000)] = 0
+    """Meshes of each edge of a panel that are taken up into the selvedge; ``meshes_round`` counts them."""
+    meshes_round_aft: Annotated[Whole, Ge(3), Le(10_000)] | None = None
+    """At the aft end of a section that tapers; see ``aft_meshes_round``, which holds however it is given."""
+    cut: Text | None = None
+    """Of each side edge of a panel, which narrows by it, such as "1N2B"; beside ``meshes_round_aft`` it must agree."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         _exactly_one(self, MESH_SIZES)
+        Contradiction.raise_first(self._counts_that_do_not_fit())
         if self.name is not None and not (self.name.isprintable() and self.name == self.name.strip()):
             raise Contradiction("name", "a text of one line that neither begins nor ends with a blank")
         self._check_twine()
@@ -112,6 +138,93 @@ class Netting(Table):
             side_by_side = ", both twines together" if self.twines == 2 else ""
             raise Contradiction("twine_mm", f"thinner than a bar is long, {1000 * self.bar_m:g} mm{side_by_side}")
         return self
+
+    def _counts_that_do_not_fit(self) -> Iterator[Contradiction]:
+        """Cuts that are none or contradict the counts, counts that make no panels, and selvedges wider than panels."""
+        given = None if self.cut is None else cut_of(self.cut, self._straight)
+        if self.cut is not None and self.kind.straight_cut is None:
+            yield Contradiction("cut", f"left out: {self.kind.words} mesh is cut along its bars, straight")
+            return
+        if self.cut is not None and given is None:
+            straight = self.kind.straight_cut
+            example = Cut(1, 0, 2).text(self._straight)
+            yield Contradiction("cut", f'a cut as cutters write it: "A{straight}" (straight), "AB", "{example}" ...')
+            return
+        for key, count in (("meshes_round", self.meshes_round), ("meshes_round_aft", self.meshes_round_aft)):
+            if count is not None and count % self.panels:
+                yield Contradiction(key, f"a multiple of {self.panels}, the panels")
+                return
+        taken_up = 2 * self.panels * self.selvedge_meshes
+        if self.selvedge_meshes and self.aft_meshes_round - taken_up < 3 * self.panels:
+            widest = (min(self.meshes_round, max(self.aft_meshes_round, 0)) // self.panels - 3) // 2
+            allowed = f"at most {max(widest, 0)}: 3 meshes of every panel stay open at its narrower end"
+            yield Contradiction("selvedge_meshes", allowed)
+        if self.meshes_round_aft is None:
+            if self.aft_meshes_round < 3 * self.panels:
+                deep, width = self.meshes_long, self.meshes_round // self.panels
+                allowed = f"a cut that leaves 3 meshes or more of a panel of {width}, {deep} deep"
+                yield Contradiction("cut", allowed)
+        elif given is not None and not abs(given.rate * self.meshes_long - abs(self.edge_loss)) < 0.5:
+            fits = cut_that_loses(round(2 * abs(self.edge_loss)), self.meshes_long).text(self._straight)
+            lost = f"{abs(self.edge_loss):g} mesh{'' if abs(self.edge_loss) == 1 else 'es'}"
+            allowed = f'"{fits}", by which an edge loses {lost} over {self.meshes_long}'
+            yield Contradiction("cut", allowed, f"contradicts meshes_round_aft = {self.meshes_round_aft}")
+
+    @property
+    def _straight(self) -> Literal["N", "T"]:
+        return self.kind.straight_cut or "N"
+
+    @property
+    def aft_meshes_round(self) -> int:
+        """Meshes round at the aft end, selvedges included: given, or what the cut of the edges leaves."""
+        given = None if self.cut is None else cut_of(self.cut, self._straight)
+        if self.meshes_round_aft is not None or given is None:
+            return self.meshes_round_aft or self.meshes_round
+        # an edge loses whole half meshes
+        half_meshes = round(min(2 * given.rate * self.meshes_long, 1e6))
+        return self.meshes_round - self.panels * half_meshes
+
+    @property
+    def edge_loss(self) -> float:
+        """Meshes by which each side edge of a panel narrows it from end to end; below 0 it widens it."""
+        return (self.meshes_round - self.aft_meshes_round) / (2 * self.panels)
+
+    @property
+    def edge_cut(self) -> Cut:
+        """The cut of each side edge: as given, or what fits the counts."""
+        given = None if self.cut is None else cut_of(self.cut, self._straight)
+        return given or cut_that_loses(round(2 * abs(self.edge_loss)), self.meshes_long)
+
+    @property
+    def edge_cut_text(self) -> str:
+        """The cut of each side edge as cutters write it; straight edges of square mesh run along bars."""
+        straight = self.kind.straight_cut is None and self.edge_loss == 0
+        return "AB" if straight else self.edge_cut.text(self._straight)
+
+    @property
+    def tapers(self) -> bool:
+        """Whether it has other meshes round at its aft end."""
+        return self.aft_meshes_round != self.meshes_round
+
+    @property
+    def selvedged_meshes(self) -> int:
+        """Meshes round that are taken up into selvedges, at either end."""
+        return 2 * self.panels * self.selvedge_meshes
+
+    @property
+    def has_seams(self) -> bool:
+        """Whether its seams show: panels that taper, or edges taken up into selvedges."""
+        return self.selvedge_meshes > 0 or (self.panels > 1 and self.tapers)
+
+    @property
+    def open_meshes(self) -> tuple[int, int]:
+        """Meshes round that are open, at the fore and at the aft end."""
+        return self.meshes_round - self.selvedged_meshes, self.aft_meshes_round - self.selvedged_meshes
+
+    @property
+    def panel_names(self) -> tuple[str, ...]:
+        """Of its panels, from the seam on the starboard side on over the top; of a tube one name for all of it."""
+        return PANELS.get(self.panels, (TUBE,))
 
     def _check_twine(self) -> None:
         """Refuse twine of no thickness, of two titres, or of a titre without what makes a weight in water of it."""
@@ -216,8 +329,8 @@ class Netting(Table):
 
     @property
     def mean_meshes_round(self) -> float:
-        """Meshes round, mean over the length."""
-        return float(self.meshes_round)
+        """Meshes round, mean over the length, selvedges included."""
+        return 0.5 * (self.meshes_round + self.aft_meshes_round)
 
     @property
     def twine_m(self) -> float:
@@ -251,8 +364,16 @@ class Netting(Table):
 
     @property
     def stretched_radius_m(self) -> float:
-        """Radius with meshes pulled fully open, m: N b / pi (diamond), N (b + l) / pi (T90), N b / 2 pi (square)."""
-        return self.meshes_round * (self.kind.across_bars * self.bar_m + self.knot_across_m) / math.pi
+        """Radius with the open meshes pulled fully open, at the wider end, m.
+
+        N b / pi (diamond), N (b + l) / pi (T90), N b / 2 pi (square).
+        """
+        return max(self.open_meshes) * self.stretched_radius_per_mesh_m
+
+    @property
+    def stretched_radius_per_mesh_m(self) -> float:
+        """What each mesh round adds to the radius with meshes pulled fully open, m."""
+        return (self.kind.across_bars * self.bar_m + self.knot_across_m) / math.pi
 
     @property
     def rows_per_mesh(self) -> int:
@@ -313,16 +434,23 @@ class Catch(Table):
     """How much is in the bag, by exactly one measure, and how it presses on the netting."""
 
     filled_meshes: Annotated[tuple[Annotated[Number, Gt(0)], ...], *Several] | None = None
+    """Meshes from the codline to the front. Exactly one of the four sizes is given."""
     volume_m3: Annotated[tuple[Annotated[Number, Gt(0)], ...], *Several] | None = None
+    """What the netting encloses behind the front."""
     mass_kg: Annotated[tuple[Annotated[Number, Gt(0)], ...], *Several] | None = None
+    """That volume times the density."""
     front_from_codline_m: Annotated[tuple[Annotated[Number, Gt(0)], ...], *Several] | None = None
+    """Along the axis."""
     density_kg_m3: Annotated[Number, Ge(100), Le(5000)] | None = None
     """None: that of the water (LB99 5 takes the two as very close)."""
     pressure: Literal["sphere", "uniform"] = "sphere"
+    """Stagnation pressure inside and that on a sphere outside, or the same everywhere."""
     coefficient: Annotated[Number, Gt(0), Le(10)] = 1.4
     """Net pressure over rho V^2 / 2 under the uniform law."""
     sphere_cp_csv: Text | None = None
     """The user's own Cp curve for the sphere law, relative to the plan's folder; see ``Plan.sphere_cp_path``."""
+    sphere_cp: tuple[tuple[Number, Number], ...] | None = None
+    """The same in the plan itself: pairs of an angle, in degrees, and Cp."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -331,8 +459,16 @@ class Catch(Table):
         if self.pressure == "sphere" and self.coefficient != default:
             # The default is let through: a plan may name it and still switch between the laws by one key.
             raise Contradiction("coefficient", f'{default:g}, or pressure = "uniform", which alone has a coefficient')
-        if self.pressure == "uniform" and self.sphere_cp_csv is not None:
-            raise Contradiction("sphere_cp_csv", 'only with pressure = "sphere"')
+        for key in ("sphere_cp_csv", "sphere_cp"):
+            if self.pressure == "uniform" and getattr(self, key) is not None:
+                raise Contradiction(key, 'only with pressure = "sphere"')
+        if self.sphere_cp is not None:
+            if self.sphere_cp_csv is not None:
+                raise Contradiction("sphere_cp", "either sphere_cp_csv or sphere_cp", "contradicts sphere_cp_csv")
+            angles = [angle for angle, _ in self.sphere_cp]
+            rising = all(first < second for first, second in pairwise(angles))
+            if len(angles) < 2 or not rising or (angles[0], angles[-1]) != (0.0, 180.0):
+                raise Contradiction("sphere_cp", "pairs [angle, Cp] whose angles rise from 0 to 180 degrees")
         return self
 
     @property
@@ -354,7 +490,9 @@ class Drag(Table):
     """
 
     law: Literal["le-bris-1999", "bessonneau-1997", "choo-casarella-1971"] = "le-bris-1999"
+    """That of the paper it is named after."""
     normal: Annotated[Number, Ge(0), Le(10)]
+    """Coefficient across the twine; left out: that of the law. 0 switches the twine's drag off."""
     tangential: Annotated[Number, Ge(0), Le(10)]
     """f, a fraction of ``normal``, in le-bris-1999; Cf, a coefficient of its own, in bessonneau-1997; in
     choo-casarella-1971 both numbers are factors on the law's coefficients, which depend on the Reynolds number."""
@@ -379,10 +517,13 @@ class Model(Table):
     """How the plan is to be modelled and solved."""
 
     fidelity: Literal["auto", "meridian", "smeared", "sector", "globalised", "full"] = "auto"
+    """What stands for the netting; `auto` takes the cheapest that keeps within the accuracy."""
     globalisation: Annotated[Whole, Ge(1), Le(1000)] = 1
     """Real meshes merged into one model mesh, each way."""
     bars_per_side: Annotated[Whole, Ge(1), Le(2)] = 1
+    """2: a hinge in the middle of each bar, which matters only where twine is slack."""
     method: Literal["auto", "dynamic-relaxation", "newton", "rigid-bars"] = "auto"
+    """How the equilibrium is found."""
     damping: Literal["kinetic", "viscous"] = "kinetic"
     """Of dynamic relaxation."""
     tolerance: Annotated[Number, Ge(1e-12), Le(0.1)] = 1e-6

@@ -13,8 +13,10 @@ from typing import Any
 from codend.equilibrium.stability import ranges_text
 from codend.io.names import as_text
 from codend.plan.plan import Plan
+from codend.report.answer import cards_of
 from codend.report.choice_words import reason_text
-from codend.report.page_tables import results_table, solving_table
+from codend.report.net_plan import plan_svg
+from codend.report.page_tables import results_tables, solving_table
 from codend.report.size_words import size_sentences
 from codend.studies.case_result import CaseResult
 from codend.studies.study import Study
@@ -43,7 +45,7 @@ class PageFigure:
         return "data:image/png;base64," + base64.b64encode(self.png).decode("ascii")
 
 
-def page_html(study: Study, figures: Sequence[PageFigure], run: str = "") -> str:
+def page_html(study: Study, figures: Sequence[PageFigure], run: str = "", turning: str = "") -> str:
     """The page as HTML, everything from the plan escaped.
 
     Args:
@@ -51,6 +53,7 @@ def page_html(study: Study, figures: Sequence[PageFigure], run: str = "") -> str
         figures: the first stands at the top of the page, the others after the table of results; none if nothing was
             solved.
         run: name of the run, as ``run.json`` has it; "" where the page stands alone.
+        turning: file beside it in which the net turns under the mouse; "" where there is none.
     """
     plan = study.plan
     return rendered(
@@ -61,10 +64,15 @@ def page_html(study: Study, figures: Sequence[PageFigure], run: str = "") -> str
         notes=notes(study),
         fidelity=FIDELITIES.get(study.choice.fidelity, study.choice.fidelity),
         why=reason_text(study.choice),
-        results=results_table(study),
+        cards=cards_of(study),
+        tables=study.tables,
+        turning=turning,
+        sizes=size_sentences(plan),
+        results=results_tables(study),
         solving=solving_table(study),
         opening_figures=figures[:1],
         figures=figures[1:],
+        net_plan="data:image/svg+xml;base64," + base64.b64encode(plan_svg(plan).encode()).decode("ascii"),
         inputs=input_sections(plan.to_dict()),
         inputs_remark=f"All values of the plan ({as_text(Path(plan.source.name))}), with the defaults of keys it "
         "leaves out. Which of them were measured and which were assumed stands in the comments of the plan's file.",
@@ -88,6 +96,14 @@ def rendered(template: str, **values: Any) -> str:
     return environment.get_template(template).render(style=Markup(text("page.css")), versions=made_with(), **values)
 
 
+def rendered_part(template: str, **values: Any) -> str:
+    """A part of a page from the text of a template, everything escaped."""
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+    return environment.from_string(template).render(**values)
+
+
 def notes(study: Study) -> list[str]:
     """What a reader must know before using the numbers."""
     found = []
@@ -96,7 +112,6 @@ def notes(study: Study) -> list[str]:
     found += cautions(study)
     if study.plan.water_is_assumed:
         found.append(f"{sea_water(study.plan)}.")
-    found += size_sentences(study.plan)
     catch = study.plan.catch
     if catch.pressure == "uniform":
         found.append(f"The catch presses with {catch.coefficient:g} times the stagnation pressure on all its netting.")

@@ -15,6 +15,7 @@ from codend.scenes.build import BuiltScene
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
+    from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure
 
 MOST_FRAMES = 60
@@ -22,11 +23,12 @@ FRAME_MS = 80
 
 
 def scene_figure(built: BuiltScene, positions: Floats) -> "Figure":
-    """Ropes and points from the side, and from above where they leave the plane of the tow."""
+    """Ropes, netting and points from the side, and from above where they leave the plane of the tow."""
     flat = np.ptp(positions[:, 1]) < 1e-6 * max(np.ptp(positions), 1.0)
     figure = new_figure(9.0, 4.2 if flat else 7.4)
     axes = figure.subplots(1 if flat else 2, 1, squeeze=False, sharex=True)[:, 0]
     for panel, coordinate, words in zip(axes, (2, 1), ("height (m)", "to the side (m)"), strict=False):
+        panel.add_collection(_netting(built, positions, coordinate))
         for rope, nodes in enumerate(built.rope_nodes):
             panel.plot(*positions[nodes][:, [0, coordinate]].T, color=INK, lw=1.4)
             if coordinate == 2 and len(built.rope_nodes) <= 8:
@@ -76,12 +78,15 @@ def film(built: BuiltScene, files: Sequence[Path], times_s: Sequence[float]) -> 
     axes.set_ylabel("height (m)")
     dress(axes)
     _levels(axes, built)
+    netting = _netting(built, shapes[0], 2)
+    axes.add_collection(netting)
     lines = [axes.plot([], [], color=INK, lw=1.4)[0] for _ in built.rope_nodes]
     (points,) = axes.plot([], [], "o", color=ORANGE, ms=4)
     canvas = figure.canvas
     assert isinstance(canvas, FigureCanvasAgg)
     images = []
     for number, shape in zip(chosen, shapes, strict=True):
+        netting.set_segments(_segments(built, shape, 2))
         for line, nodes in zip(lines, built.rope_nodes, strict=True):
             line.set_data(shape[nodes, 0], shape[nodes, 2])
         points.set_data(*shape[list(built.node_of.values())][:, [0, 2]].T)
@@ -91,6 +96,17 @@ def film(built: BuiltScene, files: Sequence[Path], times_s: Sequence[float]) -> 
     written = BytesIO()
     images[0].save(written, "GIF", save_all=True, append_images=images[1:], duration=FRAME_MS, loop=0)
     return written.getvalue()
+
+
+def _segments(built: BuiltScene, positions: Floats, coordinate: int) -> list[Floats]:
+    """Bars of the netting as seen from the side or from above, (k, 2, 2)."""
+    return list(positions[built.problem.net.bars[built.bar_sheet >= 0]][:, :, [0, coordinate]])
+
+
+def _netting(built: BuiltScene, positions: Floats, coordinate: int) -> "LineCollection":
+    from matplotlib.collections import LineCollection
+
+    return LineCollection(_segments(built, positions, coordinate), colors=BLUE, linewidths=0.4, alpha=0.6)
 
 
 def _levels(axes: "Axes", built: BuiltScene) -> None:

@@ -16,7 +16,7 @@ def size_sentences(plan: Plan) -> list[str]:
     if plan.entry.hanging_ratio is not None:
         found.append(
             f"Entry: radius {plan.entry_radius_m:.4g} m from the hanging ratio {plan.entry.hanging_ratio:g} times "
-            f"{plan.netting[0].meshes_round} meshes of {_mm(plan.netting[0].full_mesh_m)} mm round."
+            f"{plan.netting[0].open_meshes[0]} open meshes of {_mm(plan.netting[0].full_mesh_m)} mm round."
         )
     return found
 

@@ -1,26 +1,35 @@
-"""A scene as a net under loads: ropes cut into bars, points at their nodes."""
+"""A scene as a net under loads: ropes cut into bars, sheets of netting that hang on them, points at their nodes."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.mechanics.drag_laws import drag
+from codend.errors import InputError
 from codend.mechanics.problem import Problem
 from codend.mechanics.seabed import Seabed, no_seabed
 from codend.mechanics.water import VISCOSITY_M2_S, Water
 from codend.mechanics.weight import GRAVITY_M_S2, wet_weight
 from codend.net.net import Floats, Net, with_point
+from codend.netting.sheet import EDGES
+from codend.scenes.bar_table import BarTable
+from codend.scenes.netting_tables import PLANES
 from codend.scenes.scene import FAST, Scene
+from codend.scenes.sheets import at_points, laced, laid, merged, sewn
 from codend.scenes.tables import VESSEL, PointTable
 
+FINE = 20
+"""Parts of a bar in which the curve is measured on which a rope is laid."""
+TOO_LONG = 1e-3
+"""By which, relative, what does not stretch may be placed too long at the start of a motion."""
 SINKS_M = 1e-3
 """How far what lies on the seabed sinks in under its own weight, assumed."""
 
 
 @dataclass(frozen=True)
 class BuiltScene:
-    """A scene's net, and where in it the user's points and ropes are."""
+    """A scene's net, and where in it the user's points, ropes and sheets are."""
 
     scene: Scene
     problem: Problem
@@ -29,6 +38,12 @@ class BuiltScene:
     rope_nodes: tuple[NDArray[np.int64], ...]
     """Nodes along every rope, from its first end to its second."""
     rope_bars: tuple[slice, ...]
+    sheet_nodes: tuple[NDArray[np.int64], ...]
+    """Nodes of every sheet's knots, some of which are one."""
+    bar_sheet: NDArray[np.int64]
+    """Number of the sheet that a bar is of, -1 of ropes, (m,)."""
+    bar_lines: Floats
+    """Real bars side by side that a bar stands for, (m,)."""
     added_mass: Floats
     """Cm of the bars, (m,)."""
     towed: NDArray[np.bool_]
@@ -43,52 +58,48 @@ class BuiltScene:
 
 def build(scene: Scene) -> BuiltScene:
     """The net of a scene under the loads of its steady tow."""
-    places = _places(scene)
+    places = places_of(scene)
     node_of = {name: number for number, name in enumerate(places)}
-    positions = list(places.values())
-    ends: list[tuple[int, int]] = []
-    rope_nodes, rope_bars = [], []
-    for rope in scene.rope:
-        count = rope.bars or scene.model.bars_per_rope
+    ends = {name: rope.ends for name, rope in zip(scene.rope_names, scene.rope, strict=True)}
+    lengths = {name: rope.length_m for name, rope in zip(scene.rope_names, scene.rope, strict=True)}
+    lacings = [laced(sheet, ends, lengths) for sheet in scene.netting]
+    positions: list[Floats] = list(places.values())
+    bars = BarTable()
+    rope_nodes, rope_bars = {}, []
+    for name, rope in zip(scene.rope_names, scene.rope, strict=True):
+        knots = max((part.bars for lacing in lacings for part in lacing if part.rope == name), default=0)
+        count = rope.bars or knots or scene.model.bars_per_rope
         first, last = (node_of[end] for end in rope.ends)
-        inner = np.arange(count - 1) + len(positions)
-        nodes = np.concatenate([[first], inner, [last]])
+        nodes = np.concatenate([[first], np.arange(count - 1) + len(positions), [last]])
         positions += list(_laid(positions[first], positions[last], rope.length_m, count)[1:-1])
-        rope_bars.append(slice(len(ends), len(ends) + count))
-        rope_nodes.append(nodes)
-        ends += list(zip(nodes[:-1].tolist(), nodes[1:].tolist(), strict=True))
-    laid = np.array(positions)
+        rope_bars.append(slice(bars.count, bars.count + count))
+        rope_nodes[name] = nodes
+        bars.add_rope(rope, np.stack([nodes[:-1], nodes[1:]], axis=1))
+    firm, pairs = len(positions), []
+    sheet_nodes = []
+    for number, (sheet, lacing) in enumerate(zip(scene.netting, lacings, strict=True)):
+        nodes = np.arange(len(sheet.sheet.share)) + len(positions)
+        curves = [(part, np.array(positions)[rope_nodes[part.rope]]) for part in lacing]
+        positions += list(laid(sheet, places, curves))
+        sheet_nodes.append(nodes)
+        bars.add_sheet(sheet, number, nodes)
+        pairs += at_points(sheet, nodes, node_of)
+        for part in lacing:
+            pairs += part.pairs(nodes[part.edge.knots], rope_nodes[part.rope])
+    for seam in scene.seam:
+        pairs += sewn(seam, scene.netting, sheet_nodes, np.array(positions))
+    place, laid_out = merged(len(positions), pairs, np.array(positions), firm)
     if scene.seabed is not None:
-        laid[:, 2] = np.maximum(laid[:, 2], -scene.seabed.depth_m)
-    counts = [len(nodes) - 1 for nodes in rope_nodes]
-
-    def of_ropes(values: list[float]) -> Floats:
-        return np.repeat(np.array(values, dtype=float), counts)
-
-    held = np.zeros((len(laid), 3), dtype=bool)
-    if scene.vessel is not None:
-        held[node_of[VESSEL]] = True
-    for point in scene.point:
-        held[node_of[point.name]] = point.held in FAST
-        held[node_of[point.name], 1] |= point.held == "symmetry"
-    diameter = of_ropes([0.001 * rope.diameter_mm for rope in scene.rope])
-    net = Net.from_bars(
-        laid,
-        ends,
-        held,
-        length_m=of_ropes([rope.length_m / count for rope, count in zip(scene.rope, counts, strict=True)]),
-        stiffness_n=of_ropes([rope.axial_stiffness_n or np.inf for rope in scene.rope]),
-        diameter_m=diameter,
-        density_kg_m3=of_ropes([rope.mass_kg_m for rope in scene.rope]) / (0.25 * np.pi * diameter**2),
-        is_rope=True,
+        laid_out[:, 2] = np.maximum(laid_out[:, 2], -scene.seabed.depth_m)
+    sheet_nodes = [place[nodes] for nodes in sheet_nodes]
+    held, towed = _held(scene, node_of, sheet_nodes, len(laid_out))
+    facets = [nodes[sheet.sheet.facets] for sheet, nodes in zip(scene.netting, sheet_nodes, strict=True)]
+    weights = [sheet.sheet.facet_weight for sheet in scene.netting]
+    net = bars.net(
+        place, laid_out, held, np.concatenate([np.zeros((0, 3), int), *facets]), np.concatenate([[], *weights])
     )
-    drags = [drag(*rope.drag) for rope in scene.rope]
-    net = replace(
-        net,
-        bar_drag_law=np.repeat(np.array([law for law, _, _ in drags], dtype=np.int32), counts),
-        bar_normal_drag=of_ropes([normal for _, normal, _ in drags]),
-        bar_tangential_drag=of_ropes([tangential for _, _, tangential in drags]),
-    )
+    if scene.time is not None and scene.time.start == "placed":
+        _refuse_too_long(scene, net, bars.sheet, rope_bars)
     for point in scene.point:
         lift, coefficient = scene.coefficients(point)
         net = with_point(
@@ -100,22 +111,52 @@ def build(scene: Scene) -> BuiltScene:
             lift_area_m2=lift * point.area_m2,
             lift_towards=point.lift_towards,
         )
-    towed = np.zeros(len(laid), dtype=bool)
-    towed[[node_of[p.name] for p in scene.point if p.held == "vessel"]] = True
-    if scene.vessel is not None:
-        towed[node_of[VESSEL]] = True
     return BuiltScene(
         scene,
         Problem.of(net, water=_water(scene), seabed=_seabed(scene, net)),
         node_of,
-        tuple(rope_nodes),
+        tuple(place[nodes] for nodes in rope_nodes.values()),
         tuple(rope_bars),
-        of_ropes([rope.added_mass for rope in scene.rope]),
+        tuple(sheet_nodes),
+        bars.sheet,
+        bars.lines,
+        bars.added_mass,
         towed,
     )
 
 
-def _places(scene: Scene) -> dict[str, Floats]:
+def _held(
+    scene: Scene, node_of: dict[str, int], sheet_nodes: Sequence[NDArray[np.int64]], count: int
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Coordinates that are held, (n, 3), and nodes that go with the vessel, (n,)."""
+    held, towed = np.zeros((count, 3), dtype=bool), np.zeros(count, dtype=bool)
+    holds: list[tuple[str | None, NDArray[np.int64]]] = [
+        (point.held, np.array([node_of[point.name]])) for point in scene.point
+    ]
+    for sheet, nodes in zip(scene.netting, sheet_nodes, strict=True):
+        holds += [(sheet.hold_of(edge), nodes[sheet.sheet.edges[edge].knots]) for edge in EDGES]
+    holds += [("vessel", np.array([node_of[VESSEL]]))] if scene.vessel is not None else []
+    for hold, nodes in holds:
+        held[nodes] |= hold in FAST
+        held[nodes, 1] |= hold in PLANES
+        towed[nodes] |= hold == "vessel"
+    return held, towed
+
+
+def _refuse_too_long(scene: Scene, net: Net, bar_sheet: NDArray[np.int64], rope_bars: Sequence[slice]) -> None:
+    """Refuse a motion that starts with bars longer than they can be."""
+    apart = np.linalg.norm(net.positions[net.bars[:, 1]] - net.positions[net.bars[:, 0]], axis=1)
+    long = np.flatnonzero((net.bar_flexibility == 0.0) & (apart > (1.0 + TOO_LONG) * net.bar_length))
+    if len(long) == 0:
+        return
+    sheet, times = int(bar_sheet[long[0]]), float((apart / net.bar_length)[long[0]])
+    rope = next((number for number, bars in enumerate(rope_bars) if bars.start <= long[0] < bars.stop), 0)
+    key = f"netting.{sheet}.corners" if sheet >= 0 else f"rope.{rope}.length_m"
+    allowed = 'places that it reaches, with time.start = "placed"'
+    raise InputError(scene.source, key, None, allowed, f"is placed {times:.4g} times as long as it is")
+
+
+def places_of(scene: Scene) -> dict[str, Floats]:
     """Where every point starts: where it is told, or astern of what it hangs on, in a line at the same height."""
     found = {} if scene.vessel is None else {VESSEL: np.array(scene.vessel.at, dtype=float)}
     found |= {point.name: np.array(point.at, dtype=float) for point in scene.point if point.at is not None}
@@ -132,7 +173,7 @@ def _laid(first: Floats, last: Floats, length: float, count: int) -> Floats:
     """Nodes of a rope from one place to another, sagging by about what it is longer, (count + 1, 3)."""
     chord = last - first
     apart = float(np.linalg.norm(chord))
-    u = np.linspace(0.0, 1.0, count + 1)[:, None]
+    u = np.linspace(0.0, 1.0, FINE * count + 1)[:, None]
     # a shallow parabola of depth h is longer than its chord by 8 h^2 / 3 c
     sag = np.sqrt(max(3.0 / 16.0 * (length**2 - apart**2), 0.0))
     side = np.array([0.6, 0.0, -0.8])
@@ -140,8 +181,10 @@ def _laid(first: Floats, last: Floats, length: float, count: int) -> Floats:
         side -= (side @ chord) / apart**2 * chord
     size = float(np.linalg.norm(side))
     side = side / size if size > 0.1 else np.array([0.8, 0.0, 0.6])
-    laid: Floats = first + u * chord + 4.0 * sag * u * (1.0 - u) * side
-    return laid
+    curve = first + u * chord + 4.0 * sag * u * (1.0 - u) * side
+    reached = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))])
+    even = np.linspace(0.0, reached[-1], count + 1)
+    return np.stack([np.interp(even, reached, curve[:, i]) for i in range(3)], axis=1)
 
 
 def _wet_weight(point: PointTable, water: float) -> float:

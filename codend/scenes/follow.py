@@ -11,6 +11,7 @@ from codend.scenes.build import BuiltScene
 from codend.scenes.measures import end_tensions
 from codend.scenes.tables import TimeTable, VesselTable
 from codend.solvers.motion import Motion, Path
+from codend.solvers.refusal import passage
 
 State = dict[str, Floats | Ints]
 _EARLY = 1e-9
@@ -38,6 +39,8 @@ class Frame:
     """Of every rope the largest tension so far, when it was and how far from the rope's first end: N, s, m, (r, 3)."""
     since: Floats
     """Largest tension of every rope since the last output, N, (r,)."""
+    passages: Floats
+    """At how many outputs so far netting had passed through itself or a rope, and at what time first, s, (2,)."""
     state: State
     """What ``follow`` goes on from, with this frame as the first."""
 
@@ -95,14 +98,19 @@ def follow(built: BuiltScene, start: Floats, state: State | None = None) -> Iter
     hangs = sorted((p.held_from_s, built.node_of[p.name]) for p in scene.point if p.held_from_s is not None)
     ropes = len(built.rope_bars)
     peaks, since, first = np.full((ropes, 3), -1.0), np.zeros(ropes), 0
+    passages = np.array([0.0, np.nan])
     if state is not None:
         motion.set_state(state)
         peaks[:], since[:], first = state["peaks"], state["since"], int(state["number"][0])
+        passages[:] = state["passages"]
     steps = ceil(time.output_s / time.step_s - 1e-9)
     dt = time.output_s / steps
     for number in range(first, outputs(time)):
         now = {"peaks": peaks.copy(), "since": since.copy(), "number": np.array([float(number)])}
-        before = {**motion.state(), **now}
+        before = {**motion.state(), **now, "passages": passages.copy()}
+        if passage(built.problem, motion.position) is not None:
+            passages[0] += 1.0
+            passages[1] = np.fmin(passages[1], number * time.output_s)
         for step in range(steps):
             while hangs and motion.time >= hangs[0][0] - _EARLY:
                 motion.hold(hangs.pop(0)[1], (scene.speed_m_s, 0.0, 0.0))  # seen from the vessel
@@ -121,6 +129,7 @@ def follow(built: BuiltScene, start: Floats, state: State | None = None) -> Iter
                     held,
                     peaks.copy(),
                     since.copy(),
+                    passages.copy(),
                     before,
                 )
                 since[:] = 0.0
@@ -142,7 +151,8 @@ def _note(built: BuiltScene, tension: Floats, time_s: float, peaks: Floats, sinc
 def motion_rows(built: BuiltScene, frame: Frame) -> list[dict[str, float | str]]:
     """Rows of ``motion.csv``: points, whose tension is what holds them, then ropes at their middle, with the largest.
 
-    Of a rope ``max_tension_n`` is the largest in any of its bars since the output before.
+    Then netting at the mean place of its knots, with the largest tension of a real bar. Of a rope ``max_tension_n`` is
+    the largest in any of its bars since the output before.
     """
     rows: list[dict[str, float | str]] = []
 
@@ -161,4 +171,8 @@ def motion_rows(built: BuiltScene, frame: Frame) -> list[dict[str, float | str]]
         most = float(max(*end_tensions(along), along.max()))
         middle = 0.5 * (frame.positions[nodes[(len(nodes) - 1) // 2]] + frame.positions[nodes[len(nodes) // 2]])
         add(name, middle, most, float(frame.since[rope]))
+    for number, (table, nodes) in enumerate(zip(built.scene.netting, built.sheet_nodes, strict=True)):
+        own = built.bar_sheet == number
+        most = float((frame.bar_tension[own] / built.bar_lines[own]).max())
+        add(table.name, frame.positions[nodes].mean(axis=0), most, np.nan)
     return rows

@@ -1,15 +1,15 @@
 """What is told of a scene: where its points are and what holds them, and the pull of every named rope."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from codend.mechanics.bars import add_bar_forces, bar_lengths
-from codend.mechanics.loads import add_moving_force
 from codend.net.net import Floats
 from codend.scenes.build import BuiltScene
+from codend.scenes.netting_measures import netting_caution
 from codend.solvers.outcome import Solution
+from codend.solvers.reactions import loads_and_supports
 from codend.solvers.solve import find_equilibrium
 
 
@@ -19,6 +19,8 @@ class SceneResult:
 
     built: BuiltScene
     solution: Solution
+    load: Floats
+    """On each node, N, (n, 3)."""
     support: Floats
     """What it takes to hold each node, N, (n, 3); of free nodes what is left out of balance."""
 
@@ -29,20 +31,14 @@ class SceneResult:
 
 
 def solve_scene(built: BuiltScene) -> SceneResult:
-    """Equilibrium of a scene by whichever solver finds it."""
+    """Equilibrium of a scene by whichever solver finds it.
+
+    Bars between supports that hold them lengthwise carry nothing that could be told; theirs is told as 0.
+    """
     solution = find_equilibrium(built.problem, built.scene.model.tolerance)
-    return SceneResult(built, solution, support_forces(built, solution.positions, solution.bar_tension))
-
-
-def support_forces(built: BuiltScene, positions: Floats, tension: Floats) -> Floats:
-    """What it takes to hold each node at rest under its loads and the bars' pull, N, (n, 3)."""
-    structure, loading = built.problem.structure, built.problem.loading
-    positions = np.ascontiguousarray(positions)
-    force, length = np.zeros_like(positions), np.empty(len(tension))
-    add_moving_force(positions, np.empty((0, 3)), structure, loading, np.zeros(built.problem.bands), force)
-    bar_lengths(positions, structure, length)
-    add_bar_forces(positions, structure, np.divide(tension, length), force)
-    return -force
+    tension = np.where(built.problem.cannot_strain(solution.positions), 0.0, solution.bar_tension)
+    solution = replace(solution, bar_tension=tension)
+    return SceneResult(built, solution, *loads_and_supports(built.problem, solution))
 
 
 def end_tensions(tension: Floats) -> tuple[float, float]:
@@ -112,22 +108,30 @@ def result_row(result: SceneResult) -> dict[str, Any]:
     built, report = result.built, result.solution.report
     towed = result.support[built.towed].sum(axis=0) if built.towed.any() else np.full(3, np.nan)
     ropes = rope_rows(result)
-    top = max(ropes, key=lambda row: row["max_tension_n"] if result.converged else 0.0)
+    top = max(ropes, key=lambda row: row["max_tension_n"] if result.converged else 0.0, default={})
     return {
         "case": 1,
         "speed_m_s": built.scene.speed_m_s,
         "pull_n": float(np.linalg.norm(towed)),
         "pull_ahead_n": float(-towed[0]),
-        "max_rope_tension_n": top["max_tension_n"],
-        "max_tension_rope": top["name"] if result.converged else "",
+        "max_rope_tension_n": top["max_tension_n"] if ropes else np.nan,
+        "max_tension_rope": top["name"] if ropes and result.converged else "",
         "deepest_m": float(-result.solution.positions[:, 2].min()),
         "highest_m": float(result.solution.positions[:, 2].max()),
         "method": report.method,
         "iterations": report.iterations,
         "residual": report.residual,
+        "balance_error": balance_error(result),
         "converged": result.converged,
         "solve_ms": report.solve_ms,
     }
+
+
+def balance_error(result: SceneResult) -> float:
+    """What loads and supports leave over together, over the sum of the sizes of the supports' forces and the loads."""
+    held = np.where(result.built.problem.net.fixed, result.support, 0.0)
+    sizes = np.linalg.norm(result.load, axis=1).sum() + np.linalg.norm(held, axis=1).sum()
+    return float(np.linalg.norm((result.load + held).sum(axis=0)) / sizes)
 
 
 def cautions(result: SceneResult) -> list[str]:
@@ -145,5 +149,6 @@ def cautions(result: SceneResult) -> list[str]:
     if "density_kg_m3" not in scene.water.model_fields_set:
         found.append(f"Sea water of {scene.water.density_kg_m3:g} kg/m3 is assumed: water.density_kg_m3 is not given.")
     laws = sorted({rope.drag[0] for rope in scene.rope})
-    found.append(f"Drag of the ropes by {' and '.join(laws)}: depths differ by a fifth from one law to another.")
-    return found
+    if laws:
+        found.append(f"Drag of the ropes by {' and '.join(laws)}: depths differ by a fifth from one law to another.")
+    return found + netting_caution(scene)

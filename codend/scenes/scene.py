@@ -1,4 +1,4 @@
-"""What the user said of a scene: a TOML file of ropes, points, vessel and water, checked once."""
+"""What the user said of a scene: a TOML file of ropes, netting, points, vessel and water, checked once."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -11,17 +11,21 @@ from codend.errors import InputError
 from codend.io.names import as_name
 from codend.io.toml import read_toml
 from codend.net.net import Floats
+from codend.netting.sheet import EDGES
 from codend.plan.messages import Contradiction
 from codend.plan.mistakes import checked
 from codend.plan.overrides import apply_overrides
 from codend.plan.tables import Table, Text
+from codend.scenes.netting_checks import carried, links_of, netting_contradictions
+from codend.scenes.netting_tables import SeamTable, SheetTable
 from codend.scenes.tables import (
     VESSEL,
     PointTable,
-    Ropes,
+    RopeTable,
     SceneModel,
     SeabedTable,
     TimeTable,
+    Vector,
     VesselTable,
     WaterTable,
 )
@@ -37,7 +41,9 @@ class Scene(Table):
 
     title: Text
     water: WaterTable = WaterTable()
-    rope: Ropes
+    rope: tuple[RopeTable, ...] = ()
+    netting: tuple[SheetTable, ...] = ()
+    seam: tuple[SeamTable, ...] = ()
     point: tuple[PointTable, ...] = ()
     vessel: VesselTable | None = None
     time: TimeTable | None = None
@@ -51,6 +57,8 @@ class Scene(Table):
         return self
 
     def _contradictions(self) -> Iterator[Contradiction]:
+        if not self.rope and not self.netting:
+            yield Contradiction("rope", "one table [[rope]] or [[netting]] at least", "is missing")
         names = [point.name for point in self.point]
         for index, name in enumerate(names):
             if name in names[:index]:
@@ -66,15 +74,15 @@ class Scene(Table):
         for index, name in enumerate(rope_names):
             if name in (*rope_names[:index], *known):
                 yield Contradiction(f"rope.{index}.name", "a name that no other rope or point has")
-        used = {end for rope in self.rope for end in rope.ends}
+        yield from netting_contradictions(self.netting, self.seam, known, self._rope_ends, self._cannot_hold())
+        used = {end for rope in self.rope for end in rope.ends} | {
+            end for sheet in self.netting for end in sheet.points
+        }
         for index, point in enumerate(self.point):
             if point.name not in used:
-                yield Contradiction(f"point.{index}.name", "a point that a rope runs to", "is on no rope")
-            if point.held == "vessel" and self.vessel is None:
-                yield Contradiction(f"point.{index}.held", '"ground", or a table [vessel]')
-            if point.held == "ground" and self.vessel is not None and self.vessel.speed_m_s > 0.0:
-                allowed = "vessel.motion in place of vessel.speed_m_s, for places are as seen from the vessel"
-                yield Contradiction(f"point.{index}.held", allowed)
+                yield Contradiction(f"point.{index}.name", "a point that a rope or netting runs to", "is on none")
+            if point.held in (cannot := self._cannot_hold()):
+                yield Contradiction(f"point.{index}.held", cannot[point.held])
             if point.held_from_s is not None and self.time is None:
                 yield Contradiction(f"point.{index}.held_from_s", "a table [time] with it")
             if self.time is not None and point.held_from_s is not None and point.held_from_s >= self.time.end_s:
@@ -96,22 +104,41 @@ class Scene(Table):
                 if rope.axial_stiffness_n is None:
                     allowed = "given where a point is held from a time on, for a stop without stretch has no peak"
                     yield Contradiction(f"rope.{index}.axial_stiffness_n", allowed, "is missing")
+        placed = {point.name for point in self.point if point.at is not None} | {VESSEL}
+        reached = carried(placed, [set(rope.ends) for rope in self.rope])
+        for index, point in enumerate(self.point):
+            if point.name not in reached:
+                yield Contradiction(f"point.{index}.at", "where it starts: [x, y, z] in m", "is missing")
         yield from self._not_held()
         yield from self._too_short()
 
+    def _cannot_hold(self) -> dict[str, str]:
+        """What can hold nothing here, and what is allowed instead."""
+        found = {}
+        if self.vessel is None:
+            found["vessel"] = '"ground", or a table [vessel]'
+        elif self.vessel.speed_m_s > 0.0:
+            found["ground"] = "vessel.motion in place of vessel.speed_m_s, for places are as seen from the vessel"
+        return found
+
     def _not_held(self) -> Iterator[Contradiction]:
-        """Ropes that hang on nothing."""
-        held = {point.name for point in self.point if point.held in FAST}
-        held |= {VESSEL} if self.vessel is not None else set()
-        while more := {e for rope in self.rope if held & set(rope.ends) for e in rope.ends} - held:
-            held |= more
+        """Ropes and netting that hang on nothing."""
+        held = {point.name for point in self.point if point.held in FAST} | set(FAST)
+        held -= {VESSEL} if self.vessel is None else set()
+        found = carried(held, links_of(self.netting, self.seam, self._rope_ends))
         for index, rope in enumerate(self.rope):
-            if not held & set(rope.ends):
+            if not found & set(rope.ends):
                 yield Contradiction(f"rope.{index}.from", "a rope that hangs, by others, on a held point or the vessel")
+        for index, sheet in enumerate(self.netting):
+            if sheet.name not in found:
+                allowed = "netting that hangs, by ropes or other netting, on a held point or the vessel"
+                yield Contradiction(f"netting.{index}.corners", allowed)
 
     def _too_short(self) -> Iterator[Contradiction]:
-        """Ropes that do not stretch, between held points that are farther apart."""
-        places = {point.name: point.at for point in self.point if point.held in FAST and point.at}
+        """Ropes and netting that do not stretch, between held points that are farther apart."""
+        places: dict[str | None, Vector] = {
+            point.name: point.at for point in self.point if point.held in FAST and point.at
+        }
         if self.vessel is not None:
             places[VESSEL] = self.vessel.at
         for index, rope in enumerate(self.rope):
@@ -120,11 +147,24 @@ class Scene(Table):
                 apart = float(np.linalg.norm(last - first))
                 if rope.length_m <= apart:
                     yield Contradiction(f"rope.{index}.length_m", f"above {apart:g}, the distance of its held ends")
+        for index, sheet in enumerate(self.netting):
+            for edge in EDGES if sheet.twine.axial_stiffness_n is None else ():
+                ends = [places[corner] for corner in sheet.corner_names(edge) if corner in places]
+                if sheet.hold_of(edge) in FAST or len(ends) < 2:
+                    continue
+                apart, reach = float(np.linalg.norm(np.subtract(ends[0], ends[1]))), sheet.reach_m(edge)
+                if apart >= reach:
+                    allowed = f"given, or the held corners of its {edge} edge nearer than {reach:g} m, not {apart:g} m"
+                    yield Contradiction(f"netting.{index}.axial_stiffness_n", allowed, "is missing")
 
     @property
     def rope_names(self) -> tuple[str, ...]:
         """What tables call the ropes."""
         return tuple(rope.name or f"rope {number}" for number, rope in enumerate(self.rope, start=1))
+
+    @property
+    def _rope_ends(self) -> dict[str, tuple[str, str]]:
+        return {name: rope.ends for name, rope in zip(self.rope_names, self.rope, strict=True)}
 
     @property
     def speed_m_s(self) -> float:

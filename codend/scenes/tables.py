@@ -6,7 +6,7 @@ Lengths in m, x along the tow and aft, z up with the surface at 0, unless a key'
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
-from annotated_types import Ge, Gt, Le, MinLen
+from annotated_types import Ge, Gt, Le
 from pydantic import Field, create_model, model_validator
 
 from codend.plan.messages import Contradiction
@@ -16,20 +16,25 @@ Vector = tuple[Number, Number, Number]
 VESSEL = "vessel"
 """What a rope calls the vessel's towing point."""
 _AT_MOST_M = 1e5
+_FROM = "Name of the point it runs from, or `vessel`."
 
 
 class Layer(Table):
     """The current at one depth; between two depths it changes evenly."""
 
     depth_m: Annotated[Number, Ge(0), Le(12_000)]
+    """Below the surface."""
     flow_m_s: Vector
+    """The current there, along x, y and z."""
 
 
 class WaterTable(Table):
     """The water and its current over the ground."""
 
     density_kg_m3: Annotated[Number, Ge(900), Le(1300)] = SEA_WATER_KG_M3
+    """Left out: sea water, and the run says so."""
     flow_m_s: Vector = (0.0, 0.0, 0.0)
+    """Its current over the ground."""
     profile: tuple[Layer, ...] = ()
     """Its current by depth, instead of ``flow_m_s``."""
 
@@ -48,17 +53,23 @@ class _RopeTable(Table):
     """A rope, warp, bridle or mooring between two points; it never pushes."""
 
     to: Text
+    """Name of the point at its other end, or `vessel`."""
     length_m: Annotated[Number, Gt(0), Le(_AT_MOST_M)]
+    """Unstretched."""
     diameter_mm: Annotated[Number, Gt(0), Le(1000)]
+    """For drag and buoyancy."""
     mass_kg_m: Annotated[Number, Gt(0), Le(10_000)]
+    """In air."""
     name: Text | None = None
     """What tables call it; None: "rope" and its number."""
     axial_stiffness_n: Annotated[Number, Gt(0), Le(1e12)] | None = None
     """EA; None: it does not stretch."""
     law: Literal["le-bris-1999", "bessonneau-1997", "choo-casarella-1971"] = "le-bris-1999"
+    """Of its drag: that of the paper it is named after."""
     normal: Annotated[Number, Ge(0), Le(10)] | None = None
     """None: that of the law."""
     tangential: Annotated[Number, Ge(0), Le(10)] | None = None
+    """None: that of the law."""
     added_mass: Annotated[Number, Ge(0), Le(10)] = 1.0
     """Cm of a cylinder across its length, that of potential flow if left out."""
     bars: Annotated[Whole, Ge(1), Le(10_000)] | None = None
@@ -84,13 +95,14 @@ class _RopeTable(Table):
 if TYPE_CHECKING:
     RopeTable = _RopeTable
 else:  # "from" is a word of Python's own, and cannot be written as a field
-    RopeTable = create_model("RopeTable", __base__=_RopeTable, **{"from": (Text, Field(...))})
+    RopeTable = create_model("RopeTable", __base__=_RopeTable, **{"from": (Text, Field(description=_FROM))})
 
 
 class PointTable(Table):
     """A weight, a float, a door, a knot, or what holds a rope's end."""
 
     name: Text
+    """What ropes and tables call it."""
     at: Vector | None = None
     """Where it is held, or starts; None: astern of what it hangs on, in a line at the same height."""
     held: Literal["vessel", "ground", "symmetry"] | None = None
@@ -98,19 +110,25 @@ class PointTable(Table):
     held_from_s: Annotated[Number, Ge(0), Le(1e6)] | None = None
     """From when on it is held fast to the ground where it then is, as a gear that hangs up."""
     mass_kg: Annotated[Number, Ge(0), Le(1e7)] = 0.0
+    """In air."""
     added_mass_kg: Annotated[Number, Ge(0), Le(1e7)] = 0.0
     """Of the water that goes with it, the same in all directions."""
     wet_weight_n: Annotated[Number, Ge(-1e8), Le(1e8)] | None = None
     """Downward, below 0 of floats; None: by mass and density, or 0."""
     density_kg_m3: Annotated[Number, Gt(0), Le(30_000)] | None = None
+    """Gives the weight in water, with the mass."""
     area_m2: Annotated[Number, Ge(0), Le(1e4)] = 0.0
+    """What its coefficients are over."""
     drag: Annotated[Number, Ge(0), Le(100)] = 0.0
     """Coefficient over ``area_m2``."""
     lift: Annotated[Number, Ge(-100), Le(100)] = 0.0
+    """Coefficient over `area_m2`, across the flow."""
     table: Text | None = None
     """CSV of ``attack_deg, lift, drag`` from which both are read at ``attack_deg``."""
     attack_deg: Annotated[Number, Ge(-180), Le(180)] | None = None
+    """Angle at which the table is read."""
     lift_towards: Vector = (0.0, 0.0, 1.0)
+    """Direction of the lift, of which the part across the flow counts."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -120,6 +138,8 @@ class PointTable(Table):
     def _contradictions(self) -> Iterator[Contradiction]:
         if self.name == VESSEL:
             yield Contradiction("name", f'any name but "{VESSEL}", which is the vessel\'s towing point')
+        if self.name in ("ground", "symmetry", "repeats"):
+            yield Contradiction("name", "any name but those of what may hold netting")
         if self.held is not None and self.at is None:
             yield Contradiction("at", "where it is held: [x, y, z] in m", "is missing")
         if self.held == "symmetry" and self.at is not None and self.at[1] != 0.0:
@@ -145,6 +165,7 @@ class VesselTable(Table):
     """What tows: its towing point, called "vessel", and how that moves."""
 
     at: Vector = (0.0, 0.0, 0.0)
+    """Where its towing point is, or starts."""
     speed_m_s: Annotated[Number, Ge(0), Le(20)] = 0.0
     """Towards -x; places are then told as seen from the vessel, which the water passes by."""
     motion: Text | None = None
@@ -152,6 +173,7 @@ class VesselTable(Table):
     heave_m: Annotated[Number, Ge(0), Le(50)] = 0.0
     """Amplitude, upward first."""
     period_s: Annotated[Number, Gt(0), Le(1e5)] | None = None
+    """Of the heave."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -168,7 +190,9 @@ class TimeTable(Table):
     """How long the motion goes on."""
 
     end_s: Annotated[Number, Gt(0), Le(1e6)]
+    """How long it goes on."""
     output_s: Annotated[Number, Gt(0), Le(1e6)]
+    """Time from one output to the next."""
     step_s: Annotated[Number, Gt(0), Le(10)] = 0.01
     """Longest time step."""
     start: Literal["equilibrium", "placed"] = "equilibrium"
@@ -190,14 +214,13 @@ class SeabedTable(Table):
     """A level seabed without friction."""
 
     depth_m: Annotated[Number, Gt(0), Le(12_000)]
+    """Below the surface."""
 
 
 class SceneModel(Table):
     """How a scene is modelled."""
 
     bars_per_rope: Annotated[Whole, Ge(1), Le(10_000)] = 40
+    """Straight bars that a rope is cut into which does not say so itself."""
     tolerance: Annotated[Number, Ge(1e-12), Le(0.1)] = 1e-9
     """Largest nodal residual over the sum of all loads."""
-
-
-Ropes = Annotated[tuple[RopeTable, ...], MinLen(1)]

@@ -30,6 +30,8 @@ CANCELLED = 1e-6
 """Resultant of the loads, over the sum of their sizes, that says nothing of the tensions any more."""
 STEPS_AT_ONCE = 20_000
 """Steps between two looks at the progress."""
+FIRST_WHILE = 20
+"""Steps between two looks at what is near what, at first."""
 
 _OUTCOMES = {
     relaxation.CONVERGED: Outcome.CONVERGED,
@@ -156,6 +158,7 @@ class _Relaxation:
         self.penalty, self.mass_factor, self.steps_allowed = penalty, mass_factor, steps_allowed
         self.progress = progress
         self.steps = 0
+        self.while_steps = FIRST_WHILE
         self.residual = self.imbalance = self.length_error = np.inf
         self.tension = 0.0
         self.refused: Refusal | None = None
@@ -172,17 +175,13 @@ class _Relaxation:
             inner = max(tolerance, 0.1 * ROUGH)
         best, last_headway = np.inf, 0
         while True:
-            spend = min(STEPS_AT_ONCE, self.steps_allowed - self.steps)
-            code, steps, _, self.residual, self.imbalance = relaxation.relax(
-                work, structure, self.problem.loading, inner, self.mass_factor, self.settings.viscous, spend
-            )
-            self.steps += steps
+            code = self._relax(inner)
             if self.progress is not None:
                 self.progress(METHOD, max(self.residual, self.imbalance))
             outcome = _OUTCOMES[code]
             if outcome in (Outcome.NOT_FINITE, Outcome.OVERSTRETCHED):
                 return outcome
-            if structure.order == 1.0:
+            if structure.order == 1.0 and self.problem.surface is None:
                 # a full net that has passed through itself does not come back
                 self.refused = passage(self.problem, np.ascontiguousarray(work.state[:, :3]))
                 if self.refused is not None:
@@ -214,6 +213,41 @@ class _Relaxation:
                 self.penalty *= 3.0
                 self._set_law(self.tension)
             best, last_headway = np.inf, self.steps
+
+    def _relax(self, inner: float) -> int:
+        """Relax for a while; what ``relaxation.relax`` returns.
+
+        Under contact a while is short, and what is near what is looked for anew after it. Where parts would have
+        passed through each other since, the net goes back on the way and on from rest, for a shorter while.
+        """
+        surface, work = self.problem.surface, self.work
+        spend = min(STEPS_AT_ONCE, self.steps_allowed - self.steps)
+        left = spend
+        while True:
+            before = np.ascontiguousarray(work.state[:, :3])
+            loading = self.problem.touching_at(before).loading
+            code, steps, _, self.residual, self.imbalance = relaxation.relax(
+                work,
+                self.problem.structure,
+                loading,
+                inner,
+                self.mass_factor,
+                self.settings.viscous,
+                left if surface is None else min(left, self.while_steps),
+            )
+            self.steps += steps
+            left -= steps
+            if surface is None:
+                return code
+            move = work.state[:, :3] - before
+            share = surface.free_share(before, move) if np.isfinite(move).all() else 0.0
+            self.while_steps = max(self.while_steps // 4, 5) if share < 1.0 else 2 * self.while_steps
+            if share < 1.0:
+                work.state[:, :3] = before + share * move
+            elif code != relaxation.STEPS_SPENT:
+                return code
+            if left <= 0:
+                return relaxation.STEPS_SPENT
 
     def _set_law(self, tension: float) -> None:
         self.tension = tension

@@ -3,11 +3,12 @@
 Implicit steps (K + s T / l) dx = F, F what is out of balance, K its tangent, T / l the tension over the length of the
 bars at a node, so that a step is one of an overdamped motion. None is longer than ``LONGEST`` of a bar. The shift s
 falls as the motion calms, but not to nothing, and not under what makes the shifted tangent's pivots positive: the
-motion then runs away from unstable equilibria, where Newton's method would stay. Netting that would pass through
-netting stops it: where layers touch, contact decides, which is no part of the model.
+motion then runs away from unstable equilibria, where Newton's method would stay. With contact between its parts
+(``Problem.of(contact=...)``) every step ends before any would pass through another, and layers press on each other;
+without, netting that would pass through netting stops the motion.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, auto
 
 import numpy as np
@@ -17,9 +18,13 @@ from codend.mechanics.bars import bar_lengths
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
 from codend.solvers import newton
-from codend.solvers.newton import DIRECT, Prepared
-from codend.solvers.outcome import Outcome, Progress, Solution
+from codend.solvers.clock import Clock
+from codend.solvers.dynamic_relaxation import reference_tension
+from codend.solvers.newton import DIRECT
+from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.refusal import passage
+from codend.solvers.watched import Watched
 
 METHOD = "gentle steps"
 LONGEST = 0.15
@@ -71,18 +76,20 @@ def follow(
         progress: told the residual of every step.
         steps_allowed: before it is given up.
     """
-    structure, loading, system = problem.structure, problem.loading, prepared.system
+    structure, watched = problem.structure, Watched(problem, prepared)
     here, there, _ = prepared.states
-    step, tension = prepared.step, float(start.bar_tension.mean())
+    tension = float(start.bar_tension.mean())
     bar = float(np.median(structure.length))
     here.position[:] = start.positions
     bar_lengths(start.positions, structure, here.length)
     np.divide(start.bar_tension, here.length, out=here.density, where=here.length > 0.0)
-    measure(structure, loading, tension, DIRECT.switches[0], 0.0, here)
+    watched.look(here.position)
+    measure(structure, watched.loading, tension, DIRECT.switches[0], 0.0, here)
     shift = FIRST_SHIFT
     for number in range(1, steps_allowed + 1):
+        loading, step, system = watched.loading, watched.prepared.step, watched.prepared.system
         while True:
-            sides = newton_step.linearise(structure, loading, prepared.pattern, tension, shift, 0.0, here, step)
+            sides = newton_step.linearise(structure, loading, watched.prepared.pattern, tension, shift, 0.0, here, step)
             negative = system.factorise(step.blocks)
             if (negative == 0 and system.negative_pivots() == 0) or shift > MOST_SHIFT:
                 break
@@ -91,14 +98,17 @@ def follow(
         farthest = float(np.sqrt(np.einsum("ij,ij->i", step.move, step.move).max()))
         size = min(1.0, LONGEST * bar / farthest) if farthest > 0.0 else 1.0
         size = min(size, LONGEST / turned) if turned > 0.0 else size
+        size *= watched.free_share(here.position, size * step.move)
         for _ in range(HALVINGS):
             newton_step.take(structure, loading, tension, DIRECT.switches[0], 0.0, size, here, here, step, there)
-            if passage(problem, there.position, gathered=False) is None:
+            if problem.surface is not None or passage(problem, there.position, gathered=False) is None:
                 break
             size *= 0.5
         else:
             return Motion(End.TOUCHING, _as_is(start, here), number)
         here, there = there, here
+        if watched.look(here.position):
+            measure(structure, watched.loading, tension, DIRECT.switches[0], 0.0, here)
         residual = float(max(here.residual, here.imbalance))
         if progress is not None:
             progress(METHOD, residual)
@@ -115,6 +125,38 @@ def follow(
                 return Motion(End.SETTLED, polished, number)
             break
     return Motion(End.STEPS_SPENT, _as_is(start, here), number)
+
+
+@dataclass(frozen=True)
+class GentleSettings:
+    """What may be tuned."""
+
+    steps_allowed: int = 1000
+
+
+def solve(
+    problem: Problem,
+    tolerance: float,
+    start: Solution | None = None,
+    settings: GentleSettings = GentleSettings(),
+    progress: Progress | None = None,
+) -> Solution:
+    """Equilibrium of a net by gentle steps, from a shape in which nothing passes through anything; see ``Solver``."""
+    with Clock() as clock:
+        if start is None:
+            tension = np.full(len(problem.net.bars), reference_tension(problem))
+            report = SolverReport(METHOD, Outcome.STEPS_SPENT, 0, np.inf, np.inf, np.inf, 0.0)
+            start = Solution(problem.net.positions, tension, np.zeros(problem.bands), report)
+        prepared = prepare(problem.structure, problem.bands)
+        motion = follow(problem, tolerance, start, prepared, progress, settings.steps_allowed)
+        spent_ms = clock.ms
+    found = motion.solution.report
+    outcome = {End.SETTLED: found.outcome, End.TOUCHING: Outcome.PASSED_THROUGH}.get(motion.end, Outcome.STEPS_SPENT)
+    note = f"{METHOD}: {motion.steps} steps. {outcome.value}"
+    attempts = (note, *found.attempts) if motion.end is End.SETTLED else (note,)
+    report = replace(found, method=METHOD, outcome=outcome, iterations=motion.steps, solve_ms=spent_ms)
+    report = replace(report, attempts=attempts)
+    return Solution.ended(report, motion.solution.positions, motion.solution.bar_tension, motion.solution.share)
 
 
 def _as_is(start: Solution, state: State) -> Solution:

@@ -69,6 +69,8 @@ def solve(
         progress: told the residual of every step.
         prepared: what ``newton.prepare`` returned for this structure.
     """
+    if problem.surface is not None:
+        raise ValueError("this method knows no contact: use find_equilibrium")
     prepared = newton.prepare(problem.structure, problem.bands) if prepared is None else prepared
     with Clock() as clock:
         state, outcome, steps = _lower_the_barrier(problem, tolerance, start, settings, progress, prepared)

@@ -18,7 +18,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from codend.mechanics import motion, rigid
+from codend.mechanics import contact, motion, rigid
 from codend.mechanics.bars import bar_lengths
 from codend.mechanics.loads import add_moving_force
 from codend.mechanics.problem import Problem
@@ -33,7 +33,13 @@ LENGTHS_MET = 1e-11
 FARTHEST_OFF = 1e-7
 """Departure from the lengths, relative, that a step may leave."""
 CORRECTIONS = 15
-SLACK_PASSES = 25
+SLACK_PASSES = 60
+PATIENCE = 4
+"""Passes without fewer bars on the wrong side of slackness, after which only half of them change at once."""
+NO_PUSH = 1e-10
+"""Push, over the largest force density, that is round-off."""
+NEARLY_TAUT = 1e-6
+"""What a bar may be shorter than its length at the start, relative, to be looked upon as taut first."""
 MOST_HALVINGS = 8
 
 Path = Callable[[float], Floats]
@@ -104,6 +110,8 @@ class Motion:
         bar_lengths(self.position, self.structure, self._length)
         stretches = self.structure.flexibility > 0.0
         self.strain[:] = np.maximum(np.where(stretches, self._length / self.structure.length - 1.0, 0.0), 0.0)
+        # a crumpled bar that was asked to be as long as it is would tear its neighbours along
+        self.taut[:] = self._length >= (1.0 - NEARLY_TAUT) * self.structure.length
 
     def state(self) -> dict[str, Floats | Ints]:
         """A copy of all that ``set_state`` needs to go on from here."""
@@ -160,6 +168,7 @@ class Motion:
 
     def _tried(self, dt: float) -> bool:
         kick = 0.5 * (self.last_step + dt)
+        self.loading = self.problem.touching_at(self.position).loading
         self._measure()
         self._set_loads(kick, dt)
         last_velocity = self.velocity.copy()
@@ -172,8 +181,12 @@ class Motion:
         rigid.add_pulls(self.structure, self._gradient, density, pulls)
         rigid.accelerations(self._inverse, pulls, self._acceleration)
         self.velocity += kick * self._acceleration
+        before = self.position.copy()
         self.position += dt * self.velocity
         if not np.isfinite(self.position).all():
+            return False
+        surface = self.problem.surface
+        if surface is not None and surface.free_share(before, self.position - before) < 1.0:
             return False
         felt = np.einsum("nij,nj->ni", self._masses, self.velocity - last_velocity) / kick
         self.support = felt - pulls
@@ -203,6 +216,7 @@ class Motion:
         motion.add_bar_drag(*here, structure, water, self.mass, self.added, self.density, kick, dt, blocks)
         motion.add_point_drag(*here, loading.points, water, of_points, kick, blocks)
         motion.add_seabed(*here, loading.seabed, kick, dt, self._force, blocks)
+        contact.add_stiffness(*here, loading.contact, kick, dt, self._force, blocks)
         motion.invert(blocks, structure.free, self._inverse)
 
     def _move_supports(self, dt: float) -> None:
@@ -221,17 +235,23 @@ class Motion:
         rest = structure.length
         rigid.accelerations(self._inverse, self._force, self._acceleration)
         free_move = dt * (self.velocity + kick * self._acceleration)
-        density = np.zeros(bars)
-        for _ in range(SLACK_PASSES):
+        density, fewest, patience = np.zeros(bars), bars + 1, PATIENCE
+        for number in range(SLACK_PASSES):
             rigid.tension_system(self.pattern, self._gradient, self._inverse, self.taut, self._entries)
             self._entries[self.pattern.diagonal] += rest**2 * give / (kick * dt)
             if self.system.factorise(self._entries) == -1:
                 return None
             density, error = self._corrected(free_move, known, give, kick * dt)
-            taut = np.where(self.taut, density >= 0.0, error > LENGTHS_MET)
-            if np.array_equal(taut, self.taut):
+            least = -NO_PUSH * float(np.abs(density).max(initial=0.0))
+            wrong = np.flatnonzero(np.where(self.taut, density < least, error > LENGTHS_MET))
+            if len(wrong) == 0:
+                density = np.maximum(density, 0.0)
                 break
-            self.taut[:] = taut
+            patience = PATIENCE if len(wrong) < fewest else patience - 1
+            fewest = min(fewest, len(wrong))
+            # where all at once goes round in circles, half of them
+            change = wrong if patience > 0 or len(wrong) == 1 else wrong[number % 2 :: 2]
+            self.taut[change] = 1 - self.taut[change]
         else:
             self.unsettled += 1
             density = np.maximum(density, 0.0)

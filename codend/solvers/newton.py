@@ -14,17 +14,17 @@ import numpy as np
 
 from codend.mechanics import newton_step
 from codend.mechanics.bars import bar_lengths
-from codend.mechanics.newton_state import State, empty_state, measure
-from codend.mechanics.newton_step import Step
+from codend.mechanics.loads import Loading
+from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
-from codend.mechanics.structure import Structure
-from codend.mechanics.tangent import Pattern, pattern_of
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension, rough_shape
-from codend.solvers.kernels import FAILED, IN_FIRST, IN_SECOND, Iteration, Limits, advance, advance_banded
-from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
+from codend.solvers.kernels import FAILED, IN_FIRST, Iteration, Limits, advance, advance_banded
+from codend.solvers.linear_systems import BandedSystem
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.refusal import Refusal, refusal, told
+from codend.solvers.watched import Watched
 
 METHOD = "newton"
 CLEAR_FALL = 0.1
@@ -76,27 +76,6 @@ class NewtonReport(SolverReport):
 
     history: tuple[float, ...] = ()
     """The larger of residual and axial imbalance before the first and after every iteration."""
-
-
-@dataclass(frozen=True)
-class Prepared:
-    """What depends on the structure alone, and room to work in: kept from one equilibrium to the next."""
-
-    pattern: Pattern
-    system: LinearSystem
-    states: tuple[State, State, State]
-    step: Step
-
-
-def prepare(structure: Structure, bands: int) -> Prepared:
-    """Number the unknowns of a structure, once for all its equilibria with a catch that fills so many bands."""
-    pattern = pattern_of(structure)
-    return Prepared(
-        pattern=pattern,
-        system=linear_system(structure, pattern),
-        states=(empty_state(structure, bands), empty_state(structure, bands), empty_state(structure, bands)),
-        step=newton_step.empty_step(structure, pattern),
-    )
 
 
 def solve(
@@ -170,11 +149,13 @@ def tangent_at(problem: Problem, solution: Solution, prepared: Prepared) -> Tang
     """The tangent at an equilibrium, shifted by ``NEUTRAL`` and factorised in ``prepared``."""
     run = _Iterations(problem, prepared, DIRECT, None)
     run._set_start(solution, DIRECT.switches[0])
+    prepared = run.prepared
     step, system = prepared.step, prepared.system
     sides = newton_step.linearise(
-        problem.structure, problem.loading, prepared.pattern, run.tension, NEUTRAL, 0.0, run.state, step
+        problem.structure, run.loading, prepared.pattern, run.tension, NEUTRAL, 0.0, run.state, step
     )
-    return TangentAtEquilibrium(problem, solution, prepared, sides - 1, system.factorise(step.blocks) == -1)
+    singular = system.factorise(step.blocks) == -1
+    return TangentAtEquilibrium(replace(problem, loading=run.loading), solution, prepared, sides - 1, singular)
 
 
 def solve_nearby(
@@ -202,14 +183,25 @@ class _Iterations:
         progress: Progress | None,
         takes_factors: bool = False,
     ) -> None:
-        self.problem, self.structure, self.loading = problem, problem.structure, problem.loading
-        self.prepared, self.settings, self.progress = prepared, settings, progress
+        self.problem, self.structure = problem, problem.structure
+        self.watched = Watched(problem, prepared)
+        self.settings, self.progress = settings, progress
         self.takes_factors = takes_factors
         self.state, self.first, self.second = prepared.states
         self.iterations = 0
         self.singular = False
         self.refused: Refusal | None = None
         self.history: list[float] = []
+
+    @property
+    def loading(self) -> Loading:
+        """What acts on the net, contact where it is now."""
+        return self.watched.loading
+
+    @property
+    def prepared(self) -> Prepared:
+        """The unknowns numbered, for what touches now."""
+        return self.watched.prepared
 
     def from_start(
         self, start: Solution, tolerance: float, switches: tuple[float, ...], attempts: list[str]
@@ -288,6 +280,7 @@ class _Iterations:
         self._measure()
 
     def _measure(self) -> None:
+        self.watched.look(self.state.position)
         measure(self.structure, self.loading, self.tension, self.switch, 0.0, self.state)
 
     def _advance(self, shift: float, tolerance: float, fresh: bool = True) -> bool:
@@ -317,8 +310,23 @@ class _Iterations:
         else:
             where, negative = advance(system, iteration, shift, fresh)
         self.singular = negative == -1
+        if where == FAILED:
+            return False
+        last = self.state
         if where == IN_FIRST:
             self.state, self.first = self.first, self.state
-        elif where == IN_SECOND:
+        else:
             self.state, self.second = self.second, self.state
-        return bool(where != FAILED)
+        if self.problem.surface is not None:
+            self._stop_short(last)
+        return True
+
+    def _stop_short(self, last: State) -> None:
+        """Go back on the way from the last state to where nothing has passed through anything, and look again."""
+        state = self.state
+        move = state.position - last.position
+        share = self.watched.free_share(last.position, move)
+        if share < 1.0:
+            state.position[:] = last.position + share * move
+            state.density[:] = last.density + share * (state.density - last.density)
+        self._measure()

@@ -4,12 +4,14 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.mechanics import possible
 from codend.mechanics.crossing import band_turns
 from codend.mechanics.piercing import TOUCHING, first_pierced
 from codend.mechanics.problem import Problem
 from codend.mechanics.rings import first_crossed_ring
+from codend.mechanics.sheet import Sheet
 from codend.net.net import Floats
 from codend.solvers.outcome import Outcome
 
@@ -17,7 +19,9 @@ LARGEST_TURN = 0.5 * math.pi
 """Turn about its axis, from entry to codline, up to which a net is not wrung, rad."""
 GATHERED = 0.25
 """Of the shortest bar: depth up to which the last mesh of a net with ropes touches itself. Ropes shorter than netting
-fold it where the codline gathers it, and so does a joint that takes up several meshes in one."""
+fold it where the codline gathers it. Of the median bar, in the mesh ahead of a row that takes up more than two nodes in one."""
+ROUND_OFF = 1e-9
+"""Of the shortest bar."""
 DEEPEST = 0.1
 """Of the shortest bar; see ``touching_m``."""
 _IMPOSSIBLE = {
@@ -54,6 +58,8 @@ def passage(problem: Problem, position: Floats, gathered: bool = True) -> Refusa
 
     ``gathered`` asks it of the last band as well, whose twines are gathered at the codline; else no band is named.
     """
+    if problem.surface is not None:
+        return _through_surface(problem, position, problem.surface.sheet)
     catch = problem.loading.catch
     touching = touching_m(problem)
     if catch.row_size.any():
@@ -63,12 +69,14 @@ def passage(problem: Problem, position: Floats, gathered: bool = True) -> Refusa
     bar, facet = first_pierced(position, *_sheet(problem, 0 if gathered else 1), touching)
     if bar < 0:
         return None
-    if not gathered:
+    if not gathered or not catch.row_size.any():
         return Refusal(Outcome.PASSED_THROUGH, "a bar pierces the netting")
     band, met = catch.bar_band[bar] + 1, catch.facet_band[facet] + 1
-    if _gathered_ahead(problem, band) and _gathered_ahead(problem, met):
-        aside = GATHERED * float(np.median(problem.structure.length))
-        if first_pierced(position, *_sheet(problem), aside)[0] < 0:
+    gathered_bands = _ahead_of_takings_up(problem)
+    if gathered_bands[band - 1] and gathered_bands[met - 1]:
+        deeper = GATHERED * float(np.median(problem.structure.length))
+        elsewhere = first_pierced(position, *_sheet(problem, gathered_bands), touching)[0]
+        if elsewhere < 0 and first_pierced(position, *_sheet(problem), deeper)[0] < 0:
             return None
     if problem.structure.is_rope.any() and min(band, met) >= problem.bands - 1:
         deeper = GATHERED * float(problem.structure.length.min())
@@ -78,10 +86,26 @@ def passage(problem: Problem, position: Floats, gathered: bool = True) -> Refusa
     return Refusal(Outcome.PASSED_THROUGH, f"a bar of band {band} pierces band {met} of {problem.bands}")
 
 
-def _gathered_ahead(problem: Problem, band: int) -> bool:
-    """Whether a band, counted from 1, lies in the mesh ahead of a row that takes up two or more of its knots in one."""
+def _ahead_of_takings_up(problem: Problem) -> NDArray[np.bool_]:
+    """Bands in the mesh ahead of a row that takes up more than two of their nodes in one, (bands,)."""
     sizes = problem.loading.catch.row_size
-    return any(row < problem.bands and 2.0 * sizes[row] <= sizes[band - 1] for row in (band, band + 1))
+    ahead = np.zeros(problem.bands, dtype=bool)
+    for row in np.flatnonzero(2.0 * sizes[1:-1] < sizes[:-2]) + 1:
+        ahead[max(row - 2, 0) : row] = True
+    return ahead
+
+
+def _through_surface(problem: Problem, position: Floats, sheet: Sheet) -> Refusal | None:
+    """Where the surface that contact acts on is pierced, by any depth but round-off."""
+    (first, second), turn = sheet.edge.T.copy(), sheet.edge_image[:, 1].copy()
+    depth = ROUND_OFF * float(problem.structure.length.min())
+    whole = np.ones(len(sheet.face))
+    edge, _ = first_pierced(
+        position, first, second, turn, sheet.face, sheet.face_image, whole, problem.structure.order, depth
+    )
+    if edge < 0:
+        return None
+    return Refusal(Outcome.PASSED_THROUGH, f"the side from node {first[edge]} to {second[edge]} pierces the netting")
 
 
 def layers_touch(problem: Problem, position: Floats) -> bool:
@@ -126,12 +150,13 @@ def told(outcome: Outcome, refused: Refusal | None) -> str:
     return outcome.value if refused is None or refused.outcome is not outcome else f"{outcome.value} ({refused.where})"
 
 
-def _sheet(problem: Problem, left_out: int = 0) -> tuple:
-    """Bars and facets as ``first_pierced`` takes them, without those of the last so many bands before the codline."""
+def _sheet(problem: Problem, left_out: int | NDArray[np.bool_] = 0) -> tuple:
+    """Bars and facets as ``first_pierced`` takes them, without those of some bands: (bands,), or how many at the end."""
     s, catch = problem.structure, problem.loading.catch
-    if left_out == 0:
-        return s.first, s.second, s.image, s.facets, s.facet_image, s.facet_weight, s.order
-    end = problem.bands - left_out
-    bars, facets = np.flatnonzero(catch.bar_band < end), np.flatnonzero(catch.facet_band < end)
+    if isinstance(left_out, int):
+        if left_out == 0:
+            return s.first, s.second, s.image, s.facets, s.facet_image, s.facet_weight, s.order
+        left_out = np.arange(problem.bands) >= problem.bands - left_out
+    bars, facets = np.flatnonzero(~left_out[catch.bar_band]), np.flatnonzero(~left_out[catch.facet_band])
     of_facets = s.facets[facets], s.facet_image[facets], s.facet_weight[facets]
     return s.first[bars], s.second[bars], s.image[bars], *of_facets, s.order

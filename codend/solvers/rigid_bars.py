@@ -84,6 +84,8 @@ def solve(
         settings: see ``RigidBarsSettings``.
         progress: told the residual now and then (infinite until the net has come to rest for the first time).
     """
+    if problem.surface is not None:
+        raise ValueError("this method knows no contact: use find_equilibrium")
     attempts: list[str] = []
     steps, safety = 0, SAFETY
     with Clock() as clock:

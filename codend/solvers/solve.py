@@ -4,11 +4,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from codend.mechanics.problem import Problem
-from codend.solvers import dynamic_relaxation, interior_point, newton
+from codend.solvers import dynamic_relaxation, gentle, interior_point, newton
 from codend.solvers.outcome import Progress, Solution, Solver
 
 IN_ORDER: Sequence[Solver] = (interior_point.solve, newton.solve, dynamic_relaxation.solve)
 """From the shape in which a net was built: the first needs no start nearby, the last one is slow and hard to upset."""
+UNDER_CONTACT: Sequence[Solver] = (gentle.solve, dynamic_relaxation.solve)
+"""The same for nets of which parts may touch: those that let nothing pass through anything on the way."""
 POLISH = replace(newton.DIRECT, least_iterations=1)
 """One step more: in a net that is tight without loads, a length that is met to the tolerance leaves the tension off by
 that over the strain."""
@@ -31,7 +33,7 @@ def find_equilibrium(
     """
     attempts: list[str] = []
     spent_ms = 0.0
-    for solve in IN_ORDER:
+    for solve in IN_ORDER if problem.surface is None else UNDER_CONTACT:
         solution = solve(problem, tolerance, start, progress=progress)
         attempts += solution.report.attempts
         spent_ms += solution.report.solve_ms

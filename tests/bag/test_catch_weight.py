@@ -7,7 +7,7 @@ from catch_models.filling import enclosed_volume
 from codend.bag.bag import Bag
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
-from codend.bag.supports import held_by_the_entry, loads_and_supports
+from codend.bag.supports import held_by_the_entry
 from codend.equilibrium import fidelity
 from codend.mechanics import catch_weight
 from codend.mechanics.catch_front import band_geometry, fill, row_positions
@@ -16,6 +16,7 @@ from codend.mechanics.weight import GRAVITY_M_S2
 from codend.net.net import Floats
 from codend.plan.plan import Plan, plan_from_dict
 from codend.report.choice_words import reason_text
+from codend.solvers.reactions import loads_and_supports
 from codend.studies.study import solve
 from tests.plans import make_plan
 

@@ -9,11 +9,12 @@ from codend.bag.bag import Bag
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
-from codend.bag.supports import held_by_the_entry, loads_and_supports
+from codend.bag.supports import held_by_the_entry
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Plan, load_plan
 from codend.solvers import interior_point
 from codend.solvers.outcome import Solution
+from codend.solvers.reactions import loads_and_supports
 from codend.studies.study import solve
 from tests import ROOT
 from tests.plans import joined_plan, make_plan

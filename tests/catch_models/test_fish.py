@@ -1,3 +1,5 @@
+import pickle
+
 import numpy as np
 import pytest
 
@@ -65,3 +67,10 @@ def test_support_is_the_reach_of_the_outline(exponent):
         np.testing.assert_allclose(section.support(angle), reach, rtol=1e-7)
     x, y = np.abs(outline).T
     np.testing.assert_allclose((x / 0.1) ** exponent + (y / 0.06) ** exponent, 1.0, rtol=1e-9)
+
+
+def test_a_species_goes_to_other_processes_whole():
+    species = load_species(example_species_path())
+    again = pickle.loads(pickle.dumps(species))
+    assert again == species
+    assert again.model_fields_set == species.model_fields_set

@@ -2,21 +2,28 @@
 
 import math
 import re
+from itertools import pairwise
 
 import pytest
 from click.testing import CliRunner
 
 from codend.cli.main import main
 from codend.cli.net_plan import TEMPLATES
+from codend.errors import InputError
+from codend.plan.amounts import amounts_of
+from codend.plan.limits import held_to
 from codend.plan.plan import load_plan
-from codend.report.net_plan import HANGING, plan_svg
+from codend.report.net_plan import plan_svg
+from codend.report.net_plan_shapes import HANGING
+
+OUTLINE = r'<polygon points="([^"]+)" id="section-\d"'
 
 
 def test_sections_are_drawn_to_scale():
     plan = load_plan("validation/cases/joined_with_strap.toml")
     svg = plan_svg(plan)
     (scale,) = map(float, re.findall(r'data-pixels-per-metre="([\d.]+)"', svg))
-    outlines = re.findall(r'<polygon id="section-\d" points="([^"]+)"', svg)
+    outlines = re.findall(OUTLINE, svg)
     assert len(outlines) == 2
     for outline, section in zip(outlines, plan.netting, strict=True):
         (x0, y0), (x1, _), (_, y2), _ = [tuple(map(float, point.split(","))) for point in outline.split()]
@@ -35,19 +42,153 @@ def test_templates_are_plans_and_are_drawn(kind, tmp_path):
     path.write_text(printed.stdout)
     drawn = CliRunner().invoke(main, ["plan", "show", str(path), "--out", str(tmp_path / "plan.svg")])
     assert drawn.exit_code == 0, drawn.output
-    assert (tmp_path / "plan.svg").read_text().count('class="rope"') == (2 if kind == "ropes" else 0)
+    assert (tmp_path / "plan.svg").read_text().count('class="rope"') == (2 if kind in ("ropes", "panels") else 0)
 
 
 def test_a_rope_is_drawn_where_it_runs():
     changes = ["rope.0.meshes_from_codline=[0, 25]"]
     plan = load_plan("validation/cases/assumed_two_panels_with_ropes.toml", changes)
     svg = plan_svg(plan)
-    outline = re.findall(r'<polygon id="section-0" points="([^"]+)"', svg)[0]
+    outline = re.findall(OUTLINE, svg)[0]
     (_, top), _, (_, bottom), _ = [tuple(map(float, point.split(","))) for point in outline.split()]
     (long,) = (section.meshes_long for section in plan.netting)
-    drawn = re.findall(r'<line class="rope" x1="[\d.]+" x2="[\d.]+" y1="([\d.]+)" y2="([\d.]+)"', svg)
+    drawn = re.findall(r'<polyline points="[\d.]+,([\d.]+) [\d.]+,([\d.]+)" [^>]*class="rope"', svg)
     assert len(drawn) == plan.rope[0].number
     for y1, y2 in drawn:
         assert float(y2) == pytest.approx(bottom, abs=0.01)
         assert float(y1) == pytest.approx(bottom - 25 / long * (bottom - top), abs=0.01)
     assert "from 0 to 25 meshes from the codline" in svg
+
+
+PANELS = """
+title = "two panels"
+tow.speed_m_s = 1.5
+entry.hanging_ratio = 0.3
+catch.mass_kg = 500
+[[netting]]
+mesh = "diamond"
+name = "belly"
+meshes_round = 120
+meshes_long = 40
+mesh_mm = 120
+twine_mm = 4.0
+panels = 2
+selvedge_meshes = 2
+cut = "1N2B"
+[[netting]]
+mesh = "diamond"
+name = "codend"
+meshes_round = 80
+meshes_long = 50
+mesh_mm = 100
+twine_mm = 4.0
+panels = 2
+[[window]]
+netting = "codend"
+panel = "upper"
+meshes_from_codline = [10, 40]
+meshes_across = 20
+mesh = "square"
+meshes_round = 24
+meshes_long = 50
+bar_mm = 60
+twine_mm = 4.0
+"""
+
+
+@pytest.fixture
+def panels(tmp_path):
+    path = tmp_path / "panels.toml"
+    path.write_text(PANELS)
+    return load_plan(path)
+
+
+def test_edges_slope_as_they_are_cut(panels):
+    svg = plan_svg(panels)
+    outline = re.findall(OUTLINE, svg)[0]
+    _, (x1, y1), (x2, y2), _ = [tuple(map(float, point.split(","))) for point in outline.split()]
+    lost, deep = panels.netting[0].edge_loss, panels.netting[0].meshes_long
+    assert lost / deep == 0.5
+    assert (x1 - x2) / (y2 - y1) == pytest.approx(lost / deep * HANGING / math.sqrt(1 - HANGING**2), rel=1e-5)
+    assert "1N2B" in svg
+
+
+def test_panels_that_differ_are_drawn_each(panels):
+    svg = plan_svg(panels)
+    assert "upper and lower" not in svg
+    assert svg.count('class="window"') == 1
+    assert "upper and lower" in plan_svg(panels.model_copy(update={"window": ()}))
+    assert svg.count('class="selvedge"') == 4
+
+
+def test_a_window_is_drawn_where_it_lies(panels):
+    svg = plan_svg(panels)
+    (scale,) = map(float, re.findall(r'data-pixels-per-metre="([\d.]+)"', svg))
+    (window,) = re.findall(r'<polygon points="([^"]+)" id="window-0"', svg)
+    codend = re.findall(OUTLINE, svg)[1]
+    (x0, y0), (x1, _), (_, y2), _ = [tuple(map(float, point.split(","))) for point in window.split()]
+    bottom = float(codend.split()[2].split(",")[1])
+    mesh = panels.netting[1].full_mesh_m
+    assert (x1 - x0) / scale == pytest.approx(20 * HANGING * mesh, rel=1e-5)
+    assert (bottom - y2) / scale == pytest.approx(10 * math.sqrt(1 - HANGING**2) * mesh, rel=1e-5)
+    assert (bottom - y0) / scale == pytest.approx(40 * math.sqrt(1 - HANGING**2) * mesh, rel=1e-5)
+    assert "joined 6 to 5 across, 5 to 3 along" in svg
+
+
+def test_mass_is_twine_length_times_runnage_without_the_netting_of_windows(panels):
+    section = panels.netting[1].model_copy(update={"runnage_m_kg": 100.0, "twine_density_kg_m3": 950.0})
+    amounts = amounts_of(section, 600)
+    assert amounts.mass_kg == pytest.approx(amounts.twine_m / 100.0)
+    assert amounts.twine_m == pytest.approx(4 * (80 * 50 - 600) * 0.05)
+
+
+def test_no_text_of_the_drawing_lies_on_another(panels):
+    short = {"meshes_long": 2, "cut": None, "selvedge_meshes": 0}
+    parts = [panels.netting[0].model_copy(update={**short, "name": f"part {i}"}) for i in range(5)]
+    svg = plan_svg(panels.model_copy(update={"netting": (*parts, panels.netting[1])}))
+    texts = re.findall(r'<text x="([\d.]+)" y="([\d.]+)"', svg)
+    assert len(set(texts)) == len(texts)
+    for x in {x for x, _ in texts}:
+        ys = sorted(float(y) for own, y in texts if own == x)
+        assert all(later - first > 11.9 for first, later in pairwise(ys))
+
+
+LIMITS = """
+[[limit]]
+quantity = "inside_mesh_mm"
+least = 120
+source = "an example"
+[[limit]]
+quantity = "meshes_round"
+most = 100
+section = "codend"
+source = "an example"
+"""
+
+
+def test_a_plan_is_held_to_the_limits_of_a_file(panels, tmp_path):
+    path = tmp_path / "limits.toml"
+    path.write_text(LIMITS)
+    assert [(one.section, one.kept) for one in held_to(panels, path)] == [
+        ("belly", False),
+        ("codend", False),
+        ("codend", True),
+    ]
+    shown = ["plan", "show", str(panels.source), "--out", str(tmp_path / "p.svg"), "--limits", str(path)]
+    assert "NOT KEPT: inside_mesh_mm of belly is 112, least 120 (an example)" in CliRunner().invoke(main, shown).output
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("most = 100", "", "limit.1.least"),
+        ('source = "an example"', "", "limit.0.source"),
+        ('"codend"', '"bag"', "limit.1.section"),
+        ('"meshes_round"', '"weight"', "limit.1.quantity"),
+    ],
+)
+def test_a_file_of_limits_that_says_what_they_cannot_be_is_refused(panels, tmp_path, old, new, told):
+    path = tmp_path / "limits.toml"
+    path.write_text(LIMITS.replace(old, new))
+    with pytest.raises(InputError, match=told):
+        held_to(panels, path)

@@ -25,6 +25,8 @@ def why_not(plan: Plan) -> str:
         return "it takes one section of netting"
     if not plan.netting[0].kind.membrane:
         return f"it takes {kinds_in_words(lambda kind: kind.membrane)} netting"
+    if plan.netting[0].tapers:
+        return "it takes as many meshes round all along"
     return ""
 
 
@@ -34,8 +36,10 @@ def why_not_exactly(plan: Plan) -> str:
         return reason
     if plan.netting[0].bending_stiffness_n_m2 > 0.0:
         return "it knows no bending stiffness"
-    if plan.rope:
-        return "it knows no ropes"
+    if plan.ropes:
+        return "it knows no ropes or selvedges"
+    if plan.window:
+        return "it knows no windows"
     return "it knows no straps" if plan.strap else ""
 
 
@@ -141,7 +145,7 @@ def problem_for(plan: Plan, case: Case, front_row: float) -> MeridianProblem:
     section = plan.netting[0]
     normal, tangential = plan.drag.coefficients
     return MeridianProblem(
-        meshes_round=section.meshes_round,
+        meshes_round=section.open_meshes[0],
         half_mesh_rows=_rows(plan),
         bar_m=section.bar_m,
         entry_radius_m=plan.entry_radius_m,

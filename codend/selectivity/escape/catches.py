@@ -189,7 +189,7 @@ def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, mer
     staggered = np.array([kind.staggered for kind in bands])
     # a square mesh lies behind the row that counts it, another about it; where square mesh ends a row counts none
     counting = np.append(~staggered | np.append(False, staggered[:-1]), False)
-    if result["fidelity"] in ("meridian", "sector") and np.gcd.reduce(around) > 1:
+    if result["fidelity"] in ("meridian", "smeared", "sector") and np.gcd.reduce(around) > 1:
         rows = profile[counting]
         InputTable(str(Path(run.source) / "profile.csv"), rows).numbers("opening_deg")
         return rows

@@ -1,0 +1,68 @@
+"""A net's surface under contact: what is near what, and how far a move may go before anything would cross."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codend.mechanics.contact import Contact
+from codend.mechanics.contact_search import free_share, near_pairs, within_reach
+from codend.mechanics.sheet import Sheet, sheet_of
+from codend.net.net import Floats, Net
+
+SEEN = 1.5
+"""Reach within which parts are seen, over the distance at which contact begins: a step may bring them that near."""
+
+
+class ContactLaw(NamedTuple):
+    """How parts of a net press on each other (``mechanics.contact``)."""
+
+    distance_m: float
+    """D, at which contact begins."""
+    stiffness_n_m: float
+    """k: parts at half of D press on each other with 1.2 k D."""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The parts of a net that nothing may pass through, and how they press on each other."""
+
+    sheet: Sheet
+    law: ContactLaw
+
+    @classmethod
+    def of(cls, net: Net, law: ContactLaw) -> "Surface":
+        """The surface of a net: its facets, their sides, and its bars.
+
+        Raises:
+            ValueError: distance or stiffness are not above 0, or the net is a sector that does not close round.
+        """
+        if not (law.distance_m > 0.0 and law.stiffness_n_m > 0.0):
+            raise ValueError("contact needs a distance at which it begins and a stiffness, both above 0")
+        return cls(sheet_of(net), law)
+
+    def near(self, position: Floats) -> Contact:
+        """What is near what in a shape, (n, 3)."""
+        reach = SEEN * self.law.distance_m
+        pairs = self._pairs(position, np.zeros_like(position), reach)
+        return _chosen(pairs, within_reach(position, pairs, reach))
+
+    def free_share(self, position: Floats, move: Floats) -> float:
+        """Share of a move of the nodes, (n, 3), at most 1, after which all parts keep a tenth of their distance."""
+        return float(free_share(position, move, self._pairs(position, move, 0.0)))
+
+    def _pairs(self, position: Floats, move: Floats, reach: float) -> Contact:
+        law = self.law
+        node, image, kind, weight, even = near_pairs(position, move, reach, self.sheet)
+        return Contact(node, image, kind, weight, even, law.distance_m, law.stiffness_n_m, self.sheet.rotations, 1.0)
+
+
+def _chosen(contact: Contact, which: NDArray[np.integer]) -> Contact:
+    return contact._replace(
+        node=contact.node[which],
+        image=contact.image[which],
+        kind=contact.kind[which],
+        weight=contact.weight[which],
+        even=contact.even[which],
+    )

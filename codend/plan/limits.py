@@ -1,0 +1,110 @@
+"""Limits that a user's file states, and how a plan stands to them; the program ships none.
+
+A file holds ``[[limit]]`` tables, each with a quantity, its least or most, and where the limit comes from.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Final, Literal, Self
+
+from annotated_types import MinLen
+from pydantic import model_validator
+
+from codend.errors import InputError
+from codend.io.toml import read_toml
+from codend.plan.messages import Contradiction
+from codend.plan.mistakes import checked
+from codend.plan.plan import Plan
+from codend.plan.tables import Netting, Number, Table, Text
+
+Quantity = Literal[
+    "inside_mesh_mm", "full_mesh_mm", "meshes_round", "open_meshes_round", "meshes_long", "twine_mm", "twines"
+]
+MEASURED: Final[dict[str, Callable[[Netting], tuple[float, float]]]] = {
+    "inside_mesh_mm": lambda part: (1000 * part.inside_mesh_m,) * 2,
+    "full_mesh_mm": lambda part: (1000 * part.full_mesh_m,) * 2,
+    "meshes_round": lambda part: (part.meshes_round, part.aft_meshes_round),
+    "open_meshes_round": lambda part: part.open_meshes,
+    "meshes_long": lambda part: (part.meshes_long,) * 2,
+    "twine_mm": lambda part: (1000 * part.twine_m,) * 2,
+    "twines": lambda part: (part.twines,) * 2,
+}
+"""What is held to a limit, at the fore and at the aft end of a section."""
+_BY_ROUNDING: Final = 1e-9
+
+
+class Limit(Table):
+    """The least or the most of a quantity that is allowed, and by whom."""
+
+    quantity: Quantity
+    """What is limited."""
+    source: Text
+    """Where the limit comes from."""
+    least: Number | None = None
+    """No less is allowed."""
+    most: Number | None = None
+    """No more is allowed."""
+    section: Text | None = None
+    """The section that it is for, by name or number; left out: all of them."""
+
+    @model_validator(mode="after")
+    def _has_a_limit(self) -> Self:
+        if self.least is None and self.most is None:
+            raise Contradiction("least", "least or most, or both", "is missing")
+        return self
+
+
+class Limits(Table):
+    """A file of limits."""
+
+    title: Text = "limits"
+    limit: Annotated[tuple[Limit, ...], MinLen(1)]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """How a section stands to a limit."""
+
+    section: str
+    limit: Limit
+    found: float
+    kept: bool
+
+    @property
+    def words(self) -> str:
+        """In one line."""
+        limit = self.limit
+        bounds = [
+            f"{word} {value:g}" for word, value in (("least", limit.least), ("most", limit.most)) if value is not None
+        ]
+        verdict = "kept" if self.kept else "NOT KEPT"
+        return (
+            f"{verdict}: {limit.quantity} of {self.section} is {self.found:.4g}, {', '.join(bounds)} ({limit.source})"
+        )
+
+
+def held_to(plan: Plan, path: str | Path) -> list[Finding]:
+    """Every section of a plan beside every limit of a file that is for it.
+
+    Raises:
+        InputError: no such file, or it says what limits cannot be.
+    """
+    limits = checked(Limits, read_toml(path, "TOML file of limits"), path)
+    found: list[Finding] = []
+    for number, limit in enumerate(limits.limit):
+        if limit.section is not None and limit.section not in plan.section_names:
+            raise InputError(path, f"limit.{number}.section", limit.section, ", ".join(plan.section_names))
+        found += _findings(plan.section_names, plan.netting, limit)
+    return found
+
+
+def _findings(names: Sequence[str], netting: Sequence[Netting], limit: Limit) -> list[Finding]:
+    found = []
+    for name, part in zip(names, netting, strict=True):
+        if limit.section in (None, name):
+            low, high = sorted(MEASURED[limit.quantity](part))
+            short = limit.least is not None and low < limit.least * (1 - _BY_ROUNDING)
+            over = limit.most is not None and high > limit.most * (1 + _BY_ROUNDING)
+            found.append(Finding(name, limit, low if short or limit.most is None else high, not (short or over)))
+    return found

@@ -1,0 +1,78 @@
+"""What is told of the netting of a scene: its drag, weight and tensions, and how its meshes are open."""
+
+from typing import Any
+
+import numpy as np
+
+from codend.mechanics import drag
+from codend.mechanics.weight import GRAVITY_M_S2
+from codend.net.net import Floats
+from codend.scenes.build import BuiltScene
+from codend.scenes.scene import Scene
+
+
+def netting_rows(built: BuiltScene, positions: Floats, bar_tension: Floats) -> list[dict[str, Any]]:
+    """A row for every sheet, for ``netting.csv``; tensions are those of real bars, of which a bar stands for several.
+
+    Args:
+        built: the scene.
+        positions: of its nodes, (n, 3), m.
+        bar_tension: of the bars of the model, (m,), N.
+    """
+    net, water = built.problem.net, built.problem.loading.water
+    rows = []
+    for number, (table, nodes) in enumerate(zip(built.scene.netting, built.sheet_nodes, strict=True)):
+        own = built.bar_sheet == number
+        volume = (0.25 * np.pi * net.bar_solid_diameter**2 * net.bar_length)[own].sum()
+        density = water.density if table.twine.density_kg_m3 is None else table.twine.density_kg_m3
+        force, real = drag_of(built, positions, own), bar_tension[own] / built.bar_lines[own]
+        openings = openings_deg(built, number, positions)
+        rows.append(
+            {
+                "name": table.name,
+                "bars": int(own.sum()),
+                "twine_m": float((net.bar_length * built.bar_lines)[own].sum()),
+                "twine_area_m2": float((net.bar_drag_diameter * net.bar_length)[own].sum()),
+                "mass_kg": float(density * volume),
+                "wet_weight_n": float((density - water.density) * volume * GRAVITY_M_S2),
+                "drag_n": float(force[0]),
+                "side_force_n": float(force[1]),
+                "lift_n": float(force[2]),
+                "mean_bar_tension_n": float(real.mean()),
+                "max_bar_tension_n": float(real.max()),
+                "slack_share": float(np.mean(real <= 0.0)),
+                "opening_deg": float(np.mean(openings)) if len(openings) else np.nan,
+                "deepest_m": float(-positions[nodes, 2].min()),
+                "law": table.drag[0],
+            }
+        )
+    return rows
+
+
+def drag_of(built: BuiltScene, positions: Floats, which: np.ndarray) -> Floats:
+    """Force of the flow on the bars marked in ``which``, (m,), N, (3,)."""
+    structure, loading = built.problem.structure, built.problem.loading
+    own = structure._replace(drag_diameter=np.where(which, structure.drag_diameter, 0.0))
+    force, share = np.zeros_like(positions), np.zeros(built.problem.bands)
+    drag.add_force(np.ascontiguousarray(positions), np.empty((0, 3)), own, loading.water, loading.catch, share, force)
+    return np.asarray(force.sum(axis=0))
+
+
+def openings_deg(built: BuiltScene, number: int, positions: Floats) -> Floats:
+    """Opening of the whole meshes of a sheet, by their diagonals; none of netting whose meshes do not open."""
+    table = built.scene.netting[number]
+    if not table.twine.kind.opens:
+        return np.zeros(0)
+    fore, right, aft, left = positions[built.sheet_nodes[number][table.sheet.meshes]].transpose(1, 0, 2)
+    across, along = (np.linalg.norm(b - a, axis=1) for a, b in ((left, right), (fore, aft)))
+    return np.asarray(np.degrees(2.0 * np.arctan2(across, along)))
+
+
+def netting_caution(scene: Scene) -> list[str]:
+    """What a reader must know of how netting is modelled."""
+    if not scene.netting:
+        return []
+    laws = " and ".join(sorted({table.drag[0] for table in scene.netting}))
+    return [
+        f"Drag of the netting by {laws}, of every bar as if it were alone: netting does not slow the water behind it."
+    ]
