@@ -137,8 +137,8 @@ THROUGH = Start(
     lambda s: s.has_sector,
     _from_a_sector_through_the_interior,
 )
-"""Weight lets bars go slack by many, and so do ropes beside the columns that they are laced to, which they alone draw in.
-A crude bag with weight may lead to another shape than the one that hangs from the sector's."""
+"""Weight lets many bars go slack, and so do ropes beside the columns that they are laced to and alone draw in. A crude
+bag with weight may lead to another shape than the one that hangs from the sector's."""
 ROWS = Start(
     "the rows of a sector of nearly the ratio, through the interior",
     lambda s: s.wide,

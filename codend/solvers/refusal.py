@@ -19,7 +19,8 @@ LARGEST_TURN = 0.5 * math.pi
 """Turn about its axis, from entry to codline, up to which a net is not wrung, rad."""
 GATHERED = 0.25
 """Of the shortest bar: depth up to which the last mesh of a net with ropes touches itself. Ropes shorter than netting
-fold it where the codline gathers it. Of the median bar, in the mesh ahead of a row that takes up more than two nodes in one."""
+fold it where the codline gathers it. Of the median bar, in the mesh ahead of a row that takes up
+more than two nodes in one."""
 ROUND_OFF = 1e-9
 """Of the shortest bar."""
 DEEPEST = 0.1
@@ -151,7 +152,7 @@ def told(outcome: Outcome, refused: Refusal | None) -> str:
 
 
 def _sheet(problem: Problem, left_out: int | NDArray[np.bool_] = 0) -> tuple:
-    """Bars and facets as ``first_pierced`` takes them, without those of some bands: (bands,), or how many at the end."""
+    """Bars and facets as ``first_pierced`` takes them, without some bands: which, (bands,), or how many at the end."""
     s, catch = problem.structure, problem.loading.catch
     if isinstance(left_out, int):
         if left_out == 0:
