@@ -50,7 +50,7 @@ def compare(
 
     Rows are matched on the catch and speed columns the table has, interpolated in catch size and never extrapolated.
     Differences are computed minus tabled. Writes comparison.csv (every value), comparison_summary.csv and
-    comparison.png into DIR.
+    comparison.png into DIR, and a section into its report.html.
 
     With --out, each DIR is a design: openings, drag and, where `codend selectivity` was run, L50 and SR against the
     catch, what differs in the plans, and differences from the first with their intervals, in tables and on a page.
@@ -64,8 +64,10 @@ def compare(
     from codend.io.files import COMPARISON_FILES, write_bytes, write_table
     from codend.io.run_tables import read_run_table
     from codend.plan.plan import load_plan
+    from codend.report.comparison_page import SECTION, comparison_html
     from codend.report.comparison_plot import comparison_figure
     from codend.report.own_look import own_look
+    from codend.report.page_parts import put_into
     from codend.report.style import png
     from codend.studies.comparison import Hoop, read_flume_table
     from codend.studies.comparison import compare as compare_with
@@ -82,7 +84,10 @@ def compare(
         write_table(comparison.points, points)
         write_table(comparison.summary, summary)
         with own_look():
-            write_bytes(png(comparison_figure(comparison)), picture)
+            drawn = png(comparison_figure(comparison))
+        write_bytes(drawn, picture)
+        if (folder / "report.html").exists():
+            put_into(folder / "report.html", {SECTION: comparison_html(comparison, table.name, drawn)})
     _print_comparison(comparison)
 
 

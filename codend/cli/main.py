@@ -32,7 +32,9 @@ from codend.cli.force import force
 from codend.cli.guide import guide
 from codend.cli.net_plan import net_plan
 from codend.cli.scene import scene
+from codend.cli.search import search
 from codend.cli.selectivity import selectivity, species
+from codend.cli.sensitivities import sensitivities
 from codend.cli.streams import Terminated, end_on_signals, give_up_output, say, take_any_text
 from codend.cli.sweep import sweep
 from codend.errors import InputError, TooLittleMemory
@@ -46,13 +48,12 @@ TABLE_COLUMNS = {
     "speed_m_s": "speed m/s",
     "filled_meshes": "filled meshes",
     "catch_volume_m3": "volume m3",
-    "front_from_codline_m": "front m",
     "max_radius_m": "radius m",
     "drag_n": "drag N",
     "opening_ahead_deg": "opening deg",
     "opening_ahead_error_deg": "+- deg",
     "residual": "residual",
-    "converged": "converged",
+    "converged": "solved",
 }
 """Columns of ``results.csv`` that ``codend run`` prints, and their headings."""
 
@@ -236,7 +237,21 @@ def doctor(warm_up: bool) -> int:
     return 1 if failed or any(finding.missing for finding in findings) else 0
 
 
-for _command in (bow_wave, net_plan, scene, sweep, compare, chart, force, selectivity, species, fit, guide):
+for _command in (
+    bow_wave,
+    net_plan,
+    scene,
+    sweep,
+    search,
+    sensitivities,
+    compare,
+    chart,
+    force,
+    selectivity,
+    species,
+    fit,
+    guide,
+):
     main.add_command(_command)
 
 

@@ -94,8 +94,7 @@ def _undirected(sides: Ints, turns: Ints) -> tuple[Ints, NDArray[np.bool_]]:
 
 def _unique_edges(sides: Ints, turns: Ints, on_axis: NDArray[np.bool_], sectors: int) -> tuple[Ints, Ints, Ints]:
     """Edges each once, (e, 2), their images, (e, 2), and which of them each side is, (sides,)."""
-    shared = np.asarray(on_axis[sides].any(axis=1))
-    turns = np.where(shared[:, None], 0, turns)
+    turns = np.where(np.any(on_axis[sides], axis=1, keepdims=True), 0, turns)
     turns = np.stack([np.zeros(len(turns), dtype=int), wrapped(turns[:, 1] - turns[:, 0], sectors)], axis=1)
     table, place = np.unique(_undirected(sides, turns)[0], axis=0, return_inverse=True)
     keep = (table[:, 0] != table[:, 1]) | (table[:, 2] != 0)

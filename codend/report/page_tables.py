@@ -6,7 +6,7 @@ import numpy as np
 
 from codend.bag.measures import ROWS_AHEAD, WANTED_OPENING_DEG
 from codend.equilibrium.stability import ranges_text
-from codend.report.style import column_text
+from codend.report.style import column_text, worth
 from codend.studies.case_result import CaseResult
 from codend.studies.study import Study
 
@@ -52,9 +52,7 @@ RESULT_HEADS = {
     "drag_n": Head("Drag", "N"),
     "catch_drag_n": Head("Drag by the catch", "N"),
     "twine_drag_n": Head("Drag by the twine", "N"),
-    "drag_error_n": Head("Drag error, estimated", "N"),
     "opening_ahead_deg": Head("Opening ahead", "degrees"),
-    "opening_ahead_error_deg": Head("Opening error, estimated", "degrees"),
     "opening_force_ahead_n": Head("Opening force ahead", "N"),
     "max_bar_tension_n": Head("Largest bar tension", "N"),
     "max_strap_tension_n": Head("Largest strap tension", "N"),
@@ -62,33 +60,60 @@ RESULT_HEADS = {
     "inside_mesh_mm": Head("Inside mesh ahead", "mm"),
     "full_mesh_mm": Head("Full mesh ahead", "mm"),
 }
-
+SECOND_TABLE = "drag_n"
+"""From this column on a second table: so both fit on a printed page."""
+ERRORS = {
+    "drag_n": "drag_error_n",
+    "catch_volume_m3": "catch_volume_error_m3",
+    "max_radius_m": "max_radius_error_m",
+    "opening_ahead_deg": "opening_ahead_error_deg",
+}
+"""Columns that errors are computed of, and where these stand."""
 DIGITS = {"speed_m_s": 3, "filled_meshes": 3}
 """Of the largest value in the column; 4 elsewhere."""
 
 
-def results_table(study: Study) -> PageTable:
-    """``results.csv`` for readers; columns that no case has a number for are left out and named in a remark."""
+def results_tables(study: Study) -> tuple[PageTable, ...]:
+    """``results.csv`` for readers, in two tables; columns that no case has a number for are named in a remark."""
     table = study.table
     told = [name for name in RESULT_HEADS if name in table]
     shown = [name for name in told if table[name].notna().any()]
-    cells = [[_case_text(result) for result in study.cases]]
-    values = {name: table[name].to_numpy(dtype=float) for name in shown}
-    scale = {name: _in_thousands(name, values[name]) for name in shown}
-    cells += [column_text(values[name] / scale[name][0], digits=DIGITS.get(name, 4)) for name in shown]
+    columns = {name: _column(study, name) for name in shown}
+    cut = list(RESULT_HEADS).index(SECOND_TABLE)
+    parts = [[name for name in shown if (list(RESULT_HEADS).index(name) >= cut) is later] for later in (False, True)]
     remarks = [
         f"Ahead: mean over the {ROWS_AHEAD} rows of meshes just ahead of the catch. Opening force: the extra pull "
         f"across the short diagonal that brings a mesh, taken as isolated, to an opening of {WANTED_OPENING_DEG:g}°; "
         "negative where it is wider open already. Length: from the entry to the codline along the axis. "
-        "All digits are in results.csv."
+        "What follows ± is the estimated error, where it shows in four digits; all digits are in results.csv."
     ]
     if study.plan.strap:
         remarks.append("Straps: a slack one keeps the drag of its whole length; their weight is not counted.")
     missing = [RESULT_HEADS[name].name.lower() for name in told if name not in shown]
     if missing:
         remarks.append(f"Not computed: {'; '.join(missing)}.")
-    heads = (Head("Case"), *(replace(RESULT_HEADS[name], unit=scale[name][1]) for name in shown))
-    return PageTable(heads, _rows(study, cells), tuple(remarks))
+    cases = [_case_text(result) for result in study.cases]
+    return tuple(
+        PageTable(
+            (Head("Case"), *(columns[name][0] for name in names)),
+            _rows(study, [cases, *(columns[name][1] for name in names)]),
+            tuple(remarks) if names is parts[-1] else (),
+        )
+        for names in parts
+        if names
+    )
+
+
+def _column(study: Study, name: str) -> tuple[Head, list[str]]:
+    """Head and cells of a column, a number with its error where one is computed."""
+    values = study.table[name].to_numpy(dtype=float)
+    scale, unit = _in_thousands(name, values)
+    head = replace(RESULT_HEADS[name], unit=unit)
+    if name not in ERRORS:
+        return head, column_text(values / scale, digits=DIGITS.get(name, 4))
+    errors = study.table[ERRORS[name]].to_numpy(dtype=float)
+    both = [worth(value, error) for value, error in zip(values / scale, errors / scale, strict=True)]
+    return head, [f"{value} ± {error}" if error else value for value, error in both]
 
 
 def _in_thousands(name: str, values: np.ndarray) -> tuple[float, str]:

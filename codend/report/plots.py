@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.bag.measures import WANTED_OPENING_DEG, Rows, opening_rows_ahead
 from codend.net.net import Floats
@@ -27,6 +28,8 @@ Colour = tuple[float, float, float, float]
 WIDTH_IN = 10.0
 MOST_LEGEND_ENTRIES = 10
 THIN, HEAVY = 1.1, 2.6
+LEAST_NAMED = 0.1
+"""Share of the codend's meshes from which a section's name has room above a plot."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +91,7 @@ def catch_text(volume_m3: float, density_kg_m3: float) -> str:
 
 
 def profiles_plot(study: Study) -> "Figure":
-    """Meridian profiles to scale, entry to the left."""
+    """Meridian profiles to scale, entry to the left; a dotted line where sections meet."""
     length = max(result.measures.length_m for result in solved(study))
     width = max(result.measures.max_radius_m for result in solved(study))
     with _panels(study, max(2.4, 0.62 * WIDTH_IN * 2.0 * width / length)) as (figure, panels):
@@ -97,6 +100,8 @@ def profiles_plot(study: Study) -> "Figure":
                 x, r = curve.rows.x_m, curve.rows.radius_m
                 for side in (1.0, -1.0):
                     _draw(axes, curve, x, side * r)
+                joints = np.flatnonzero(np.isin(curve.meshes_from_entry, _joints(study)))
+                axes.vlines(x[joints], -r[joints], r[joints], color=curve.colour, linewidth=0.8, linestyle=":")
             axes.axhline(0.0, color=INK, linewidth=0.5, linestyle=(0, (8, 3, 2, 3)))
             axes.set_aspect("equal")
             axes.set_xlabel("distance from the entry along the axis (m)")
@@ -145,9 +150,38 @@ def _along(
                 axes.set_xlim(0.0, curve.meshes_from_entry[-1])
             axes.set_xlabel("meshes from the entry")
             axes.set_ylabel(label)
+            _mark_sections(axes, study)
         if from_zero:  # only now: the panels share their axis, and a limit ends its scaling
             figure.axes[0].set_ylim(bottom=0.0)
     return figure
+
+
+def _joints(study: Study) -> NDArray[np.int_]:
+    """Places where two sections meet, in meshes from the entry."""
+    return np.cumsum([part.meshes_long for part in study.plan.netting])[:-1]
+
+
+def _mark_sections(axes: "Axes", study: Study) -> None:
+    """Lines where sections meet, and their names above; of a single section neither."""
+    plan = study.plan
+    ends = np.array([0, *_joints(study), sum(part.meshes_long for part in plan.netting)])
+    if len(plan.netting) < 2:
+        return
+    for place in ends[1:-1]:
+        axes.axvline(place, color=INK, linewidth=0.8, linestyle=":")
+    for name, fore, aft in zip(plan.section_names, ends[:-1], ends[1:], strict=True):
+        if aft - fore >= LEAST_NAMED * ends[-1]:
+            middle = ((fore + aft) / 2, 1.0)
+            axes.annotate(
+                name,
+                middle,
+                xytext=(0, 3),
+                xycoords=("data", "axes fraction"),
+                textcoords="offset points",
+                ha="center",
+                fontsize="small",
+                color=INK,
+            )
 
 
 def _draw(axes: "Axes", curve: Curve, x: Floats, y: Floats, ahead_only: bool = False) -> None:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from codend.io.files import SELECTIVITY_TABLES, TRIAL_TABLES, whole_file, write_bytes, write_table
-from codend.report.html import PageFigure
+from codend.report.answer import small_plot
+from codend.report.html import PageFigure, rendered_part
 from codend.report.own_look import own_look
+from codend.report.page_parts import put_into
 from codend.report.selectivity_plots import catch_plot, history_plot, mesh_plot, retention_plot, sensitivity_plot
-from codend.report.selectivity_words import answers, field_notes, notes
+from codend.report.selectivity_words import answers, field_notes, notes, why_none
 from codend.report.style import column_text, png
 from codend.report.together_plot import together_plot
 from codend.selectivity.escape.predict import Prediction
@@ -68,10 +71,10 @@ FILES = (
     *(f"plots/selectivity_{name}.png" for name in ("together", *PLOTS)),
 )
 """Every file that ``write_selectivity`` may write or remove."""
-START, END = "<!-- selectivity -->", "<!-- end of selectivity -->"
+SECTION, CARD = ("selectivity", "sections"), ("card of selectivity", "card")
+"""Names of the parts of the page, and their places."""
 
-_SECTION = """{{ start }}
-<h2>Selectivity</h2>
+_SECTION = """<h2 id="selectivity">Selectivity</h2>
 <p class="quiet">Predicted from the computed openings of the meshes ahead of the catch and the sections of fish; no
 trial enters but where it is said.</p>
 {% for answer in answers %}<p><strong>{{ answer }}</strong></p>
@@ -86,8 +89,14 @@ trial enters but where it is said.</p>
 {% for note in field_notes %}<p>{{ note }}</p>
 {% endfor %}{% for figure in figures[1:] %}<figure><img src="{{ figure.source }}" alt="{{ figure.caption }}">
 <figcaption>{{ figure.caption }}</figcaption></figure>
-{% endfor %}{{ end }}
-"""
+{% endfor %}"""
+_CARDS = """{% for card in cards %}<section class="card"><h2>L50 of {{ card.name }}</h2>
+<ul>{% for name, value, within in card.said %}<li><strong>{{ value }} cm</strong> <span class="of">{{ name }}
+{% if within %}(95 %: {{ within }}){% endif %}</span></li>{% endfor %}</ul>
+{% if card.why %}<p class="quiet">No L50: {{ card.why }}.</p>{% endif %}
+{% if card.plot %}<img src="{{ card.plot }}" alt="L50 of hauls that end with each catch">{% endif %}
+<p class="quiet">As a trial would report it. <a href="#selectivity">How, and what is assumed</a></p></section>
+{% endfor %}"""
 
 
 def write_selectivity(predictions: Sequence[Prediction], folder: Path, together: Sequence[Together] = ()) -> list[Path]:
@@ -102,7 +111,7 @@ def write_selectivity(predictions: Sequence[Prediction], folder: Path, together:
     """
     report = folder / "report.html"
     if report.exists():
-        _write_page(report, "")
+        put_into(report, {SECTION: "", CARD: ""})
     for name in FILES:
         if name != report.name:
             (folder / name).unlink(missing_ok=True)
@@ -137,15 +146,9 @@ def write_selectivity(predictions: Sequence[Prediction], folder: Path, together:
         write_bytes(figures[-1].png, path)
         written.append(path)
     if report.exists():
-        _write_page(report, section_html(predictions, figures, together))
+        put_into(report, {SECTION: section_html(predictions, figures, together), CARD: card_html(predictions)})
         written.append(report)
     return written
-
-
-def _write_page(report: Path, section: str) -> None:
-    page = with_section(report.read_text(encoding="utf-8"), section)
-    with whole_file(report) as temporary:
-        temporary.write_text(page, encoding="utf-8")
 
 
 def section_html(
@@ -153,34 +156,34 @@ def section_html(
 ) -> str:
     """The section of the report, everything from species files escaped."""
     import pandas as pd
-    from jinja2 import Environment, StrictUndefined
-    from markupsafe import Markup
 
     table = selectivity_table(predictions)
     table = pd.concat([table[table["case"] == HAUL], table[table["case"] != HAUL]])
     columns = [column_text(table[name].to_numpy(dtype=float), digits=4) for name in COLUMNS]
     cases = ["whole haul" if case == HAUL else case for case in table["case"]]
-    return (
-        Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
-        .from_string(_SECTION)
-        .render(
-            start=Markup(START),
-            end=Markup(END),
-            answers=answers(predictions),
-            notes=notes(predictions),
-            field_notes=field_notes(together),
-            heads=list(COLUMNS.values()),
-            rows=list(zip(table["species"], cases, *columns, strict=True)),
-            figures=figures,
-        )
+    return rendered_part(
+        _SECTION,
+        answers=answers(predictions),
+        notes=notes(predictions),
+        field_notes=field_notes(together),
+        heads=list(COLUMNS.values()),
+        rows=list(zip(table["species"], cases, *columns, strict=True)),
+        figures=figures,
     )
 
 
-def with_section(page: str, section: str) -> str:
-    """A page with the section as the first of the page, above the mechanics, or at the end of a page without others."""
-    page = re.sub(f"{re.escape(START)}.*?{re.escape(END)}\n?", "", page, flags=re.DOTALL)
-    for mark in ("<h2", "</body>"):
-        if mark in page:
-            before, after = page.split(mark, 1)
-            return f"{before}{section}{mark}{after}"
-    return page + section
+def card_html(predictions: Sequence[Prediction]) -> str:
+    """Cards of the page's answer: L50 and SR that a trial would report, and L50 against the catch."""
+    cards = []
+    for one in predictions:
+        (l50, sr), lower, upper = one.logit[-1], one.lower_95[-1], one.upper_95[-1]
+        said = []
+        for name, value, low, high in zip(("L50", "SR"), (l50, sr), lower, upper, strict=True):
+            if np.isfinite(value):
+                within = f"{low:.1f} to {high:.1f}" if np.isfinite(low) else ""
+                said.append((name, f"{value:.1f}", within))
+        volume, ends = one.haul.volume_m3, one.end_logit[:, 0]
+        good = np.isfinite(ends)
+        plot = small_plot(volume[good], ends[good], np.full(good.sum(), np.nan), "m³")
+        cards.append({"name": one.species.name, "said": said, "why": "" if said else why_none(one), "plot": plot})
+    return rendered_part(_CARDS, cards=cards)

@@ -123,3 +123,19 @@ def column_text(values: Floats, digits: int = 4) -> list[str]:
     largest = max(finite, default=0.0)
     decimals = max(0, digits - 1 - math.floor(math.log10(largest))) if largest > 0.0 else 0
     return [f"{float(v):.{decimals}f}" if math.isfinite(v) else "" for v in values]
+
+
+def worth(value: float, error: float, digits: int = 4) -> tuple[str, str]:
+    """A number with the digits its error leaves it, no more than ``digits``, and the error; both as text.
+
+    >>> worth(29.7813, 0.21), worth(827.84, 1e-7), worth(7.413, 2.1)
+    (('29.8', '0.2'), ('827.8', ''), ('7', '2'))
+    """
+    if not math.isfinite(value):
+        return "", ""
+    decimals = digits - 1 - math.floor(math.log10(abs(value))) if value else digits - 1
+    told = ""
+    if math.isfinite(error) and error > 0.5 * 10.0**-decimals:
+        decimals = min(decimals, -math.floor(math.log10(error)))
+        told = f"{round(error, decimals):.{max(decimals, 0)}f}"
+    return f"{round(value, decimals):.{max(decimals, 0)}f}", told

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from codend.mechanics import contact, motion, rigid
-from codend.mechanics.bars import bar_lengths
+from codend.mechanics.bars import bar_lengths, carried
 from codend.mechanics.loads import add_moving_force
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Ints
@@ -109,9 +109,10 @@ class Motion:
         self._entries, self._rate, self._length = np.zeros(len(row)), np.zeros(bars), np.zeros(bars)
         bar_lengths(self.position, self.structure, self._length)
         stretches = self.structure.flexibility > 0.0
-        self.strain[:] = np.maximum(np.where(stretches, self._length / self.structure.length - 1.0, 0.0), 0.0)
+        strain = np.where(stretches, self._length / self.structure.length - 1.0, 0.0)
+        self.strain[:] = carried(self.structure.is_strut, strain)
         # a crumpled bar that was asked to be as long as it is would tear its neighbours along
-        self.taut[:] = self._length >= (1.0 - NEARLY_TAUT) * self.structure.length
+        self.taut[:] = self.structure.is_strut | (self._length >= (1.0 - NEARLY_TAUT) * self.structure.length)
 
     def state(self) -> dict[str, Floats | Ints]:
         """A copy of all that ``set_state`` needs to go on from here."""
@@ -225,7 +226,7 @@ class Motion:
             self.velocity[self.towed] = (there - self.position[self.towed]) / dt
 
     def _solve_for_tensions(self, kick: float, dt: float) -> Floats | None:
-        """Force densities of the step, N/m, (m,): none below 0; None where the lengths are not met."""
+        """Force densities of the step, N/m, (m,): of twine none below 0; None where the lengths are not met."""
         structure = self.structure
         bars = len(self.taut)
         weights = _weights(DAMPING)
@@ -243,9 +244,9 @@ class Motion:
                 return None
             density, error = self._corrected(free_move, known, give, kick * dt)
             least = -NO_PUSH * float(np.abs(density).max(initial=0.0))
-            wrong = np.flatnonzero(np.where(self.taut, density < least, error > LENGTHS_MET))
+            wrong = np.flatnonzero(np.where(self.taut, ~structure.is_strut & (density < least), error > LENGTHS_MET))
             if len(wrong) == 0:
-                density = np.maximum(density, 0.0)
+                density = carried(structure.is_strut, density)
                 break
             patience = PATIENCE if len(wrong) < fewest else patience - 1
             fewest = min(fewest, len(wrong))
@@ -254,7 +255,7 @@ class Motion:
             self.taut[change] = 1 - self.taut[change]
         else:
             self.unsettled += 1
-            density = np.maximum(density, 0.0)
+            density = carried(structure.is_strut, density)
         if np.abs(error * self.taut).max(initial=0.0) > FARTHEST_OFF or not np.isfinite(density).all():
             return None
         return density
@@ -286,7 +287,8 @@ class Motion:
         bar_lengths(self.position, self.structure, self._length)
         stretches = self.structure.flexibility > 0.0
         self.strain[1] = self.strain[0]
-        self.strain[0] = np.maximum(np.where(stretches, self._length / self.structure.length - 1.0, 0.0), 0.0)
+        strain = np.where(stretches, self._length / self.structure.length - 1.0, 0.0)
+        self.strain[0] = carried(self.structure.is_strut, strain)
 
 
 def _weights(damping: float) -> tuple[float, float, float]:

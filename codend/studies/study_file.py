@@ -2,7 +2,7 @@
 
 import difflib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final, TypeGuard
 
@@ -13,6 +13,7 @@ from codend.errors import InputError, all_at_once
 from codend.io.names import as_name
 from codend.io.toml import read_toml
 from codend.plan.messages import is_counted, mistake_at
+from codend.plan.numbers import numbers_of
 from codend.plan.overrides import apply_values
 from codend.plan.plan import Plan, plan_from_dict
 from codend.selectivity.escape.species import load_species
@@ -20,9 +21,11 @@ from codend.studies.designs import KEPT, SAMPLES, Axis, Base, Designs
 
 MOST_DESIGNS: Final = 10_000_000
 """Days of solving; a list that makes more is a slip."""
-KEYS: Final = ("title", "plan", "design", "species", "vary", "linked", "keep")
+KEYS: Final = ("title", "plan", "design", "species", "vary", "linked", "keep", "uncertain", "search")
 DESIGN_KEYS: Final = ("name", "plan", "set")
 RANGE_KEYS: Final = ("from", "to", "steps")
+MOST_UNCERTAIN: Final = 0.5
+"""Relative standard deviation; of more, proportions tell nothing."""
 SAMPLE_KEYS: Final = ("sample", "size", "seed")
 
 
@@ -33,6 +36,10 @@ class StudyPlan:
     source: str
     designs: Designs
     species: tuple[Species, ...]
+    uncertain: Mapping[str, float] = field(default_factory=dict)
+    """Relative standard deviations of numbers of the plans, by their keys."""
+    search: Mapping[str, Any] | None = None
+    """The table that ``codend search`` reads, as it stands."""
 
 
 def load_study(path: str | Path) -> StudyPlan:
@@ -56,6 +63,8 @@ def study_from_dict(data: Mapping[str, Any], source: str | Path = "study") -> St
     sample, size, seed = reader.sample()
     keep = reader.keep(bases, {key for axis in axes for key in axis.keys})
     species = reader.species()
+    uncertain = reader.uncertain(bases)
+    search = reader.table("search", data["search"]) if "search" in data else None
     if sample is None:
         endless = [f"vary.{axis.keys[0]}.steps" for axis in axes if not axis.points]
         allowed = "a whole number from 2, or vary.sample"
@@ -65,7 +74,7 @@ def study_from_dict(data: Mapping[str, Any], source: str | Path = "study") -> St
     designs = Designs(tuple(bases), tuple(axes), keep, sample, size, seed)
     if len(designs) > MOST_DESIGNS:
         raise InputError(source, "vary", None, f"at most {MOST_DESIGNS} designs", f"makes {len(designs)} designs")
-    return StudyPlan(str(source), designs, tuple(species))
+    return StudyPlan(str(source), designs, tuple(species), uncertain, search)
 
 
 def looks_like_a_plan(data: Mapping[str, Any]) -> bool:
@@ -93,7 +102,7 @@ class _Reader:
                 hint = f" (did you mean {meant}?)" if meant else f" (it is one of {home})" if home else ""
                 self._refuse(f"{table}{key}", data[key], f"one of {', '.join(keys)}", f"is not a known key{hint}")
 
-    def _table(self, key: str, value: object) -> dict[str, Any]:
+    def table(self, key: str, value: object) -> dict[str, Any]:
         if isinstance(value, Mapping):
             return dict(value)
         self._refuse(key, value, "a table")
@@ -105,7 +114,7 @@ class _Reader:
             self._refuse(key, value, f"tables [[{key}]]")
             return
         for number, item in enumerate(value):
-            yield f"{key}.{number}", self._table(f"{key}.{number}", item)
+            yield f"{key}.{number}", self.table(f"{key}.{number}", item)
 
     def bases(self) -> list[Base]:
         """The plans, checked whole; an error in one of their own files ends the reading."""
@@ -125,7 +134,7 @@ class _Reader:
                 self._refuse(f"{where}.plan", None, "the path of a plan, here or for all designs", "is missing")
                 continue
             key = f"{where}.plan" if "plan" in table else "plan"
-            changes = dict(_flat(self._table(f"{where}.set", table.get("set", {}))))
+            changes = dict(_flat(self.table(f"{where}.set", table.get("set", {}))))
             bases.append(self._base(name, key, table.get("plan", self.data.get("plan")), changes, f"{where}.set."))
         return bases
 
@@ -159,7 +168,7 @@ class _Reader:
 
     def axes(self, bases: Sequence[Base]) -> list[Axis]:
         """What ``[vary]`` says, an axis a key."""
-        table = self._table("vary", self.data.get("vary", {}))
+        table = self.table("vary", self.data.get("vary", {}))
         axes = []
         for key, value in _flat({k: v for k, v in table.items() if k not in SAMPLE_KEYS}):
             where = f"vary.{key}"
@@ -227,7 +236,7 @@ class _Reader:
                     self._refuse(f"{where}.{key}", list(lists[key]), f"{counts[first]} values, as {first} has")
             if len(self.errors) == before and self._check_all(f"{where}.", lists, bases[0].data if bases else {}):
                 axes.append(Axis(tuple(lists), tuple(zip(*lists.values(), strict=True))))
-        seen: set[str] = set(dict(_flat(self._table("vary", self.data.get("vary", {})))))
+        seen: set[str] = set(dict(_flat(self.table("vary", self.data.get("vary", {})))))
         for where, table in self._tables("linked"):
             for key, values in _flat(table):
                 if key in seen:
@@ -237,7 +246,7 @@ class _Reader:
 
     def sample(self) -> tuple[Any, int, int]:
         """Kind, size and seed of the sample; no kind for every combination."""
-        table = self._table("vary", self.data.get("vary", {}))
+        table = self.table("vary", self.data.get("vary", {}))
         kind, size, seed = table.get("sample"), table.get("size"), table.get("seed", 0)
         if kind is not None and kind not in SAMPLES:
             meant = difflib.get_close_matches(str(kind).lower(), SAMPLES, n=1)
@@ -258,7 +267,7 @@ class _Reader:
     def keep(self, bases: Sequence[Base], varied: set[str]) -> dict[str, str]:
         """What ``[keep]`` says: counts that follow, and from what."""
         kept = {}
-        for key, value in _flat(self._table("keep", self.data.get("keep", {}))):
+        for key, value in _flat(self.table("keep", self.data.get("keep", {}))):
             where = f"keep.{key}"
             if value not in KEPT:
                 meant = difflib.get_close_matches(str(value).lower(), KEPT, n=1)
@@ -287,6 +296,27 @@ class _Reader:
                 self._refuse(f"species.{number}", item, "each species once", "is named twice")
             species.append(one)
         return species
+
+    def uncertain(self, bases: Sequence[Base]) -> dict[str, float]:
+        """What ``[uncertain]`` says: relative standard deviations of numbers that the plans give."""
+        found = {}
+        for key, value in _flat(self.table("uncertain", self.data.get("uncertain", {}))):
+            where = f"uncertain.{key}"
+            if not _is_number(value) or not 0.0 < value <= MOST_UNCERTAIN:
+                allowed = f"a number above 0, at most {MOST_UNCERTAIN:g}: a standard deviation over the number itself"
+                self._refuse(where, value, allowed)
+                continue
+            for base in bases:
+                plan = plan_from_dict(base.data, base.source)
+                known = [number.key for number in numbers_of(plan, plan.cases()[0])]
+                if key not in known:
+                    meant = next(iter(difflib.get_close_matches(key, known, n=1)), None)
+                    hint = f" (did you mean {meant}?)" if meant else ""
+                    self._refuse(where, None, f"one of {', '.join(known)}", f"is no number that the plan gives{hint}")
+                    break
+            else:
+                found[key] = float(value)
+        return found
 
 
 _HOMES: Final = {"[vary]": SAMPLE_KEYS, "[[design]]": DESIGN_KEYS}

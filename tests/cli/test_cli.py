@@ -184,8 +184,10 @@ def test_run_writes_the_tables_and_prints_a_short_one(ran):
     assert results["converged"].all()
     assert {path.name for path in folder.iterdir()} >= {"profile.csv", "net_1.vtu", "net_2.vtu", "report.html"}
     assert not list(folder.rglob("*.part"))
-    header, first, second = result.stdout.splitlines()[1:4]
-    assert header.split()[:3] == ["case", "speed", "m/s"]
+    over, header, first, second = result.stdout.splitlines()[1:5]
+    assert over.split()[0] == "speed"
+    assert header.split()[:3] == ["case", "m/s", "meshes"]
+    assert max(map(len, result.stdout.splitlines()[1:5])) <= 80
     assert f"{results['drag_n'][0]:.4g}" in first.split()
     assert second.split()[0] == "2"
     assert second.split()[-1] == "yes"
@@ -529,7 +531,8 @@ def test_progress_without_a_terminal_is_a_plain_line_every_ten_seconds(monkeypat
     with console.shown_progress() as progress:
         for done in range(5):
             progress(done, 5, "solving [1/2]")
-    assert capsys.readouterr().err == "2 of 5 done, solving [1/2]\n4 of 5 done, solving [1/2]\n"
+    told = ["2 of 5 done (40%, 16 s left), solving [1/2]", "4 of 5 done (80%, 5 s left), solving [1/2]"]
+    assert capsys.readouterr().err.splitlines() == told
 
 
 def test_progress_in_a_terminal_is_a_bar_that_is_gone_in_the_end(monkeypatch):
@@ -549,7 +552,15 @@ def test_progress_in_a_terminal_is_a_bar_that_is_gone_in_the_end(monkeypatch):
 
 def test_tables_align_numbers_to_the_right_and_show_the_unknown_as_a_dash():
     table = console.text_table(["name", "drag N", "ok"], [("first", 12.3456, True), ("2nd", float("nan"), False)])
-    assert table == "name   drag N  ok\nfirst   12.35  yes\n2nd         -  NO"
+    assert table == "        drag\nname       N  ok\nfirst  12.35  yes\n2nd        -  NO"
+
+
+def test_a_table_wider_than_a_terminal_goes_on_below():
+    names = [f"quantity {c}" for c in range(14)]
+    table = console.text_table(["case", *names], [[i, *(1000.5 + c for c in range(14))] for i in range(2)])
+    assert max(map(len, table.splitlines())) <= 80
+    assert len(table.split("\n\n")) == 2
+    assert all(text in table.split() for text in ("1000", "1014"))
 
 
 def test_a_folder_name_too_long_for_the_system_is_refused_in_one_line(plan, tmp_path, no_solving):

@@ -1,5 +1,7 @@
 import base64
 import re
+import shutil
+import subprocess
 from collections.abc import Iterator
 from dataclasses import replace
 from html import unescape
@@ -17,7 +19,9 @@ from codend.report import page
 from codend.report.choice_words import reason_text
 from codend.report.html import notes
 from codend.report.page import PLOTS, files_of, write_report
-from codend.report.style import column_text, number_text, spread
+from codend.report.page_tables import RESULT_HEADS
+from codend.report.style import column_text, number_text, spread, worth
+from codend.report.turning_net import TURNING, can_turn, turning_page
 from codend.solvers.outcome import Outcome
 from codend.studies.case_result import CaseResult
 from codend.studies.study import Study, solve
@@ -94,7 +98,8 @@ def test_a_study_leaves_every_file_that_is_promised_and_tells_of_each(study: Stu
     names = {str(path.relative_to(written)) for path in written.rglob("*") if path.is_file()}
     plots = {f"plots/{plot.name}.png" for plot in PLOTS}
     tables = {"plan.toml", "results.csv", "profile.csv", "run.json"}
-    assert names == {*tables, "net_1.vtu", "net_2.vtu", "report.html"} | plots
+    turning = {TURNING} if can_turn() else set()
+    assert names == {*tables, "net_1.vtu", "net_2.vtu", "net.pvd", "report.html"} | plots | turning
     assert names == set(files_of(study.plan)) - {"meshes.csv"}
 
 
@@ -126,10 +131,15 @@ def test_plots_are_pictures_with_something_drawn_in_them(written: Path):
 
 def test_the_page_carries_its_pictures_and_asks_for_nothing_from_elsewhere(written: Path):
     html = (written / "report.html").read_text(encoding="utf-8")
-    sources = re.findall(r'(?:src|href|srcset|action)\s*=\s*"([^"]*)"', html)
-    *pictures, drawing = sources
+    sources = re.findall(r'(?:src|srcset|action)\s*=\s*"([^"]*)"', html)
+    drawings = [source for source in sources if source.startswith("data:image/svg+xml")]
+    for drawing in drawings:
+        assert base64.b64decode(drawing.removeprefix("data:image/svg+xml;base64,"), validate=True).startswith(b"<svg ")
+    pictures = [source for source in sources if source not in drawings]
     assert len(pictures) == len(PLOTS)
-    assert base64.b64decode(drawing.removeprefix("data:image/svg+xml;base64,"), validate=True).startswith(b"<svg ")
+    places = set(re.findall(r'id="([^"]*)"', html))
+    for link in re.findall(r'href="([^"]*)"', html):
+        assert link[1:] in places if link.startswith("#") else (written / link).is_file()
     for source in pictures:
         assert source.startswith("data:image/png;base64,")
         assert base64.b64decode(source.partition(",")[2], validate=True).startswith(PNG_START)
@@ -203,7 +213,8 @@ def test_files_of_an_earlier_study_do_not_stay_beside_those_of_this_one(half_fai
     write_report(half_failed, tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {
         *("plan.toml", "results.csv", "profile.csv", "run.json"),
-        *("net_1.vtu", "plots", "report.html", "net_mine.vtu", "notes.txt"),
+        *("net_1.vtu", "net.pvd", "plots", "report.html", "net_mine.vtu", "notes.txt"),
+        *([TURNING] if can_turn() else []),
     }
     assert (tmp_path / "plots" / "mine.png").exists()
 
@@ -299,3 +310,47 @@ def test_long_legends_name_both_ends():
     assert spread(31, 10)[0] == 0
     assert spread(31, 10)[-1] == 30
     assert len(set(spread(31, 10))) == 10
+
+
+def test_the_answer_stands_first_with_the_digits_its_error_leaves_it(study: Study, written: Path):
+    html = (written / "report.html").read_text(encoding="utf-8")
+    first = study.cases[0].measures
+    assert html.index('id="answer"') < html.index("<img") < html.index('id="results"')
+    for value in (first.opening_ahead_deg, first.drag_n):
+        assert f"<strong>{worth(value, 0.0)[0]}" in html
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "told"),
+    [
+        (29.7813, 0.21, ("29.8", "0.2")),
+        (827.84, 1e-7, ("827.8", "")),
+        (7.413, 2.1, ("7", "2")),
+        (9858.4, 312.0, ("9900", "300")),
+        (0.0, 0.0, ("0.000", "")),
+        (float("nan"), 1.0, ("", "")),
+        (5.0, float("nan"), ("5.000", "")),
+    ],
+)
+def test_numbers_are_rounded_to_what_they_are_worth(value, error, told):
+    assert worth(value, error) == told
+
+
+def test_the_page_printed_on_paper_loses_no_column(written: Path, tmp_path: Path):
+    chromium, pypdf = shutil.which("chromium"), pytest.importorskip("pypdf")
+    if chromium is None:
+        pytest.skip("needs Chromium")
+    words = [chromium, "--headless", "--no-sandbox", f"--user-data-dir={tmp_path}"]
+    words += [f"--print-to-pdf={tmp_path / 'p.pdf'}", (written / "report.html").as_uri()]
+    subprocess.run(words, check=True, capture_output=True)
+    text = " ".join(" ".join(page.extract_text() for page in pypdf.PdfReader(tmp_path / "p.pdf").pages).split())
+    table = pd.read_csv(written / "results.csv")
+    for name, head in RESULT_HEADS.items():
+        assert name not in table or table[name].isna().all() or head.name in text, name
+
+
+def test_the_net_turns_on_a_page_that_needs_nothing_from_elsewhere(study: Study):
+    pytest.importorskip("plotly")
+    page = turning_page(study.cases[0], "a net")
+    assert not re.search(r'<(?:script|link|img)[^>]+(?:src|href)="https?:', page)
+    assert len(page) > 1_000_000

@@ -13,7 +13,8 @@ from codend.cli.main import main
 from codend.errors import InputError
 from codend.plan.copy import plan_toml
 from codend.plan.plan import Plan, load_plan, plan_from_dict
-from codend.report.selectivity_page import END, START, with_section, write_selectivity
+from codend.report.page_parts import with_part
+from codend.report.selectivity_page import write_selectivity
 from codend.report.selectivity_plots import sensitivity_plot
 from codend.selectivity.escape.catches import Run, catches_of, read_run, run_of
 from codend.selectivity.escape.predict import Prediction, predict
@@ -116,7 +117,7 @@ def test_the_command_writes_tables_plots_and_a_section_and_replaces_its_own(fold
     assert len(plots) == 5
     assert all(path.stat().st_size > 10_000 for path in plots)
     page = (folder / "report.html").read_text(encoding="utf-8")
-    assert page.count(START) == page.count(END) == 1
+    assert page.count("<!-- selectivity -->") == page.count("<!-- end of selectivity -->") == 1
     assert page.index("Selectivity</h2>") < page.index("Inputs</h2>")
     assert "assumed, not measured" in page
 
@@ -143,7 +144,10 @@ def test_names_in_species_files_cannot_write_into_the_page(found, tmp_path):
 
 
 def test_a_page_without_a_known_place_still_gets_its_section():
-    assert with_section("text", f"{START}x{END}") == f"text{START}x{END}"
+    once = with_part("text", "one", "x")
+    assert once == "text<!-- one -->\nx\n<!-- end of one -->\n"
+    assert with_part(once, "one", "y").count("<!-- one -->") == 1
+    assert with_part(once, "one", "") == "text"
 
 
 def test_a_folder_that_no_run_wrote_is_refused(tmp_path, folder):
