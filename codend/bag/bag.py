@@ -63,6 +63,9 @@ class Bag:
     anchors: int = 0
     """Nodes of the hoop that only ropes start from, behind all others."""
 
+    layer_bands: tuple[Ints, ...] = ()
+    """Bands that each second layer lies over, in the order of the net's ``wrap_ring``."""
+
     @property
     def bands(self) -> int:
         """Number of bands of netting from the entry to the codline."""

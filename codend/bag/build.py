@@ -6,6 +6,7 @@ import numpy as np
 
 from codend.bag.assemble import assembled
 from codend.bag.bag import Bag, with_hinges
+from codend.bag.layers import with_layers
 from codend.bag.near_ratio import NearRatio
 from codend.bag.ropes import with_ropes
 from codend.bag.straps import with_straps
@@ -60,7 +61,11 @@ def build_bag(
     bag = replace(bag, abreast=lattice.abreast)
     if plan.model.bars_per_side == 2:
         bag = with_hinges(bag)
-    return with_ropes(with_straps(bag, plan, knots, drag_law), plan, knots, drag_law, smeared)
+    bag = with_ropes(with_straps(bag, plan, knots, drag_law), plan, knots, drag_law, smeared)
+    if not plan.layer:
+        return bag
+    _check_layers(plan, lattice)
+    return with_layers(bag, plan, knots)
 
 
 def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool, near: NearRatio | None) -> Lattice:
@@ -97,6 +102,15 @@ def _check_bending(plan: Plan) -> None:
         return
     value = stiff[0].bending_stiffness_n_m2
     raise InputError(file=plan.source, key="netting.bending_stiffness_n_m2", value=value, allowed=allowed)
+
+
+def _check_layers(plan: Plan, lattice: Lattice) -> None:
+    """Refuse layers where they have no model: anything but a sector one mesh wide of meshes that bars alone make up."""
+    if lattice.order == 1 or (lattice.columns != 1).any():
+        allowed = '"auto" or "sector", sections of as many meshes round, and "smeared" with ropes, under a [[layer]]'
+        raise InputError(plan.source, "model.fidelity", plan.model.fidelity, allowed)
+    if plan.model.bars_per_side != 1:
+        raise InputError(plan.source, "model.bars_per_side", plan.model.bars_per_side, "1 under a [[layer]]")
 
 
 def _check_panels(plan: Plan) -> None:

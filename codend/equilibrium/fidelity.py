@@ -145,6 +145,9 @@ def choose(plan: Plan) -> Choice:
             slow=slow,
         )
 
+    if plan.layer and asked == "auto":
+        # layers meet all round alike, or not at all in this model
+        return by_sector
     match asked:
         case "sector":
             return replace(by_sector, reason=Reason.ASKED)

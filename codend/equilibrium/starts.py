@@ -153,7 +153,7 @@ CRUDE = Start(
 """Led to 3181 of 3547 nets that nothing known led to."""
 MERIDIAN = Start(
     "the meridian method's shape",
-    lambda s: s.by_meshes and s.plan.model.bars_per_side == 1,
+    lambda s: s.by_meshes and s.plan.model.bars_per_side == 1 and not s.plan.layer,
     _from_the_meridian,
 )
 """Led to 45 of 51 nets of one section that a crude bag had not led to, most of them of stiff twine with small catches.

@@ -50,6 +50,13 @@ ROPE_COLUMNS = ["max_rope_tension_n"]
 OF_ROPES = ["case", "rope", "number", "place_deg", "length_m", "max_tension_n", "tension_ahead_n", "slack_share"]
 """Columns of ``ropes.csv``."""
 
+LAYER_COLUMNS = ["layer_hoop_share", "max_layer_tension_n", "layer_opening_deg"]
+"""Further columns of plans with second layers: share of the hoop load on the catch that they carry, largest tension of
+their bars, mean opening of their meshes over the catch."""
+OF_LAYERS = ["case", "layer", "row", "meshes_from_entry", "x_m", "radius_m", "opening_deg", "opening_below_deg"]
+OF_LAYERS += ["bar_tension_n", "hoop_share", "axial_share"]
+"""Columns of ``layers.csv``."""
+
 REASON = "reason"
 """Column of a study's table that says why a case was not solved."""
 TEXT_COLUMNS = ("design", "fidelity", "method", "stable", "growing_harmonics", "wrinkles", REASON)
