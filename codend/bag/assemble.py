@@ -1,5 +1,6 @@
 """A bag put together: its netting as laid out, with the properties of each section's twine."""
 
+from collections.abc import Callable, Sequence
 from operator import attrgetter
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from codend.bag.bag import Bag
 from codend.net.net import NO_POINTS, Floats, Ints, Net
 from codend.netting.parts import Lattice, Layout
+from codend.netting.windows import LetIn
 from codend.plan.tables import Netting
 
 
@@ -18,19 +20,26 @@ def assembled(
     node_row: Ints,
     entry: NDArray,
     drag: tuple[int, float, float],
+    windows: Sequence[LetIn] = (),
 ) -> Bag:
     """Bag with the properties of its bars, held at the entry and nowhere else.
 
     Only the symmetry of a sector keeps its codline on the axis.
 
-    ``drag`` is the law of the twine's drag and its coefficients, as ``drag_laws.drag`` gives them.
+    ``drag`` is the law of the twine's drag and its coefficients, as ``drag_laws.drag`` gives them. Windows have parts
+    of their own, in the bands of the netting that they are let into, and the properties of their own netting.
     """
     law, normal, tangential = drag
     g = lattice.globalisation
     band, is_knot = layout.bar_band, layout.bar_is_knot
+    netting = np.where(layout.bar_piece >= 0, lattice.bands + layout.bar_piece, band)
+
+    def of_bars(value: Callable[[Netting], float | bool]) -> NDArray:
+        """A value of each bar's netting, that of its band's section or of its window."""
+        return np.append(lattice.of_bands(value), [value(window.netting) for window in windows])[netting]
 
     def of_section(value: str) -> Floats:
-        return np.asarray(lattice.of_bands(attrgetter(value)), dtype=np.float64)[band]
+        return np.asarray(of_bars(attrgetter(value)), dtype=np.float64)
 
     def softness(of: str) -> Floats:
         """Strain per newton of the (merged) bars or knots, 0 where they do not stretch."""
@@ -39,7 +48,7 @@ def assembled(
             stiffness = getattr(section, of)
             return 0.0 if stiffness is None else 1.0 / (g * stiffness)
 
-        return lattice.of_bands(of_one)[band]
+        return of_bars(of_one)
 
     around = lattice.order * lattice.columns[layout.facet_band]
     count = len(node_row)
@@ -62,13 +71,13 @@ def assembled(
         bar_flexibility=np.where(is_knot, softness("knot_axial_stiffness_n"), softness("axial_stiffness_n")),
         bar_drag_diameter=np.where(is_knot, 0.0, g * of_section("drag_width_m")),
         bar_solid_diameter=np.sqrt(g) * of_section("solid_diameter_m"),
-        bar_density=lattice.of_bands(lambda s: np.nan if s.density_kg_m3 is None else s.density_kg_m3)[band],
+        bar_density=of_bars(lambda s: np.nan if s.density_kg_m3 is None else s.density_kg_m3),
         bar_diameter=of_section("twine_m"),
         bar_drag_law=np.full(len(band), law, dtype=np.int32),
         bar_normal_drag=np.full(len(band), normal),
         bar_tangential_drag=np.full(len(band), tangential),
         bar_is_rope=np.zeros(len(band), dtype=bool),
-        bar_is_strut=is_knot & lattice.of_bands(lambda section: section.knot_compression)[band],
+        bar_is_strut=is_knot & of_bars(lambda section: section.knot_compression).astype(bool),
         facets=layout.facets,
         facet_image=layout.facet_image,
         facet_weight=layout.facet_weight * np.asarray(_polygon_area(g * around) / _polygon_area(around)),
@@ -93,6 +102,9 @@ def assembled(
         mesh_bars=layout.mesh_bars,
         mesh_row=layout.mesh_row,
         globalisation=g,
+        windows=tuple(window.netting for window in windows),
+        bar_window=layout.bar_piece,
+        mesh_window=layout.mesh_piece,
     )
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,8 @@ class Lattice:
     """Equal sectors that are modelled side by side."""
     order: float
     globalisation: int
+    seamed: bool = False
+    """Whether sections taper, or are joined, along seams, the first of which has azimuth 0."""
 
     @property
     def bands(self) -> int:
@@ -63,8 +66,10 @@ class Lattice:
         """Azimuth of column 0 of each band without its shift, rad, (bands,).
 
         Where knots are taken up unevenly, the sections are turned against each other so that on average none is pulled
-        to either side.
+        to either side. Seams stay where they are: on a column, or half a column beside one.
         """
+        if self.seamed:
+            return -np.pi * self._beside_seam / (self.columns * self.order)
         turn = np.zeros(self.bands)
         for band in np.flatnonzero(np.diff(self.columns)) + 1:
             ahead, aft = self.columns[band - 1 : band + 1]
@@ -73,6 +78,28 @@ class Lattice:
             lag = 2.0 * np.pi / self.order * np.mean(knot / wide - taken_up(knot, wide, narrow) / narrow)
             turn[band] = lag if ahead > aft else -lag
         return np.cumsum(turn)
+
+    @cached_property
+    def upward(self) -> NDArray[np.bool_]:
+        """Whether knots of a row are laced to the next knot on, not to the last, of a ring of fewer, (bands + 1,).
+
+        Of a section that loses a mesh at every seam those on either side of the seam become one. In rows that are
+        shifted by half a mesh these are the last and the first, in others the first and the second.
+        """
+        return self.seamed & (self.shift == 1)
+
+    @cached_property
+    def _beside_seam(self) -> Counts:
+        """0 where a seam runs through column 0 of a band, 1 where half a mesh on, (bands,)."""
+        beside = np.zeros(self.bands, dtype=np.int64)
+        for band in range(1, self.bands):
+            ahead, aft = self.columns[band - 1 : band + 1]
+            beside[band] = beside[band - 1]
+            if ahead > aft:
+                beside[band] = self.shift[band]  # the knot that others are laced to lies on the seam
+            elif ahead < aft:
+                beside[band] = 1 - self.shift[band]
+        return beside
 
     def places(self, bands: NDArray[np.integer]) -> tuple[Counts, Counts]:
         """Band and column of every modelled mesh of some bands, band by band, each (places,)."""
@@ -98,12 +125,12 @@ class Lattice:
         return inside % wide * self.abreast + inside // wide, image
 
 
-def taken_up(knot: Counts, wide: Counts, narrow: Counts) -> Counts:
+def taken_up(knot: Counts, wide: Counts, narrow: Counts, upward: NDArray[np.bool_] | bool = False) -> Counts:
     """Knot of a ring of ``narrow`` that a knot of ``wide`` is laced to, both counted on all round.
 
     100 meshes are joined to 60 at the ratio of 5 to 3: of each 5, two pairs are taken up two by two and one is not.
     """
-    return knot * narrow // wide
+    return np.where(upward, -(-knot * narrow // wide), knot * narrow // wide)
 
 
 @dataclass(frozen=True)
@@ -129,6 +156,15 @@ class Corner:
 
     node: NDArray[np.integer]
     image: NDArray[np.integer]
+
+
+class Piece(Protocol):
+    """Netting let into a net while it is written, its parts as those of ``Parts``."""
+
+    bars: list[NDArray]
+    facets: list[NDArray]
+    weights: list[Floats]
+    meshes: list[NDArray]
 
 
 class Parts:
@@ -163,17 +199,23 @@ class Parts:
         images = [np.where(c.node == self.codline, 0, c.image) for c in (middle, first, second)]
         self.corners.append(np.stack([*nodes, *images, band, np.full_like(band, across)], axis=1))
 
-    def joined(self) -> "Layout":
-        """All of them."""
-        bars, meshes = np.concatenate(self.bars), np.concatenate(self.meshes)
-        meshes = meshes[np.argsort(meshes[:, 16], kind="stable")]
+    def joined(self, pieces: Sequence["Piece"] = ()) -> "Layout":
+        """All of them, with those of pieces of other netting after them."""
+        bars, bar_piece = _numbered([self.bars, *(piece.bars for piece in pieces)])
+        meshes, mesh_piece = _numbered([self.meshes, *(piece.meshes for piece in pieces)])
+        by_row = np.argsort(meshes[:, 16], kind="stable")
+        meshes, mesh_piece = meshes[by_row], mesh_piece[by_row]
         facets, weight = self._facet_table()
+        for piece in pieces:
+            facets, weight = np.concatenate([facets, *piece.facets]), np.concatenate([weight, *piece.weights])
         return Layout(
             codline=self.codline,
             bars=bars[:, :2].astype(np.int32),
             bar_image=bars[:, 2].astype(np.int32),
             bar_band=bars[:, 3].astype(np.int32),
             bar_is_knot=bars[:, 4].astype(bool),
+            bar_piece=bar_piece,
+            mesh_piece=mesh_piece,
             facets=facets[:, :3].astype(np.int32),
             facet_image=facets[:, 3:6].astype(np.int32),
             facet_band=facets[:, 6].astype(np.int32),
@@ -208,6 +250,10 @@ class Layout:
     bar_image: Ints
     bar_band: Ints
     bar_is_knot: NDArray[np.bool_]
+    bar_piece: Ints
+    """Number of the piece of other netting that a bar is of; -1: of the section's own."""
+    mesh_piece: Ints
+    """The same of meshes."""
     facets: Ints
     facet_image: Ints
     facet_band: Ints
@@ -220,6 +266,13 @@ class Layout:
     corners: Counts
     """Middle, first and second node of all corners between two twines, their images, the band, and whether it lies
     across, (c, 8)."""
+
+
+def _numbered(tables: Sequence[list[NDArray]]) -> tuple[NDArray, Ints]:
+    """Parts of a net and then of its pieces, and the number of the piece that each is of, -1 of the net's own."""
+    counts = [sum(map(len, table)) for table in tables]
+    piece = np.repeat(np.arange(-1, len(tables) - 1, dtype=np.int32), counts)
+    return np.concatenate([part for table in tables for part in table]), piece
 
 
 def _bars_of_sides(bars: NDArray, sides: NDArray, images: NDArray) -> Ints:

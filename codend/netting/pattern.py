@@ -1,6 +1,6 @@
 """Netting between the knots: what the pattern of each band writes, and the knots, which all write alike."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -27,19 +27,20 @@ _layouts: LastMade[Layout] = LastMade(4)
 def layout_of(knots: Knots) -> Layout:
     """Bars, facets, meshes and corners of all sections; plans that differ in their sizes alone have the same."""
     pattern = knots.lattice.of_bands(lambda section: section.kind.pattern)
-    own = {name: pattern == name for name in PATTERNS}
     if knots.codline > MOST_KNOTS:
-        return _parts_of(knots, own).joined()
+        return parts_of(knots).joined()
     lattice = knots.lattice
-    arrays = (lattice.columns, lattice.staggered, knots.along, knots.across, *own.values())
-    key = (lattice.abreast, lattice.order == 1, *(array.tobytes() for array in arrays))
-    return _layouts.of(key, lambda: _parts_of(knots, own).joined())
+    arrays = (lattice.columns, lattice.staggered, knots.along, knots.across, lattice.phase, lattice.upward)
+    key = (lattice.abreast, lattice.order == 1, lattice.seamed, *pattern, *(array.tobytes() for array in arrays))
+    return _layouts.of(key, lambda: parts_of(knots).joined())
 
 
-def _parts_of(knots: Knots, own: Mapping[str, NDArray[np.bool_]]) -> Parts:
+def parts_of(knots: Knots) -> Parts:
+    """Bars, facets, meshes and corners of all sections, to be changed before they are joined."""
+    pattern = knots.lattice.of_bands(lambda section: section.kind.pattern)
     parts = Parts(knots.codline)
     for name, add_pattern in PATTERNS.items():
-        add_pattern(parts, knots, own[name])
+        add_pattern(parts, knots, pattern == name)
     _add_knots(parts, knots)
     return parts
 
