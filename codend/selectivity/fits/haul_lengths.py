@@ -61,7 +61,7 @@ def middles_cm(table: InputTable, unit: str | None, length_is: str | None) -> tu
         return lengths / 10.0, [*notes, f"{column} is in mm"]
     if unit is None and table.frame.index.name == LINE:  # whoever makes a frame knows its unit
         _check_unit(table, column, lengths)
-    return lengths, [*notes, f"{column} is in cm"]
+    return lengths, [f"{note} (in cm)" for note in notes]
 
 
 def _middles_of(

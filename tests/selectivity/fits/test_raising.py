@@ -67,6 +67,6 @@ def test_the_command_says_unit_and_place_of_lengths_and_what_raising_does(tmp_pa
     hauls(10.0).assign(cover_raising=10.0).to_csv(tmp_path / "hauls.csv", index=False)
     asked = ["fit", str(tmp_path / "hauls.csv"), "--design", "covered", "--out", str(tmp_path / "out")]
     output = CliRunner().invoke(main, asked).output
-    assert "length_cm is in cm" in output
+    assert "(in cm)" in output
     assert "middle of each class" in output
     assert "raised by 10" in output
