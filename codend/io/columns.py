@@ -41,6 +41,7 @@ RESULT_COLUMNS = [
     "drag_spread_n",
     "opening_spread_deg",
     "folds",
+    "contact_share",
 ]
 
 STRAP_COLUMNS = ["max_strap_tension_n"]
