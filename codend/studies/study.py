@@ -193,7 +193,8 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     )
     found = measured(shape.model.bag, case, shape.problem, replace(shape.solution, report=report))
     tangent = newton.tangent_at(shape.problem, shape.solution, shape.model.prepared)
-    followed = replace(followed, folds=layers_touch(shape.problem, shape.solution.positions))
+    folds = layers_touch(shape.problem, shape.solution.positions) or followed.contact_share > 0.0
+    followed = replace(followed, folds=folds)
     lasts = shape.stability.stable == "yes" and not followed.folds
     changed = followed.changed if lasts else np.maximum(changed, followed.changed)
     errors = accuracy.estimate(shape.model, case, tangent, found.measures, unseen_weight_n, changed)
