@@ -10,7 +10,10 @@
 A net that is no codend, from its nodes and bars:
 
 >>> net = codend.Net.from_bars(positions, ends, held, stiffness_n=5e4)
->>> codend.find_equilibrium(codend.Problem.of(net)).positions
+>>> problem = codend.Problem.of(net)
+>>> found = codend.find_equilibrium(problem)
+>>> codend.loads_and_supports(problem, found)
+>>> codend.draw(problem, found)
 """
 
 from importlib import import_module
@@ -22,7 +25,9 @@ if TYPE_CHECKING:
     from codend.net.net import Net
     from codend.plan.plan import Plan, load_plan
     from codend.public import Study, solve
+    from codend.report.net_figure import draw
     from codend.selectivity.fits.analysis import fit_field_data as fit
+    from codend.solvers.reactions import loads_and_supports
     from codend.solvers.solve import find_equilibrium
     from codend.studies.many import sweep
     from codend.studies.opening_force import pull_mesh
@@ -33,9 +38,11 @@ __all__ = [
     "Plan",
     "Problem",
     "Study",
+    "draw",
     "find_equilibrium",
     "fit",
     "load_plan",
+    "loads_and_supports",
     "pull_mesh",
     "solve",
     "sweep",
@@ -47,9 +54,11 @@ _HOME = {
     "Plan": "codend.plan.plan",
     "Problem": "codend.mechanics.problem",
     "Study": "codend.public",
+    "draw": "codend.report.net_figure",
     "find_equilibrium": "codend.solvers.solve",
     "fit_field_data": "codend.selectivity.fits.analysis",
     "load_plan": "codend.plan.plan",
+    "loads_and_supports": "codend.solvers.reactions",
     "pull_mesh": "codend.studies.opening_force",
     "solve": "codend.public",
     "sweep": "codend.studies.many",

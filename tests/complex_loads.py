@@ -52,11 +52,11 @@ def on_both_ends(net: Net, first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def elastic_pull(net: Net, position: np.ndarray) -> np.ndarray:
-    """T = EA (l - l0) / l0 along every bar that is longer than without load, nothing in the others."""
+    """T = EA (l - l0) / l0 along every strut, and every bar that is longer than without load; nothing in the others."""
     vector = vectors(net, position)
     length = norm(vector)
     tension = (length / net.bar_length - 1.0) / net.bar_flexibility
-    tension = np.where(tension.real > 0.0, tension, 0.0)
+    tension = np.where((tension.real > 0.0) | net.bar_is_strut, tension, 0.0)
     pull = (tension / length)[:, None] * vector
     return on_both_ends(net, pull, -pull)
 

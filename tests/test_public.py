@@ -5,6 +5,7 @@ import pytest
 
 import codend
 from codend.errors import InputError
+from codend.net.net import with_point
 from codend.selectivity.escape.species import example_species_path
 from tests.plans import make_plan
 
@@ -54,3 +55,14 @@ def test_fish_and_hauls_are_asked_by_one_call(study):
     assert list(table["case"]) == ["1", "haul"]
     assert callable(codend.fit)
     assert codend.selectivity.predicted is not None
+
+
+def test_a_net_of_ones_own_is_solved_measured_and_drawn():
+    nodes = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+    net = codend.Net.from_bars(nodes, [[0, 1], [1, 2]], [True, False, True], length_m=1.2, stiffness_n=1e5)
+    problem = codend.Problem.of(with_point(net, 1, wet_weight_n=10.0))
+    found = codend.find_equilibrium(problem)
+    load, support = codend.loads_and_supports(problem, found)
+    assert support[[0, 2]].sum(axis=0) == pytest.approx(-load.sum(axis=0), abs=1e-6)
+    assert support[0, 2] == pytest.approx(5.0)
+    assert len(codend.draw(problem, found).axes) == 4

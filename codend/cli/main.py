@@ -32,6 +32,7 @@ from codend.cli.force import force
 from codend.cli.guide import guide
 from codend.cli.net_plan import net_plan
 from codend.cli.scene import scene
+from codend.cli.search import search
 from codend.cli.selectivity import selectivity, species
 from codend.cli.sensitivities import sensitivities
 from codend.cli.streams import Terminated, end_on_signals, give_up_output, say, take_any_text
@@ -241,6 +242,7 @@ for _command in (
     net_plan,
     scene,
     sweep,
+    search,
     sensitivities,
     compare,
     chart,

@@ -60,7 +60,8 @@ def sweep(
     """Solve many designs: those of a study, or a plan with every combination of some values.
 
     A STUDY.toml names a plan or several designs, what varies (lists, ranges, linked keys, samples) and species, whose
-    L50 and SR become columns. Writes sweep.csv, a row a case, and sweep.png into DIR, and DIR/parts, the same table in
+    L50 and SR become columns. Writes sweep.csv, a row a case, sweep.png, and study.html with responses, maps over two
+    numbers and drag against L50 into DIR, plans of the best designs into DIR/best, and DIR/parts, the same table in
     Parquet, part by part as it is solved.
 
     With --vary, writes sweep.csv and sweep.png into DIR, and every run's plan and tables into DIR/runs/NUMBER, where
@@ -86,6 +87,7 @@ def _sweep_of_study(path: str, folder: Path, workers: int, scheduler: str | None
     from codend.io.files import write_bytes
     from codend.io.toml import read_toml
     from codend.report.own_look import own_look
+    from codend.report.study_page import BEST, FIGURES, PAGE, remove_study, write_study
     from codend.report.style import png
     from codend.report.sweep_plot import MOST_DRAWN, sweep_figure
     from codend.studies.many import solve_parts
@@ -97,20 +99,24 @@ def _sweep_of_study(path: str, folder: Path, workers: int, scheduler: str | None
         raise InputError(path, "", None, "a study file, or --vary KEY=[VALUE,...] with a plan", "is a plan")
     study = study_from_dict(data, path)
     study.designs.check_any()
-    check_writable(folder, (*FILES, f"{FOLDER}/part-000000.parquet"))
+    check_writable(folder, (*FILES, *FIGURES, PAGE, f"{BEST}/run_1.toml", f"{FOLDER}/part-000000.parquet"))
     with shown_progress() as progress, written_into(folder, FILES):
+        remove_study(folder)
         parts = solve_parts(study, folder, workers, scheduler, progress)
         write_csv(parts, folder / "sweep.csv")
         table = read_parts(parts)
         runs = study.designs.some(MOST_DRAWN)
         with own_look():
             write_bytes(png(sweep_figure(table, {run.number: run.label for run in runs})), folder / "sweep.png")
+        title = str(data.get("title", Path(path).stem))
+        pages = write_study(title, table, lambda number: study.designs.run(number).plan(), folder)
     keys = [name for name in table.columns[: list(table.columns).index("case")] if name != "run"]
     if len(study.designs) <= MOST_PRINTED:
         _print_runs(table, keys)
     else:
         click.echo(text_table(list(SUMMARY), [[table[of].agg(how) for of, how in SUMMARY.values()]]))
-    click.echo(f"{len(study.designs)} runs, {len(table)} cases in {folder / 'sweep.csv'}; see {folder / 'sweep.png'}")
+    see = folder / (PAGE if PAGE in pages else "sweep.png")
+    click.echo(f"{len(study.designs)} runs, {len(table)} cases in {folder / 'sweep.csv'}; see {see}")
     failed = table[~table["converged"].astype(bool)]
     for row in failed.head(MOST_TOLD).to_dict("records"):
         case = "" if row["case"] != row["case"] else f", case {row['case']:g}"

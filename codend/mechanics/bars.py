@@ -6,11 +6,14 @@ one augmented law, in which c (in newtons) is a penalty and m a multiplier:
 
     q = max(0, (m + c (1/l0 - 1/l)) / (1 + c / EA))
 
+A strut obeys the law of a taut bar however short it is, without the max: 1/l0 - 1/l falls without bound as l goes to 0.
+
 The law holds exactly where q = m, so the multipliers are set to q again and again. Bars softer than the penalty need no
 multiplier: c is then taken as infinite, which gives the elastic law itself.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.compiled import njit
 from codend.mechanics.images import add_turned_back, turned
@@ -79,19 +82,24 @@ def bar_products(position: Floats, move: Floats, structure: Structure, product: 
 def length_error(structure: Structure, length: Floats, density: Floats) -> float:
     """Largest departure from the law of the twine, relative to the bar's length.
 
-    A taut bar should be as long as its tension makes it, a slack one no longer than without load.
+    A taut bar, or a strut, should be as long as its tension makes it, a slack one no longer than without load.
     """
     worst = 0.0
     rests, flexibilities = structure.length, structure.flexibility
     for bar in range(len(rests)):
         rest = rests[bar]
-        if density[bar] > 0.0:
+        if density[bar] > 0.0 or structure.is_strut[bar]:
             tension = density[bar] * length[bar]
             error = abs(length[bar] / rest - 1.0 - tension * flexibilities[bar])
         else:
             error = length[bar] / rest - 1.0
         worst = max(worst, error)
     return worst
+
+
+def carried(is_strut: NDArray[np.bool_], pulls: Floats) -> Floats:
+    """Pulls or force densities of bars, (m,), without the compression that twine, which is no strut, cannot carry."""
+    return np.where(is_strut, pulls, np.maximum(pulls, 0.0))
 
 
 @njit(cache=True, error_model="numpy")

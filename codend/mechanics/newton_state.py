@@ -3,6 +3,7 @@
 With gap = 1/l0 - 1/l, a bar is taut where q + w (gap - q / EA) > 0, for any w > 0 (in newtons); then gap = q / EA must
 hold, else q = 0: together that is the law of twine that carries no compression (a semismooth complementarity problem).
 With a barrier b > 0 (in N/m2) all bars stay taut and the law is (q / EA - gap) q = b, which tends to it as b does to 0.
+For struts, which carry compression, gap = q / EA holds whatever the sign of q, and no barrier.
 """
 
 from typing import NamedTuple
@@ -29,7 +30,7 @@ class State(NamedTuple):
 
     position: Floats
     density: Floats
-    """Force densities q, N/m, (m,); exactly 0 in slack bars."""
+    """Force densities q, N/m, (m,); exactly 0 in slack bars, below 0 in struts that are pushed."""
     gap: Floats
     """1/l0 - 1/l - q / EA of the bars that count as taut, 0 for the others, 1/m, (m,); with a barrier b plus b / q."""
     length: Floats
@@ -76,7 +77,7 @@ def empty_state(structure: Structure, bands: int) -> State:
 def measure(
     structure: Structure, loading: Loading, tension: float, switch: float, barrier: float, state: State
 ) -> None:
-    """Cut the density of bars that are slack, and write all that follows from positions and densities.
+    """Cut the density of twine that is slack, and write all that follows from positions and densities.
 
     The merit is the root of the sum of the squares of the free out-of-balance forces and of the bars' strain errors
     times ``LENGTH_WEIGHT`` x ``tension`` (or the bar's own stiffness if less).
@@ -87,11 +88,11 @@ def measure(
         tension: reference tension, N.
         switch: the w in the test for taut bars, in units of the reference tension. Any positive value gives the same
             answer; a small one lets bars go slack only as their tension passes through 0.
-        barrier: 0, or what keeps bars from going slack, N/m2; all densities must be above 0 then.
+        barrier: 0, or what keeps twine from going slack, N/m2; all its densities must be above 0 then.
         state: positions and densities; the rest of it is written.
     """
     firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
-    rests, flexibilities = structure.length, structure.flexibility
+    rests, flexibilities, struts = structure.length, structure.flexibility, structure.is_strut
     position, density, gaps, lengths = state.position, state.density, state.gap, state.length
     force, load, free = state.force, state.load, structure.free
     merit, worst, total = 0.0, 0.0, 0.0
@@ -101,10 +102,11 @@ def measure(
         rest = rests[bar]
         weight = 1.0 / max(flexibilities[bar], 1.0 / (LENGTH_WEIGHT * tension))
         gap = 1.0 / rest - 1.0 / max(length, 1e-6 * rest) - flexibilities[bar] * density[bar]
-        if barrier > 0.0:
-            gap += barrier / density[bar]
-        elif density[bar] + min(weight, switch * tension) * gap <= 0.0:
-            density[bar] = gap = 0.0
+        if not struts[bar]:
+            if barrier > 0.0:
+                gap += barrier / density[bar]
+            elif density[bar] + min(weight, switch * tension) * gap <= 0.0:
+                density[bar] = gap = 0.0
         lengths[bar], gaps[bar] = length, gap
         total += abs(density[bar]) * length
         error = abs(gap) * length

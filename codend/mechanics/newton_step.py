@@ -107,9 +107,9 @@ def linearise(
     blocks[:] = 0.0
     for bar in range(len(density)):
         hardening[bar] = 0.0
-        if density[bar] != 0.0 or gaps[bar] != 0.0:
+        if density[bar] != 0.0 or gaps[bar] != 0.0 or structure.is_strut[bar]:
             compliance = max(flexibilities[bar], 1.0 / (STIFFEST * tension))
-            if barrier > 0.0:
+            if barrier > 0.0 and not structure.is_strut[bar]:
                 compliance += barrier / density[bar] ** 2
             hardening[bar] = 1.0 / (compliance * lengths[bar] ** 3)
     right_side(structure, state, state, step)

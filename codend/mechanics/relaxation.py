@@ -23,6 +23,8 @@ from codend.net.net import Floats, Ints
 REFRESH = 25
 LONGEST_MOVE = 0.15
 """Longest move of a node in one step, over the mean bar: what goes further goes through its neighbours."""
+LEAST_OF_STRUTS = -1e300
+"""Force density, N/m, that no strut falls below; compiled with ``fastmath``, which knows no infinity."""
 X, FORCE, VELOCITY, MOBILITY, LOAD = 0, 3, 6, 9, 12
 WIDTH = 16
 """Columns of the packed state of a node: position, force, velocity, 1 / mass, load; one column is spare."""
@@ -44,7 +46,7 @@ class Workspace(NamedTuple):
     bar_image: Ints
     """Image of that node, (m,)."""
     law: Floats
-    """Force density of the bars in that order as a + k l^2: a and k, (m, 2)."""
+    """Force density of the bars in that order as a + k l^2, and what it never falls below: a, k and that, (m, 3)."""
     multiplier: Floats
     relief: Floats
     gain: Floats
@@ -75,7 +77,7 @@ def workspace(structure: Structure, bands: int, position: Floats) -> Workspace:
         bar_order=order.astype(np.int32),
         bar_end=structure.second[order].astype(np.uint32),
         bar_image=structure.image[order],
-        law=np.zeros((bars, 2)),
+        law=np.where(structure.is_strut[order], [[0.0], [0.0], [LEAST_OF_STRUTS]], 0.0).T.copy(),
         multiplier=np.zeros(bars),
         relief=np.ones(bars),
         gain=np.zeros(bars),
@@ -113,17 +115,18 @@ def refresh(work: Workspace, structure: Structure, loading: Loading, mass_factor
         length = np.sqrt(dx * dx + dy * dy + dz * dz)
         rest, gain = rests[bar], gains[bar]
         held = reliefs[bar] * multipliers[bar]
-        density = max(0.0, held + gain * (1.0 / rest - 1.0 / length)) if length > 0.0 else 0.0
+        density = max(law[place, 2], held + gain * (1.0 / rest - 1.0 / length)) if length > 0.0 else 0.0
         # a slack bar is seen at the length at which it will come taut
-        seen = length if density > 0.0 else rest
+        seen = length if density != 0.0 else rest
         rigidity = gain / seen
         law[place, 1] = 0.5 * rigidity / (seen * seen)
         law[place, 0] = held + gain / rest - 1.5 * rigidity
         lengths[bar], densities[bar] = length, density
-        tension += density * length
-        stiffness[first] += density + rigidity
-        stiffness[second] += density + rigidity
-        if density > 0.0:
+        size = abs(density)
+        tension += size * length
+        stiffness[first] += size + rigidity
+        stiffness[second] += size + rigidity
+        if density != 0.0:
             force[first, 0] += density * dx
             force[first, 1] += density * dy
             force[first, 2] += density * dz
@@ -167,7 +170,7 @@ def step(
             image = bar_image[bar] if turning else 0
             if image == 0:
                 dx, dy, dz = state[end, 0] - x, state[end, 1] - y, state[end, 2] - z
-                q = max(0.0, law[bar, 0] + law[bar, 1] * (dx * dx + dy * dy + dz * dz))
+                q = max(law[bar, 2], law[bar, 0] + law[bar, 1] * (dx * dx + dy * dy + dz * dz))
                 dx, dy, dz = q * dx, q * dy, q * dz
                 state[end, 3] -= dx
                 state[end, 4] -= dy
@@ -177,7 +180,7 @@ def step(
                 dx = state[end, 0] - x
                 dy = cosine * state[end, 1] - sine * state[end, 2] - y
                 dz = sine * state[end, 1] + cosine * state[end, 2] - z
-                q = max(0.0, law[bar, 0] + law[bar, 1] * (dx * dx + dy * dy + dz * dz))
+                q = max(law[bar, 2], law[bar, 0] + law[bar, 1] * (dx * dx + dy * dy + dz * dz))
                 dx, dy, dz = q * dx, q * dy, q * dz
                 state[end, 3] -= dx
                 state[end, 4] -= cosine * dy + sine * dz

@@ -26,6 +26,7 @@ class Structure(NamedTuple):
     normal_drag: Floats
     tangential_drag: Floats
     is_rope: Flags
+    is_strut: Flags
     facets: Ints
     facet_image: Ints
     facet_weight: Floats
@@ -60,6 +61,7 @@ def structure_of(net: Net) -> Structure:
         normal_drag=net.bar_normal_drag,
         tangential_drag=net.bar_tangential_drag,
         is_rope=net.bar_is_rope,
+        is_strut=net.bar_is_strut,
         facets=net.facets,
         facet_image=net.facet_image,
         facet_weight=net.facet_weight,

@@ -50,6 +50,8 @@ class Net:
     """Second coefficient, (m,)."""
     bar_is_rope: NDArray[np.bool_]
     """Whether a bar is a rope, which meets the flow with its own length however slack it hangs, (m,)."""
+    bar_is_strut: NDArray[np.bool_]
+    """Whether a bar resists being shortened as it does being stretched; else it goes slack, (m,)."""
 
     facets: Ints
     """Corners of the triangles that cover the net, seen anticlockwise from outside, (f, 3)."""
@@ -98,6 +100,7 @@ class Net:
         density_kg_m3: ArrayLike = np.nan,
         drag: tuple[int, float, float] = (0, 0.0, 0.0),
         is_rope: bool = False,
+        is_strut: ArrayLike = False,
         facets: ArrayLike | None = None,
     ) -> "Net":
         """A net from its nodes and bars; numbers that hold for all bars may be given once.
@@ -112,6 +115,7 @@ class Net:
             density_kg_m3: of their material; that of the water by default.
             drag: law and coefficients, as ``drag_laws.drag`` gives them; no drag by default.
             is_rope: see ``bar_is_rope``.
+            is_strut: see ``bar_is_strut``; none by default.
             facets: corners of triangles, seen anticlockwise from outside, (f, 3); none by default.
 
         Raises:
@@ -152,6 +156,7 @@ class Net:
             bar_normal_drag=of_bars(normal),
             bar_tangential_drag=of_bars(tangential),
             bar_is_rope=of_bars(is_rope, bool),
+            bar_is_strut=of_bars(is_strut, bool),
             facets=corners,
             facet_image=np.zeros_like(corners),
             facet_weight=np.ones(len(corners)),

@@ -105,6 +105,8 @@ class Netting(Table):
     """EA of one bar, N; None: inextensible."""
     knot_axial_stiffness_n: Annotated[Number, Gt(0), Le(1e9)] | None = None
     """EA of a knot, N; None: knots do not stretch, however soft the twine."""
+    knot_compression: bool = False
+    """Whether knots resist being shortened as they do being stretched; else they give way, as twine does."""
     bending_stiffness_n_m2: Annotated[Number, Ge(0), Le(100)] = 0.0
     """EI of one bar, N m^2."""
     rest_opening_deg: Annotated[Number, Ge(0), Lt(180)] = 20.0
@@ -129,6 +131,8 @@ class Netting(Table):
             raise Contradiction("knot_mm", f"0 for {self.kind.words} mesh")
         if self.knot_axial_stiffness_n is not None and self.knot_mm == 0:
             raise Contradiction("knot_axial_stiffness_n", "only with knot_mm above 0, without which there is no knot")
+        if self.knot_compression and self.knot_mm == 0:
+            raise Contradiction("knot_compression", "only with knot_mm above 0, without which there is no knot")
         if self.bar_m <= 0:
             size, knots, many = ("mesh_mm", 2, "two knots") if self.mesh_mm else ("inside_mesh_mm", 1, "a knot")
             raise Contradiction(size, f"more than {many}, {1000 * knots * self.knot_m:g} mm")

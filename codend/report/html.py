@@ -135,6 +135,12 @@ def notes(study: Study) -> list[str]:
     rigid = [s for s in study.plan.netting if s.knot_m > 0.0 and s.knot_axial_stiffness_n is None]
     if any(section.axial_stiffness_n is not None for section in rigid):
         found.append("Knots do not stretch where the plan gives no knot_axial_stiffness_n, however soft the twine.")
+    if any(section.knot_across_m > 0.0 and not section.knot_compression for section in study.plan.netting):
+        found.append(
+            "Knots that lie across the netting give way where it is narrower than they are, near the codline, as real "
+            "knots do not; netting.knot_compression = true has them keep their length. The difference, below 1 % of "
+            "drag in most codends and some degrees of opening ahead of small catches, is in no error stated here."
+        )
     return found
 
 

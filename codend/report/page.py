@@ -17,9 +17,10 @@ from codend.report.own_look import own_look
 from codend.report.picture import net_picture
 from codend.report.plots import catch_text, opening_force_plot, opening_plot, profiles_plot, solved, tension_plot
 from codend.report.style import number_text, png
-from codend.report.vtk import write_vtu
+from codend.report.turning_net import TURNING, can_turn, turning_page
+from codend.report.vtk import write_series, write_vtu
 from codend.studies.case_result import CaseResult
-from codend.studies.run_record import RECORD, TABLES, inputs_of, remove_run, write_record
+from codend.studies.run_record import RECORD, SERIES, TABLES, inputs_of, remove_run, write_record
 from codend.studies.study import Study, StudyProgress
 
 if TYPE_CHECKING:
@@ -86,14 +87,16 @@ def files_of(plan: Plan) -> list[str]:
     nets = [f"net_{case.number}.vtu" for case in plan.cases()]
     plots = [f"plots/{plot.name}.png" for plot in PLOTS]
     tables = [name for name in TABLES if name != "ropes.csv" or plan.rope]
-    return ["plan.toml", *tables, RECORD, *plots, *nets, "report.html"]
+    return ["plan.toml", *tables, RECORD, *plots, *nets, SERIES, *([TURNING] if can_turn() else []), "report.html"]
 
 
 def write_report(study: Study, folder: Path, progress: StudyProgress | None = None) -> list[Path]:
     """Write tables, VTK files, plots and the page of a study into a folder, which is made when it is not there.
 
     ``plan.toml``, the plan as it was solved; ``results.csv`` and ``profile.csv``; ``meshes.csv`` for models more than
-    one mesh wide; ``net_<case>.vtu`` for every solved case; ``plots/*.png`` when a case was solved; ``report.html``.
+    one mesh wide; ``net_<case>.vtu`` for every solved case, strung together by ``net.pvd``;
+    ``plots/*.png`` when a case was solved; ``net.html``, which turns under the mouse, where Plotly is installed;
+    ``report.html``.
     Each file appears whole or not at all. What an earlier study left goes first, its page before
     all else, and so does what ``codend selectivity`` and ``codend compare`` made of it; ``run.json``, with digests of
     the tables, comes after these, and the page comes last and bears its name: whatever ends the writing, a page is of
@@ -119,7 +122,8 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
         write_bytes(figures[plot.name].png, path)
 
     def write_page(path: Path) -> None:
-        write_text(page_html(study, list(figures.values()), run), path)
+        turning = TURNING if folder / TURNING in writers else ""
+        write_text(page_html(study, list(figures.values()), run, turning), path)
 
     def write_run(_: Path) -> None:
         nonlocal run
@@ -153,6 +157,14 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
     writers |= {folder / "plots" / f"{plot.name}.png": partial(write_plot, plot) for plot in drawn}
     # the other thread comes from the first
     writers |= {net_path(result): partial(write_net, result) for result in reversed(solved(study))}
+    if shown := solved(study):
+        numbers = [result.case.number for result in shown]
+        nets = [f"net_{number}.vtu" for number in numbers]
+        writers[folder / SERIES] = partial(write_series, nets, numbers)
+        if can_turn():
+            case = shown_case(study)
+            title = f"{study.plan.title}, case {case.case.number}"
+            writers[folder / TURNING] = lambda path: write_text(turning_page(case, title), path)
     writers[folder / "report.html"] = write_page
     beside = ThreadPoolExecutor(1)
     try:

@@ -8,9 +8,9 @@ from typing import Final
 import pandas as pd
 
 from codend.io.files import write_bytes, write_table, write_text
-from codend.report.fit_page import Section
 from codend.report.html import PageFigure, rendered
 from codend.report.own_look import own_look
+from codend.report.page_sections import table_section, text_section
 from codend.report.style import number_text, png, spread
 from codend.report.tornado_plot import named, tornado_figure
 
@@ -83,20 +83,20 @@ def better(intervals: pd.DataFrame) -> list[str]:
 
 def _html(title: str, table: pd.DataFrame, intervals: pd.DataFrame | None, figures: list[PageFigure]) -> str:
     last = list(table.groupby([name for name in WHAT if name in table], sort=False))[-1][1]
-    sections = [Section("What does most", tuple(told(last)), figures=tuple(figures))]
+    sections = [text_section("What does most", tuple(told(last)), tuple(figures))]
     if intervals is not None:
         remark = (
             "In proportion, numbers as independent: the interval holds what the plan's numbers leave open, and no "
             "error of the model."
         )
-        sections.append(_section("Intervals", (remark, *better(intervals)), intervals))
-    known = table[["key", "value", "quantity", "derivative", "by_10_percent", "note"]]
-    known = table[[name for name in WHAT if name in table]].join(known)
+        sections.append(table_section("Intervals", (remark, *better(intervals)), intervals))
+    known = last[["quantity", "key", "value", "derivative", "by_10_percent", "note"]]
     remark = (
-        "Derivatives are per unit of the number, of counts per one more; sensitivities.csv has those towards smaller "
+        f"Of {_name(last)}, per unit of the number, of counts per one more; sensitivities.csv has those of all cases, "
+        "towards smaller "
         "and larger values each, and between which values nothing goes slack or taut and the front passes no row."
     )
-    sections.append(_section("Derivatives", (remark,), known))
+    sections.append(table_section("Derivatives", (remark,), known))
     return rendered(
         "fit.html",
         title=title,
@@ -106,18 +106,6 @@ def _html(title: str, table: pd.DataFrame, intervals: pd.DataFrame | None, figur
         notes=(),
         sections=sections,
     )
-
-
-def _section(heading: str, texts: tuple[str, ...], table: pd.DataFrame) -> Section:
-    words = tuple(not pd.api.types.is_numeric_dtype(table[column]) for column in table.columns)
-    rows = tuple(tuple(map(_cell, row)) for row in table.itertuples(index=False))
-    return Section(heading, texts, tuple(name.replace("_", " ") for name in table.columns), words, rows)
-
-
-def _cell(value: object) -> str:
-    if isinstance(value, float):
-        return f"{value:.4g}" if math.isfinite(value) else ""
-    return str(value)
 
 
 def _name(own: pd.DataFrame) -> str:

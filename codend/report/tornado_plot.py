@@ -10,7 +10,7 @@ from codend.report.style import BLUE, INK, ORANGE, dress, new_figure, number_tex
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MOST_BARS: Final = 14
+MOST_BARS: Final = 10
 """Numbers that are drawn, those that do most."""
 SHARE: Final = 0.1
 LEAST: Final = 2e-3
@@ -45,7 +45,7 @@ def tornado_figure(table: pd.DataFrame) -> "Figure":
     panels = [name for name in dict.fromkeys(table["quantity"]) if name.partition(" ")[0] in DRAWN]
     bars = [_bars(table[table["quantity"] == name]) for name in panels]
     heights = [max(len(one), 1) for one in bars]
-    figure = new_figure(8.6, 0.9 * len(panels) + 0.27 * sum(heights) + 0.6)
+    figure = new_figure(8.6, 0.75 * len(panels) + 0.25 * sum(heights) + 0.6)
     axes = figure.subplots(len(panels), 1, squeeze=False, gridspec_kw={"height_ratios": [h + 1.5 for h in heights]})
     for axis, name, own in zip(axes[:, 0], panels, bars, strict=True):
         words, unit = named(name)

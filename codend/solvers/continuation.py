@@ -22,7 +22,7 @@ HALVINGS = 6
 def predict(known: Sequence[tuple[float, Solution]], value: float) -> Solution:
     """Start for a catch from equilibria for others, all of different catches: the polynomial through the last ones.
 
-    Tensions that would be negative are set to 0. The report is that of the last equilibrium.
+    Tensions fall no lower than 0, or than a strut's last one. The report is that of the last equilibrium.
     """
     used = known[-(DEGREE + 1) :]
     if len(used) == 1:
@@ -34,7 +34,8 @@ def predict(known: Sequence[tuple[float, Solution]], value: float) -> Solution:
     for weight, (_, solution) in zip(weights[1:], used[1:], strict=True):
         positions += weight * solution.positions
         tension += weight * solution.bar_tension
-    return replace(used[-1][1], positions=positions, bar_tension=np.maximum(tension, 0.0))
+    last = used[-1][1]
+    return replace(last, positions=positions, bar_tension=np.maximum(tension, np.minimum(last.bar_tension, 0.0)))
 
 
 def with_catch(problem: Problem, value: float) -> Problem:

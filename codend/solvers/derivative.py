@@ -59,9 +59,9 @@ class Linearised:
         state.position[:] = solution.positions
         bar_lengths(state.position, structure, state.length)
         np.divide(solution.bar_tension, state.length, out=state.density, where=state.length > 0.0)
-        tension = float(solution.bar_tension.mean()) or reference_tension(problem)
+        tension = solution.mean_tension or reference_tension(problem)
         measure(structure, loading, tension, SWITCH, 0.0, state)
-        self.taut = state.density != 0.0
+        self.taut = (state.density != 0.0) | structure.is_strut
         sides = linearise(structure, loading, pattern, tension, NEUTRAL, 0.0, state, step)
         self._by_front, self._fronts = step.right[1:sides].copy(), step.gradient[: sides - 1].copy()
         self._sound = self._system.factorise(step.blocks) != -1

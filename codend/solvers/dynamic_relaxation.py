@@ -169,7 +169,7 @@ class _Relaxation:
             self._set_law(reference_tension(self.problem))
             inner = ROUGH
         else:
-            self._set_law(float(np.mean(start.bar_tension)))
+            self._set_law(start.mean_tension)
             bar_lengths(start.positions, structure, work.length)
             work.multiplier[:] = start.bar_tension / work.length
             inner = max(tolerance, 0.1 * ROUGH)
@@ -198,7 +198,7 @@ class _Relaxation:
             if reached:
                 return outcome
             # the tensions found are a better measure of the penalty than the guess before them
-            tension = float(np.mean(work.density * work.length))
+            tension = float(np.mean(np.abs(work.density) * work.length))
             if not 0.5 < tension / self.tension < 2.0:
                 self._set_law(tension)
             work.multiplier[:] = work.density

@@ -14,7 +14,7 @@ from enum import Enum, auto
 import numpy as np
 
 from codend.mechanics import newton_step
-from codend.mechanics.bars import bar_lengths
+from codend.mechanics.bars import bar_lengths, carried
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
 from codend.solvers import newton
@@ -78,7 +78,7 @@ def follow(
     """
     structure, watched = problem.structure, Watched(problem, prepared)
     here, there, _ = prepared.states
-    tension = float(start.bar_tension.mean())
+    tension = start.mean_tension
     bar = float(np.median(structure.length))
     here.position[:] = start.positions
     bar_lengths(start.positions, structure, here.length)
@@ -105,7 +105,7 @@ def follow(
                 break
             size *= 0.5
         else:
-            return Motion(End.TOUCHING, _as_is(start, here), number)
+            return Motion(End.TOUCHING, _as_is(problem, start, here), number)
         here, there = there, here
         if watched.look(here.position):
             measure(structure, watched.loading, tension, DIRECT.switches[0], 0.0, here)
@@ -116,7 +116,7 @@ def follow(
             break
         shift = max(FALL * shift, LEAST_SHIFT) if size == 1.0 else shift
         if residual <= CALM and size == 1.0:
-            reached = _as_is(start, here)
+            reached = _as_is(problem, start, here)
             polished = newton.solve(problem, tolerance, reached, DIRECT, progress, prepared)
             if polished.report.outcome is Outcome.PASSED_THROUGH:
                 return Motion(End.TOUCHING, reached, number)
@@ -124,7 +124,7 @@ def follow(
             if polished.report.outcome.converged and near:
                 return Motion(End.SETTLED, polished, number)
             break
-    return Motion(End.STEPS_SPENT, _as_is(start, here), number)
+    return Motion(End.STEPS_SPENT, _as_is(problem, start, here), number)
 
 
 @dataclass(frozen=True)
@@ -159,6 +159,6 @@ def solve(
     return Solution.ended(report, motion.solution.positions, motion.solution.bar_tension, motion.solution.share)
 
 
-def _as_is(start: Solution, state: State) -> Solution:
-    tension = np.maximum(state.density * state.length, 0.0)
+def _as_is(problem: Problem, start: Solution, state: State) -> Solution:
+    tension = carried(problem.structure.is_strut, state.density * state.length)
     return Solution(state.position.copy(), tension, state.share.copy(), start.report)

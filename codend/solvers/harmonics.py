@@ -85,7 +85,7 @@ def harmonics_of(problem: Problem, solution: Solution, ring: Ring) -> Harmonics:
 
 def stiffness_under_tension(problem: Problem, solution: Solution) -> float:
     """Stiffness of a bar against moves across it, N/m, in the mean."""
-    return float(solution.bar_tension.mean()) / float(problem.structure.length.mean())
+    return solution.mean_tension / float(problem.structure.length.mean())
 
 
 def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
@@ -119,7 +119,7 @@ def _linearise(problem: Problem, solution: Solution, ring: Ring) -> None:
     state.position[:] = solution.positions
     bar_lengths(state.position, structure, state.length)
     np.divide(solution.bar_tension, state.length, out=state.density)
-    tension = float(solution.bar_tension.mean())
+    tension = solution.mean_tension
     measure(structure, problem.loading, tension, DIRECT.switches[0], 0.0, state)
     sides = kernels.linearise(structure, problem.loading, ring.pattern, tension, NEUTRAL, 0.0, state, step)
     ring.gather(sides == 2)

@@ -1,4 +1,4 @@
-"""Newton's method with a barrier that keeps all bars taut, made lower and lower: for nets whose bars go slack by many.
+"""Newton's method with a barrier that keeps all twine taut, made lower and lower: for nets whose bars go slack by many.
 
 Which bars end slack is not tried out but emerges: with the barrier b every bar obeys (q / EA - gap) q = b (see
 ``newton_state``), so that its force density q and what it is short of its length stay above 0 and their product falls
@@ -110,7 +110,7 @@ def _lower_the_barrier(
     """Follow the barrier down; where that ended, how, and after how many steps."""
     structure, loading, step = problem.structure, problem.loading, prepared.step
     state, new, _ = prepared.states
-    tension = reference_tension(problem) if start is None else float(start.bar_tension.mean())
+    tension = reference_tension(problem) if start is None else start.mean_tension
     unit = tension / float(structure.length.mean()) ** 2
     barrier, last_barrier = FIRST_BARRIER * unit, LAST_BARRIER * unit
     state.position[:] = problem.net.positions if start is None else start.positions
@@ -131,7 +131,7 @@ def _lower_the_barrier(
         turn, shift = _step(problem, tension, barrier, shift, state, prepared)
         if not np.isfinite(turn):
             return state, Outcome.SINGULAR, steps
-        falling = step.change < 0.0
+        falling = ~structure.is_strut & (step.change < 0.0)
         to_slack = float(np.min(-state.density[falling] / step.change[falling], initial=np.inf))
         size = min(1.0, NEAREST_TO_SLACK * to_slack, LARGEST_TURN / turn if turn > 0.0 else 1.0)
         if size > 0.5 and shift == 0.0:

@@ -5,7 +5,7 @@ monotonicity: Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.
 an equilibrium, a banded tangent is shifted until they are positive, which leads away from unstable equilibria. It does
 not keep off them: a start may be one, and of wide nets the pivots are not known on the way. The tangent there tells
 afterwards (``harmonics``, ``whole_tangent``). Twine that would be compressed goes slack on the way; an answer with
-bars in compression is refused.
+twine in compression is refused.
 """
 
 from dataclasses import dataclass, replace
@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from codend.mechanics import newton_step
-from codend.mechanics.bars import bar_lengths
+from codend.mechanics.bars import bar_lengths, carried
 from codend.mechanics.loads import Loading
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
@@ -237,11 +237,12 @@ class _Iterations:
             if self.progress is not None:
                 self.progress(METHOD, error)
             if error <= tolerance and marks["length_error"] <= LENGTH_TOLERANCE and self.iterations >= first:
-                lowest = float((self.state.density * self.state.length).min(initial=0.0))
+                twine = ~self.structure.is_strut
+                lowest = float((self.state.density * self.state.length).min(initial=0.0, where=twine))
                 if lowest < -ROUND_OFF * self.tension:
                     return Outcome.COMPRESSED
                 if lowest < 0.0:
-                    np.maximum(self.state.density, 0.0, out=self.state.density)
+                    self.state.density[:] = carried(self.structure.is_strut, self.state.density)
                     self._measure()
                     continue
                 if self.settings.refuses:
@@ -273,7 +274,7 @@ class _Iterations:
             # a bar shrunk to nothing has a tension but no force density
             state.density[:] = 0.0
             np.divide(start.bar_tension, state.length, out=state.density, where=state.length > 0.0)
-        self.tension = float(start.bar_tension.mean()) if start is not None else 0.0
+        self.tension = start.mean_tension if start is not None else 0.0
         if self.tension == 0.0:
             self.tension = reference_tension(self.problem)
             state.density[:] = self.tension / structure.length

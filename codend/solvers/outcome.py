@@ -111,7 +111,7 @@ class Solution:
     positions: Floats
     """(n, 3), m."""
     bar_tension: Floats
-    """(m,), N, of the bars of the model."""
+    """(m,), N, of the bars of the model; below 0 in struts that are pushed."""
     share: Floats
     """Share of each band that lies in the catch, (bands,)."""
     report: SolverReport
@@ -122,6 +122,11 @@ class Solution:
         if not report.outcome.converged:
             positions, bar_tension = np.full_like(positions, np.nan), np.full_like(bar_tension, np.nan)
         return cls(positions.copy(), bar_tension.copy(), share.copy(), report)
+
+    @property
+    def mean_tension(self) -> float:
+        """Mean pull or push of the bars, N."""
+        return float(np.abs(self.bar_tension).mean())
 
     @property
     def front_row(self) -> float:

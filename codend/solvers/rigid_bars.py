@@ -2,7 +2,7 @@
 
 The empty net is let go in the current, the catch comes by and by, and the motion goes on until the net is at rest. What
 is returned as converged meets the same criteria as the other methods' answers: residual, axial imbalance and lengths,
-with no bar in compression. Rigid bars can carry compression; an equilibrium that needs it is refused.
+with no twine in compression. Rigid bars can carry it; an equilibrium that needs it of twine is refused.
 
 Nothing but the drag of the moving bars damps the motion, and in the catch, where the water goes with the net, that drag
 falls with the square of the speed: left alone a net may swing on for long with ever smaller speeds, and without twine
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from codend.mechanics.balance import out_of_balance
-from codend.mechanics.bars import add_bar_forces, bar_lengths, length_error
+from codend.mechanics.bars import add_bar_forces, bar_lengths, carried, length_error
 from codend.mechanics.problem import Problem
 from codend.mechanics.weight import GRAVITY_M_S2
 from codend.net.net import Floats
@@ -47,7 +47,7 @@ class RigidBarsSettings:
     stop_at_peaks: bool = True
     """Stop the net at peaks of its kinetic energy, once the catch is all there."""
     slack: bool = False
-    """Drop bars that would carry compression for a step, instead of refusing an equilibrium that has them."""
+    """Drop twine that would carry compression for a step, instead of refusing an equilibrium that has it."""
     steps_allowed: int = 60_000
     restarts: int = 2
     """Restarts with half the time step when the motion loses its footing; none with a ``time_step_s``."""
@@ -196,12 +196,12 @@ class _MotionToRest:
         self.residual, self.imbalance = self._out_of_balance(motion.density)
         outcome = None
         if max(self.residual, self.imbalance) <= tolerance:
-            carried = np.maximum(motion.density, 0.0)
-            self.residual, self.imbalance = self._out_of_balance(carried)
-            length = np.empty_like(carried)
+            density = carried(structure.is_strut, motion.density)
+            self.residual, self.imbalance = self._out_of_balance(density)
+            length = np.empty_like(density)
             bar_lengths(motion.position, structure, length)
-            self.length_error = length_error(structure, length, carried)
-            self.tension = carried * length
+            self.length_error = length_error(structure, length, density)
+            self.tension = density * length
             if max(self.residual, self.imbalance) > tolerance:
                 outcome = Outcome.COMPRESSED
             elif self.length_error <= LENGTH_TOLERANCE:

@@ -65,7 +65,7 @@ class RigidMotion:
         self._gradient, self._square = np.zeros((2 * bars, 3)), np.zeros(bars)
         self._measure()
         if slack:
-            self.taut[:] = self._square >= structure.length**2
+            self.taut[:] = structure.is_strut | (self._square >= structure.length**2)
         self._inverse = np.zeros((nodes, 3, 3))
         self._acceleration, self._bound = np.zeros((nodes, 3)), np.zeros(nodes)
         self._entries, self._rate = np.zeros(len(self.pattern.row)), np.zeros(bars)
@@ -210,11 +210,11 @@ class RigidMotion:
         rigid.accelerations(self._inverse, pulls, self._acceleration)
 
     def _go_slack(self, dt: float) -> bool:
-        """Drop bars that push, take back those that would come out longer than they are; False if there are none."""
+        """Drop twine that pushes, take back those that would come out longer than they are; False if there are none."""
         structure = self.structure
         rigid.lengthening(structure, self._gradient, self._acceleration + self.velocity / dt, self._rate)
         too_long = self._rate + 0.5 * (self._square - structure.length**2) / dt**2 > 0.0
-        taut = np.where(self.taut, self.density >= 0.0, too_long)
+        taut = structure.is_strut | np.where(self.taut, self.density >= 0.0, too_long)
         changed = not np.array_equal(taut, self.taut)
         self.taut[:] = taut
         return changed
@@ -277,7 +277,7 @@ def simulate(
         dt: time step, s.
         steps: their number.
         project: bring the bars to their lengths after every step, and take the velocities from the moves (SHAKE).
-        slack: let bars go slack instead of carrying compression.
+        slack: let twine go slack instead of carrying compression.
 
     Raises:
         ArithmeticError: the motion overflowed; the message tells the step.

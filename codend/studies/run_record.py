@@ -82,6 +82,7 @@ def remove_run(folder: Path, but_tables_of: str | None = None) -> None:
     nets = [path for path in folder.glob("net_*.vtu") if re.fullmatch(r"net_\d+\.vtu", path.name)]
     derived = [folder / name for name in (*SELECTIVITY_TABLES, *TRIAL_TABLES, *COMPARISON_FILES)]
     plots = folder / "plots"
+    nets += [folder / SERIES, folder / "net.html"]
     pictures = [plots / f"{name}.png" for name in PLOT_NAMES]
     _remove([folder / "report.html", folder / RECORD, *derived, *nets, *pictures, *plots.glob("selectivity_*.png")])
     if plots.is_dir() and not any(plots.iterdir()):
@@ -91,6 +92,8 @@ def remove_run(folder: Path, but_tables_of: str | None = None) -> None:
         _remove([folder / name for name in (*TABLES, "plan.toml")])
 
 
+SERIES: Final = "net.pvd"
+"""Of the file that strings the nets of all cases together for ParaView."""
 PLOT_NAMES: Final = ("net", "profiles", "opening", "opening_force", "tension", "drag")
 """Of the plots in a run's ``plots``."""
 

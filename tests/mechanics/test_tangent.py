@@ -11,7 +11,7 @@ from catch_models.pressure import sphere_law
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.mechanics import bending, catch_weight, drag, loads, newton_state, newton_step, points, pressure, seabed
-from codend.mechanics.bars import add_bar_forces, add_bar_tangent, bar_lengths
+from codend.mechanics.bars import add_bar_forces, add_bar_tangent, bar_lengths, carried
 from codend.mechanics.catch_front import fill, front_band, load_by_share, share_gradient
 from codend.mechanics.problem import Problem
 from codend.mechanics.structure import Structure, structure_of
@@ -103,7 +103,7 @@ def check_bars(problem: Problem) -> None:
     net, structure = problem.net, problem.structure
     length = np.zeros(len(net.bars))
     bar_lengths(net.positions, structure, length)
-    taut = length > net.bar_length
+    taut = (length > net.bar_length) | net.bar_is_strut
     density = np.where(taut, (1.0 / net.bar_length - 1.0 / length) / net.bar_flexibility, 0.0)
     hardening = np.where(taut, 1.0 / (net.bar_flexibility * length**3), 0.0)
     check(
@@ -247,14 +247,27 @@ def test_the_share_of_the_fronts_band_follows_the_net_by_its_gradient(mesh, sect
 )
 def test_newtons_linearisation_is_the_derivative_of_all_that_is_out_of_balance(mesh, sectors, catch, sides):
     """Of elastic nets, their force densities eliminated; what moves with the front adds products of two vectors."""
-    problem = distorted(mesh, sectors, catch=catch, shake=0.003)
+    check_linearisation(distorted(mesh, sectors, catch=catch, shake=0.003), sides)
+
+
+@pytest.mark.parametrize("sectors", COLUMNS)
+@pytest.mark.parametrize("mesh", ["knotted", "t90"])
+def test_newtons_linearisation_is_that_of_struts_that_are_pushed(mesh, sectors):
+    problem = distorted(mesh, sectors, shake=0.003)
+    struts = np.arange(len(problem.net.bars)) % 4 < 2  # half of them shorter than without load
+    net = replace(problem.net, bar_is_strut=struts)
+    check_bars(replace(problem, net=net, structure=structure_of(net)))
+    check_linearisation(replace(problem, net=net, structure=structure_of(net)), 1)
+
+
+def check_linearisation(problem: Problem, sides: int) -> None:
     net, structure, loading, position = problem.net, problem.structure, problem.loading, problem.net.positions
     pattern = pattern_of(structure)
     state, step = newton_state.empty_state(structure, problem.bands), newton_step.empty_step(structure, pattern)
     state.position[:] = position
     bar_lengths(position, structure, state.length)
     stretch = 1.0 / net.bar_length - 1.0 / state.length
-    state.density[:] = np.maximum(stretch, 0.0) / net.bar_flexibility
+    state.density[:] = carried(structure.is_strut, stretch) / net.bar_flexibility
     newton_state.measure(structure, loading, 1.0, 1.0, 0.0, state)
     assert sides == newton_step.linearise(structure, loading, pattern, 1.0, 0.0, 0.0, state, step)
 

@@ -21,6 +21,7 @@ from codend.report.html import notes
 from codend.report.page import PLOTS, files_of, write_report
 from codend.report.page_tables import RESULT_HEADS
 from codend.report.style import column_text, number_text, spread, worth
+from codend.report.turning_net import TURNING, can_turn, turning_page
 from codend.solvers.outcome import Outcome
 from codend.studies.case_result import CaseResult
 from codend.studies.study import Study, solve
@@ -97,7 +98,8 @@ def test_a_study_leaves_every_file_that_is_promised_and_tells_of_each(study: Stu
     names = {str(path.relative_to(written)) for path in written.rglob("*") if path.is_file()}
     plots = {f"plots/{plot.name}.png" for plot in PLOTS}
     tables = {"plan.toml", "results.csv", "profile.csv", "run.json"}
-    assert names == {*tables, "net_1.vtu", "net_2.vtu", "report.html"} | plots
+    turning = {TURNING} if can_turn() else set()
+    assert names == {*tables, "net_1.vtu", "net_2.vtu", "net.pvd", "report.html"} | plots | turning
     assert names == set(files_of(study.plan)) - {"meshes.csv"}
 
 
@@ -211,7 +213,8 @@ def test_files_of_an_earlier_study_do_not_stay_beside_those_of_this_one(half_fai
     write_report(half_failed, tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {
         *("plan.toml", "results.csv", "profile.csv", "run.json"),
-        *("net_1.vtu", "plots", "report.html", "net_mine.vtu", "notes.txt"),
+        *("net_1.vtu", "net.pvd", "plots", "report.html", "net_mine.vtu", "notes.txt"),
+        *([TURNING] if can_turn() else []),
     }
     assert (tmp_path / "plots" / "mine.png").exists()
 
@@ -344,3 +347,10 @@ def test_the_page_printed_on_paper_loses_no_column(written: Path, tmp_path: Path
     table = pd.read_csv(written / "results.csv")
     for name, head in RESULT_HEADS.items():
         assert name not in table or table[name].isna().all() or head.name in text, name
+
+
+def test_the_net_turns_on_a_page_that_needs_nothing_from_elsewhere(study: Study):
+    pytest.importorskip("plotly")
+    page = turning_page(study.cases[0], "a net")
+    assert not re.search(r'<(?:script|link|img)[^>]+(?:src|href)="https?:', page)
+    assert len(page) > 1_000_000

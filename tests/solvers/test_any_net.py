@@ -84,6 +84,54 @@ def test_a_net_that_nothing_pulls_at_is_slack_and_says_so(name):
         assert np.isnan(found.bar_tension).all()
 
 
+SPREAD, PULL_N = 0.8, 50.0
+
+
+def spread_by_a_strut(*, is_strut: bool, stiffness_n: float = np.inf) -> Problem:
+    """Two strings of two bars of 1 m from a held node to one that is pulled, kept apart in a plane by a bar between."""
+    nodes = np.array([[0.0, 0, 0], [0.8, 0.5, 0], [1.0, -0.3, 0], [1.7, 0.2, 0]])
+    held = np.zeros((4, 3), dtype=bool)
+    held[0], held[:, 2] = True, True
+    net = Net.from_bars(
+        nodes,
+        [[0, 1], [0, 2], [1, 3], [2, 3], [1, 2]],
+        held,
+        length_m=[1.0, 1.0, 1.0, 1.0, SPREAD],
+        stiffness_n=[np.inf, np.inf, np.inf, np.inf, stiffness_n],
+        diameter_m=0.01,
+        is_strut=[False, False, False, False, is_strut],
+    )
+    force = np.zeros((4, 3))
+    force[3, 0] = PULL_N
+    return Problem.of(net, nodal_force_n=force)
+
+
+@pytest.mark.parametrize("stiffness_n", [np.inf, 400.0])
+@pytest.mark.parametrize("name", [*SOLVERS, "rigid bars"])
+def test_a_strut_keeps_two_strings_apart(name, stiffness_n):
+    """Its push is P tan(phi), its length 2 sin(phi) = s (1 - push / EA)."""
+    if name == "rigid bars" and np.isfinite(stiffness_n):
+        pytest.skip("rigid bars do not stretch")
+    problem = spread_by_a_strut(is_strut=True, stiffness_n=stiffness_n)
+    found = {**SOLVERS, "rigid bars": rigid_bars.solve}[name](problem, 1e-6 if name == "rigid bars" else TOLERANCE)
+    assert found.report.outcome is Outcome.CONVERGED, found.report.attempts
+    apart = float(np.linalg.norm(found.positions[1] - found.positions[2]))
+    push = PULL_N * np.tan(np.arcsin(0.5 * apart))
+    assert apart == pytest.approx(SPREAD * (1.0 - push / stiffness_n), rel=2e-6)
+    assert found.bar_tension[:4] == pytest.approx(PULL_N / 2.0 / np.cos(np.arcsin(0.5 * apart)), rel=1e-4)
+    assert found.bar_tension[4] == pytest.approx(-push, rel=1e-4)
+
+
+@pytest.mark.parametrize("name", [*SOLVERS, "rigid bars"])
+def test_twine_never_keeps_strings_apart(name):
+    found = {**SOLVERS, "rigid bars": rigid_bars.solve}[name](spread_by_a_strut(is_strut=False), 1e-6)
+    if found.report.outcome.converged:
+        assert found.bar_tension[4] == 0.0
+        assert np.linalg.norm(found.positions[1] - found.positions[2]) < 0.1 * SPREAD
+    else:
+        assert np.isnan(found.bar_tension).all()
+
+
 def test_a_bar_to_a_node_that_is_none_is_refused():
     with pytest.raises(ValueError, match="nodes 0 to 1, not 0 to 2"):
         Net.from_bars([[0, 0, 0], [1, 0, 0]], [[0, 2]], [True, False])

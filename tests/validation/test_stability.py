@@ -14,7 +14,7 @@ from codend.solvers.rigid_bars import RigidBarsSettings
 from codend.solvers.rigid_motion import simulate
 from validation.reference import departure, facing_rings
 from validation.stability.automatic_maps import checked
-from validation.stability.judge import Finding, confirmed_reference, judge
+from validation.stability.judge import Finding, confirmed_reference, judge, passes_through
 from validation.stability.linear import drag_and_volume, is_stable, worst_responses
 from validation.stability.relaxation_map import largest_stable_step
 from validation.stability.rigid_bars_map import LinearMotion
@@ -63,6 +63,17 @@ def test_a_state_off_by_more_than_its_residual_explains_is_found_out(reference):
     assert "compression" in judge(reference, pushed, 1.0).why
     emptied = replace(answer, share=0.5 * answer.share)
     assert "not the catch" in judge(reference, emptied, 1.0).why
+
+
+def test_the_judge_sees_a_net_that_has_passed_through_itself(crossed):
+    bag, _ = bag_and_problem(plan_of(8.0, 0.5, netting={"mesh": "square"}, normal_drag=0.0))
+    _, answer, through = crossed
+    assert [passes_through(bag, shape) for shape in (answer, through)] == [False, True]
+
+
+def test_a_full_nets_reference_comes_back_when_shaken():
+    bag, problem = bag_and_problem(plan_of(), 4, None)
+    assert judge(confirmed_reference(bag, problem), newton.solve(problem, 1e-8), 1e-8).finding in ANSWERED
 
 
 def test_numbers_that_come_with_a_failure_are_wrong(reference):

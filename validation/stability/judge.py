@@ -2,11 +2,12 @@
 
 A state that is near an equilibrium is off by no more than its own out-of-balance forces and length errors explain, to
 first order (``linear.worst_responses``); a state that says it converged and is off by more is a wrong answer, and so is
-one that breaks the equations, or numbers that come with a failure. Where a plan has more than one equilibrium, a state
-that is exact, stable and has not passed through itself counts as another one.
+one that breaks the equations or passes through itself, by checks that share nothing with the project's own
+(``validation.passing_through``), and so are numbers that come with a failure. Where a plan has more than one
+equilibrium, a state that is exact, stable and has not passed through itself counts as another one.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
@@ -16,14 +17,18 @@ from codend.bag.measures import measure_all
 from codend.equilibrium.stability import stability_of_whole
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
-from codend.solvers import dynamic_relaxation, newton
+from codend.solvers import dynamic_relaxation, gentle, newton
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE
 from codend.solvers.outcome import Outcome, Solution
+from validation.passing_through import DEEPEST, TOUCHING, crossed_rings, piercing_bars
 from validation.reference import Departure, departure, facing_rings
 from validation.stability.linear import is_stable, worst_responses
+from validation.stability.scenes import disturbed
 
 SAFETY = 2.0
 """On what out-of-balance forces explain: for the terms of second order."""
+SHAKEN = 0.01
+"""Random move, over a bar, from which a full net's reference must come back."""
 ROUND_OFF = 1e-9
 """Relative error of drag and volume, and of the shape over the bag's length, that is explained in any case."""
 
@@ -75,11 +80,13 @@ def reference_of(bag: Bag, problem: Problem, solution: Solution) -> Reference:
     """Make a solution the reference for its problem.
 
     Raises:
-        ArithmeticError: it does not satisfy the equations.
+        ArithmeticError: it does not satisfy the equations, or passes through itself.
     """
     state = departure(problem, solution.positions, solution.bar_tension, solution.share)
     if not (max(state.residual, state.imbalance) < 1e-7 and state.length_error < 1e-6 and state.compression == 0.0):
         raise ArithmeticError(f"no reference: {state}")
+    if passes_through(bag, solution):
+        raise ArithmeticError("no reference: it passes through itself")
     forces, strains = worst_responses(problem, solution)
     volume = measure_all(bag, problem, solution)[2].catch_volume_m3
     scale = np.array([state.drag, volume, np.ptp(solution.positions[:, 0])])
@@ -89,6 +96,8 @@ def reference_of(bag: Bag, problem: Problem, solution: Solution) -> Reference:
 def confirmed_reference(bag: Bag, problem: Problem) -> Reference:
     """The answer of Newton's method converged as far as it goes, confirmed by dynamic relaxation from a crude bag.
 
+    That of a full net is confirmed as well by coming back when it is shaken and followed gently.
+
     Raises:
         ArithmeticError: either fails, or they disagree.
     """
@@ -96,6 +105,13 @@ def confirmed_reference(bag: Bag, problem: Problem) -> Reference:
     second = judge(reference, dynamic_relaxation.solve(problem, 1e-8), 1e-8)
     if second.finding not in (Finding.RIGHT, Finding.RESCUED):
         raise ArithmeticError(f"the reference is not confirmed: {second}")
+    if problem.net.order == 1:
+        shaken = disturbed(problem, reference.solution.positions, SHAKEN, (1,))
+        start = replace(reference.solution, positions=shaken)
+        motion = gentle.follow(problem, 1e-8, start, newton.prepare(problem.structure, problem.bands))
+        third = judge(reference, motion.solution, 1e-8) if motion.end is gentle.End.SETTLED else None
+        if third is None or third.finding is not Finding.RIGHT:
+            raise ArithmeticError(f"the reference does not come back when shaken: {motion.end.name}, {third}")
     return reference
 
 
@@ -128,6 +144,7 @@ def judge(reference: Reference, solution: Solution, tolerance: float) -> Judgeme
         + ROUND_OFF
     )
     ratio = np.abs(off) / explained
+    away = not ratio.max() <= 1.0
     facing = facing_rings(problem, solution.positions)
     faults = [
         fault
@@ -137,11 +154,10 @@ def judge(reference: Reference, solution: Solution, tolerance: float) -> Judgeme
             (f"length error {state.length_error:.1e}", not state.length_error <= 1.01 * LENGTH_TOLERANCE),
             (f"compression {state.compression:.1e}", not state.compression <= 0.0),
             ("not the catch that was asked for", not _same_catch(problem, solution.share)),
-            ("passed through itself", not facing >= 0.0),
+            ("passed through itself", not facing >= 0.0 or (away and passes_through(reference.bag, solution))),
         )
         if there
     ]
-    away = not ratio.max() <= 1.0
     stays = not away or is_stable(problem, solution)
     if away and not faults and not is_stable(problem, reference.solution):
         faults.append("off the reference, which is unstable")
@@ -158,6 +174,15 @@ def judge(reference: Reference, solution: Solution, tolerance: float) -> Judgeme
     else:
         finding = Finding.RESCUED if rescued else Finding.RIGHT
     return Judgement(finding, float(np.abs(off).max()), float(ratio.max()), state.residual, ", ".join(faults))
+
+
+def passes_through(bag: Bag, solution: Solution) -> bool:
+    """Whether a bar pierces the netting or a ring of knots crosses itself, deeper than netting that touches."""
+    net = bag.net
+    shortest, thick = float(net.bar_length.min()), float(np.median(net.bar_diameter))
+    touching = max(TOUCHING * shortest, min(thick, DEEPEST * shortest))
+    at = solution.positions
+    return len(piercing_bars(net, at, touching)) > 0 or len(crossed_rings(bag, at, touching)) > 0
 
 
 def judge_alone(solution: Solution, why: str) -> Judgement:

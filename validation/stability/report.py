@@ -26,6 +26,17 @@ the largest that the state's own residual allows.
 """.strip()
 
 
+COLUMNS = {
+    Finding.RIGHT: "right at once",
+    Finding.RESCUED: "after a fall-back",
+    Finding.ANOTHER: "another equilibrium",
+    Finding.UNSTABLE: "told unstable",
+    Finding.FAILED: "honest failure",
+    Finding.WRONG: "wrong",
+}
+"""Head of the column of every finding."""
+
+
 def section(quick: bool) -> Section:
     """All maps; ``quick`` asks for coarse grids."""
     maps = (
@@ -62,8 +73,8 @@ def _no_wrong_answer(m: StabilityMap) -> Verdict:
 
 
 def _table(maps: tuple[StabilityMap, ...]) -> str:
-    lines = ["| map | cells | right at once | after a fall-back | another equilibrium | honest failure | wrong |"]
-    lines += ["| --- | ---: | ---: | ---: | ---: | ---: | ---: |"]
+    heads = ("map", "cells", *(COLUMNS[finding] for finding in Finding))
+    lines = ["| " + " | ".join(heads) + " |", "| --- |" + " ---: |" * (len(heads) - 1)]
     for m in maps:
         counts = " | ".join(str(m.count(finding)) for finding in Finding)
         lines.append(f"| {m.title} | {len(m.cells)} | {counts} |")

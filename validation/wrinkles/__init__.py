@@ -63,7 +63,8 @@ def _text(table: pd.DataFrame, law: pd.DataFrame) -> str:
             "The law of the errors (`codend/equilibrium/wrinkles.py`) on small unstable nets it was not found on, "
             "shaken whole from three seeds: largest changes from the symmetric shape, and over the errors stated.",
             markdown_table(
-                tuple(law.columns), [tuple(v if isinstance(v, str) else f"{v:.3g}" for v in r) for r in law.to_numpy()]
+                tuple(law.columns),
+                [tuple(f"{v:.3g}" if isinstance(v, float) else str(v) for v in r) for r in law.to_numpy()],
             ),
         ]
     )

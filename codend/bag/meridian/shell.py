@@ -13,7 +13,9 @@ its outward normal (-sin a, cos a) and along the meridian, counted in half-mesh 
 with p the net pressure, and F_n and F_t the twine drag of a half-mesh row along the normal and along the meridian.
 Knots enter through r and l_s alone: diamond r = (N b / pi) sin phi, l_s = b cos phi + l; T90
 r = N (b sin phi + l) / pi, l_s = b cos phi. Where T90 netting is narrower than its knots, r < N l / pi, the knots are
-slack: the bars then lie in meridian planes, phi = 0, and carry no hoop force. In row coordinates nothing is singular at
+slack: the bars then lie in meridian planes, phi = 0, and carry no hoop force. Knots that resist compression tilt out of
+the skin there, which leaves the bars in meridian planes (derived); what the last ones push at the codline is no part of
+the membrane. In row coordinates nothing is singular at
 the codline, where r = 0 and a = -pi/2 (a free codline takes no axial force).
 
 Drag of a row. With i the flow, e the meridian and n the normal, the bars' directions are cos(phi) e plus and minus

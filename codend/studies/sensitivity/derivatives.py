@@ -105,17 +105,29 @@ def sensitivity_of(
     if base is None:
         return None
     asked = [number for number in every if keys is None or number.key in keys]
-    told = quantities(base, species)
-    linear = Linearised(base.problem, base.solution, base.model.prepared)
-    found = []
-    for done, number in enumerate(asked):
+
+    def next_one(done: int, total: int, key: str) -> None:
         if progress is not None:
-            progress(done, len(asked), f"case {case.number}: {number.key}")
+            progress(done, total, f"case {case.number}: {key}")
+
+    told, found = derivatives_at(base, asked, species, next_one)
+    return CaseSensitivity(case, told, found)
+
+
+def derivatives_at(
+    base: SolvedCase, numbers: Sequence[PlanNumber], species: Sequence[Species], progress: Progress | None = None
+) -> tuple[Told, tuple[Derivatives, ...]]:
+    """What a solved case tells, and its derivatives by numbers of its plan."""
+    told, found = quantities(base, species), []
+    linear = Linearised(base.problem, base.solution, base.model.prepared)
+    for done, number in enumerate(numbers):
+        if progress is not None:
+            progress(done, len(numbers), number.key)
         if number.counted:
             found.append(_of_count(base, number, species))
         else:
             found.append(_of_real(base, told, linear, number, species))
-    return CaseSensitivity(case, told, tuple(found))
+    return told, tuple(found)
 
 
 def _of_real(
