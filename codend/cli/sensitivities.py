@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from codend.cli.common import NOT_CONVERGED, SeveralPairs, check_writable, out_option, set_option, written_into
+from codend.cli.common import (
+    NOT_CONVERGED,
+    SeveralPairs,
+    check_writable,
+    out_option,
+    set_option,
+    spreadsheet_options,
+    written_into,
+)
 from codend.cli.console import shown_progress
 from codend.errors import OPTIONS, InputError
 
@@ -25,6 +33,7 @@ MOST_DESIGNS = 1000
 @out_option
 @click.option("--species", "files", multiple=True, metavar="FILE.toml", help="L50 and SR of it too. May be repeated.")
 @set_option
+@spreadsheet_options
 def sensitivities(path: str, folder: Path, files: tuple[str, ...], changes: tuple[str, ...]) -> int:
     """Tell what every number of a plan does to drag, catch volume, opening and, with species, L50 and SR.
 

@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from codend.cli.common import NOT_CONVERGED, SeveralPairs, check_writable, out_option, set_option, written_into
+from codend.cli.common import (
+    NOT_CONVERGED,
+    SeveralPairs,
+    check_writable,
+    out_option,
+    set_option,
+    spreadsheet_options,
+    written_into,
+)
 from codend.cli.console import shown_progress, text_table
 from codend.errors import OPTIONS, InputError
 
@@ -49,6 +57,7 @@ FILES = ("sweep.csv", "sweep.png")
     help="Processes that solve. Left out: one for every core.",
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster that solves a STUDY instead.")
+@spreadsheet_options
 def sweep(
     study: str,
     folder: Path,
