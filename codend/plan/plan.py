@@ -20,6 +20,7 @@ from codend.plan.kinds import kinds_in_words
 from codend.plan.messages import Contradiction
 from codend.plan.mistakes import checked
 from codend.plan.overrides import CatchKind, Overrides, apply_overrides
+from codend.plan.pulse import Following, Heave
 from codend.plan.reach import least_radius_m
 from codend.plan.ropes import Rope, Selvedge, selvedges_of
 from codend.plan.tables import Catch, Drag, Entry, Model, Netting, Strap, Table, Text, Tow
@@ -71,6 +72,8 @@ class Plan(Table):
     catch: Catch
     drag: Drag = Drag.model_validate({})
     model: Model = Model()
+    vessel: Heave | None = None
+    time: Following | None = None
     _source: Path = PrivateAttr(default=Path("plan"))
 
     @model_validator(mode="after")
@@ -96,16 +99,23 @@ class Plan(Table):
         if cases > MOST_CASES:
             key = "tow.speed_m_s" if len(self.tow.speed_m_s) > len(self.catch.sizes) else f"catch.{self.catch.kind}"
             yield Contradiction(key, f"at most {MOST_CASES} cases, speeds times catches", f"makes {cases} cases")
+        if self.vessel is not None:
+            if (fastest := self.vessel.fastest_m_s) >= min(self.tow.speed_m_s):
+                allowed = f"so little that the codend never stops: it goes to and fro at {fastest:.3g} m/s"
+                yield Contradiction("vessel.heave_m", allowed)
+        elif self.time is not None:
+            yield Contradiction("vessel", "a table [vessel] with heave_m and period_s beside [time]", "is missing")
         yield from self._catches_that_do_not_fit()
         yield from self._straps_out_of_place()
         yield from self._ropes_out_of_place()
-        yield from out_of_place(self.window, self.netting, self.section_names, self.seam_deg)
+        astray = list(out_of_place(self.window, self.netting, self.section_names, self.seam_deg))
+        yield from astray
         # laid even flat across the entry
         gap_m = least_radius_m(self.netting, self.entry_radius_m, 0)
         if gap_m > 0.0:
             allowed = f"more: laid flat the netting ends {gap_m:.3g} m short of the axis, where the codline gathers it"
             yield Contradiction(f"netting.{len(self.netting) - 1}.meshes_long", allowed)
-        if self.model.globalisation not in (divisors := self.globalisations):
+        if not astray and self.model.globalisation not in (divisors := self.globalisations):
             allowed = ", ".join(map(str, divisors))
             and_straps = ", and of the rows from every strap to the codline" if self.strap else ""
             reason = f"divisors of all meshes_round and meshes_long{and_straps}"
@@ -124,6 +134,21 @@ class Plan(Table):
     def panels(self) -> int:
         """Panels round of the sections that have more than one; 1 of a tube."""
         return max(part.panels for part in self.netting)
+
+    @property
+    def seamed(self) -> bool:
+        """Whether ropes or seams show all along it, so that not every mesh round is alike."""
+        return len(self.rope) > 0 or any(part.has_seams for part in self.netting)
+
+    @property
+    def tapers(self) -> bool:
+        """Whether a section does."""
+        return any(part.tapers for part in self.netting)
+
+    def places_round(self, globalisation: int = 1) -> int:
+        """Places round, at equal angles, at which a tube loses meshes where it tapers."""
+        counts = [count // globalisation for part in self.netting for count in part.open_meshes]
+        return math.gcd(*counts, *(part.panels for part in self.netting if part.has_seams))
 
     @property
     def seam_deg(self) -> float:
@@ -303,6 +328,8 @@ class Plan(Table):
         Rows that carry a strap stay rows.
         """
         counts = [count for part in self.netting for count in (*part.open_meshes, part.meshes_long)]
+        counts += [count for window in self.window for count in (window.meshes_round, window.meshes_long)]
+        counts += [count for hole in self.holes for count in (hole.fore, hole.deep, hole.across)]
         counts += [count // part.panels for part in self.netting if part.has_seams for count in part.open_meshes]
         common = math.gcd(*counts, *self.strap_rows, *self.rope_rows)
         most = min(min(part.open_meshes) for part in self.netting) // 3
