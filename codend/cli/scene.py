@@ -7,6 +7,7 @@ import click
 
 from codend.cli.common import NOT_CONVERGED, SeveralPairs, Stopped, check_writable, out_option, set_option, written_into
 from codend.cli.console import shown_progress, text_table
+from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
     from codend.scenes.build import BuiltScene
@@ -37,13 +38,28 @@ NETTING_TABLE = {
 @click.argument("scene", metavar="SCENE.toml")
 @out_option
 @set_option
-def scene(scene: str, folder: Path, changes: tuple[str, ...]) -> int:
+@click.option(
+    "--species", "files", multiple=True, metavar="FILE.toml", help="L50 of a pulsing codend. May be repeated."
+)
+def scene(scene: str, folder: Path, changes: tuple[str, ...], files: tuple[str, ...]) -> int:
     """Equilibrium of towed or moored ropes and netting with weights, floats and doors, and their motion in time.
 
     Writes results.csv, ropes.csv, netting.csv, points.csv, a figure, net_<n>.vtu and a report into DIR; of a scene
     with a table [time] also motion.csv, its figure and film, and net.pvd. A motion that was killed goes on from its
     last output when the same command is given again.
+
+    A codend's plan with a table [vessel] pulses: pulse.csv has its speed, openings and drag in time, pulse_range.csv
+    their ranges for every period of heave, with --species what L50 is at the least and the most open, pulse.png shows
+    them.
     """
+    from codend.io.toml import read_toml
+
+    if "catch" in read_toml(scene, "TOML scene"):
+        from codend.cli.pulse import pulse_codend
+
+        return pulse_codend(scene, folder, changes, files)
+    if files:
+        raise InputError(OPTIONS, "--species", None, "a codend's plan with a table [vessel] in place of a scene")
     from codend.scenes.scene import load_scene
 
     checked = load_scene(scene, changes)
@@ -165,6 +181,8 @@ def _move(built: "BuiltScene", found: "SceneResult", folder: Path):  # type: ign
     notes = []
     if unsettled := int(frame.state["clock"][2]):
         notes.append(f"In {unsettled} steps it was not settled which bars are slack: take a smaller time.step_s.")
+    if (worst := float(frame.state["clock"][3])) > 1e-3:
+        notes.append(f"Bars were off their lengths by up to {100.0 * worst:.2g} % in a step: see time.length_error.")
     if passages := int(frame.passages[0]):
         seen = f"at {passages} of {last} outputs, first at {frame.passages[1]:g} s"
         notes.append(f"Netting has passed through itself or a rope, which nothing in a motion prevents: {seen}.")

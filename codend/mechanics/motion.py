@@ -19,6 +19,7 @@ import numpy as np
 from codend.compiled import njit
 from codend.mechanics.bars import bar_vector
 from codend.mechanics.drag_laws import drag_factors
+from codend.mechanics.images import turned
 from codend.mechanics.points import Points
 from codend.mechanics.rigid import RigidPattern, invert_free
 from codend.mechanics.seabed import Seabed
@@ -71,22 +72,24 @@ def add_bar_drag(
     drift: float,
     blocks: Floats,
 ) -> None:
-    """Add h D of the bars' drag, and the mass wanting under tension. Only of full nets, whose images are 0.
+    """Add h D of the bars' drag, and the mass wanting under tension.
 
     ``mass`` and ``added`` are kg a bar, ``density`` the force densities of the last step, N/m, each (m,).
     """
-    n, t = np.empty(3), np.empty(3)
+    n, t, u = np.empty(3), np.empty(3), np.empty(3)
     for bar in range(len(structure.first)):
-        first, second = structure.first[bar], structure.second[bar]
-        dx, dy, dz = bar_vector(position, first, second, 0, structure.rotations)
+        first, second, image = structure.first[bar], structure.second[bar], structure.image[bar]
+        dx, dy, dz = bar_vector(position, first, second, image, structure.rotations)
         length = np.sqrt(dx * dx + dy * dy + dz * dz)
         if length == 0.0:
             continue
         t[0], t[1], t[2] = dx / length, dy / length, dz / length
         n[0], n[1], n[2], _, _, _ = flow_at(water, position[first, 2] + 0.5 * dz)
         along = 0.0
+        u[0] = velocity[second, 0]
+        u[1], u[2] = turned(velocity[second, 1], velocity[second, 2], image, structure.rotations)
         for i in range(3):
-            n[i] -= 0.5 * (velocity[first, i] + velocity[second, i])
+            n[i] -= 0.5 * (velocity[first, i] + u[i])
             along += n[i] * t[i]
         across = 0.0
         for i in range(3):
@@ -114,13 +117,15 @@ def add_bar_drag(
         if wanting > 0.0:
             beside += wanting
             along_it -= wanting
-        for i in range(3):
-            for j in range(3):
-                added_here = across_it * n[i] * n[j] + along_it * t[i] * t[j]
-                if i == j:
-                    added_here += beside
-                blocks[first, i, j] += added_here
-                blocks[second, i, j] += added_here
+        for end in range(2):
+            node = first if end == 0 else second
+            if end == 1:
+                n[1], n[2] = turned(n[1], n[2], -image, structure.rotations)
+                t[1], t[2] = turned(t[1], t[2], -image, structure.rotations)
+            for i in range(3):
+                for j in range(3):
+                    blocks[node, i, j] += across_it * n[i] * n[j] + along_it * t[i] * t[j]
+                blocks[node, i, i] += beside
 
 
 @njit(cache=True, error_model="numpy")

@@ -14,6 +14,7 @@ the last of which is their condition on the lengths without its term in dt^2. It
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.compiled import njit
 from codend.mechanics.bars import bar_vector
@@ -161,6 +162,51 @@ def tension_system(pattern: RigidPattern, gradient: Floats, inverse: Floats, tau
 
 
 @njit(cache=True)
+def only_taut(start: Ints, column: Ints, taut: Ints, entries: Floats, masked: Floats) -> None:
+    """Write the entries of a matrix whose rows are of bars, those that are not ``taut`` apart from all others."""
+    for bar in range(len(taut)):
+        for k in range(start[bar], start[bar + 1]):
+            kept = column[k] == bar or (taut[bar] and taut[column[k]])
+            masked[k] = entries[k] if kept else 0.0
+
+
+@njit(cache=True)
+def multiply(start: Ints, column: Ints, entries: Floats, density: Floats, product: Floats) -> None:
+    """Write A q, (m,)."""
+    for bar in range(len(product)):
+        total = 0.0
+        for k in range(start[bar], start[bar + 1]):
+            total += entries[k] * density[column[k]]
+        product[bar] = total
+
+
+@njit(cache=True)
+def relax_one_sided(
+    start: Ints,
+    column: Ints,
+    diagonal: Ints,
+    entries: Floats,
+    right: Floats,
+    is_strut: NDArray[np.bool_],
+    density: Floats,
+    sweeps: int,
+) -> None:
+    """Bring q nearer to A q >= right, q >= 0, one of the two equal in every bar: Gauss-Seidel sweeps to and fro.
+
+    Struts have A q = right.
+    """
+    bars = len(right)
+    for sweep in range(sweeps):
+        for step in range(bars):
+            bar = step if sweep % 2 == 0 else bars - 1 - step
+            rest = right[bar]
+            for k in range(start[bar], start[bar + 1]):
+                rest -= entries[k] * density[column[k]]
+            found = density[bar] + rest / entries[diagonal[bar]]
+            density[bar] = found if is_strut[bar] else max(found, 0.0)
+
+
+@njit(cache=True)
 def accelerations(inverse: Floats, force: Floats, acceleration: Floats) -> None:
     """Write M^-1 f, (n, 3)."""
     for node in range(len(force)):
@@ -190,6 +236,40 @@ def add_pulls(structure: Structure, gradient: Floats, density: Floats, force: Fl
         for i in range(3):
             force[firsts[bar], i] -= q * gradient[2 * bar, i]
             force[seconds[bar], i] -= q * gradient[2 * bar + 1, i]
+
+
+@njit(cache=True)
+def draw_in(position: Floats, structure: Structure, tolerance: float, sweeps: int) -> float:
+    """Move nodes until no bar of a full net is longer than its length, bar by bar and again; what is left, relative.
+
+    Both ends of a bar that is too long move along it by the same, a held coordinate not at all.
+    """
+    firsts, seconds, lengths, free = structure.first, structure.second, structure.length, structure.free
+    worst = np.inf
+    for _ in range(sweeps):
+        worst = 0.0
+        for bar in range(len(firsts)):
+            a, b = firsts[bar], seconds[bar]
+            square, moves = 0.0, 0.0
+            for i in range(3):
+                square += (position[b, i] - position[a, i]) ** 2
+            length = np.sqrt(square)
+            over = length / lengths[bar] - 1.0
+            if over <= 0.0:
+                continue
+            worst = max(worst, over)
+            for i in range(3):
+                moves += (free[a, i] + free[b, i]) * (position[b, i] - position[a, i]) ** 2
+            if moves <= 1e-12 * square:
+                continue
+            share = (length - lengths[bar]) * length / moves
+            for i in range(3):
+                d = share * (position[b, i] - position[a, i])
+                position[a, i] += free[a, i] * d
+                position[b, i] -= free[b, i] * d
+        if worst <= tolerance:
+            break
+    return worst
 
 
 @njit(cache=True)

@@ -20,6 +20,7 @@ from codend.plan.kinds import kinds_in_words
 from codend.plan.messages import Contradiction
 from codend.plan.mistakes import checked
 from codend.plan.overrides import CatchKind, Overrides, apply_overrides
+from codend.plan.pulse import Following, Heave
 from codend.plan.reach import least_radius_m
 from codend.plan.ropes import Rope, Selvedge, selvedges_of
 from codend.plan.tables import Catch, Drag, Entry, Model, Netting, Strap, Table, Text, Tow
@@ -71,6 +72,8 @@ class Plan(Table):
     catch: Catch
     drag: Drag = Drag.model_validate({})
     model: Model = Model()
+    vessel: Heave | None = None
+    time: Following | None = None
     _source: Path = PrivateAttr(default=Path("plan"))
 
     @model_validator(mode="after")
@@ -96,6 +99,12 @@ class Plan(Table):
         if cases > MOST_CASES:
             key = "tow.speed_m_s" if len(self.tow.speed_m_s) > len(self.catch.sizes) else f"catch.{self.catch.kind}"
             yield Contradiction(key, f"at most {MOST_CASES} cases, speeds times catches", f"makes {cases} cases")
+        if self.vessel is not None:
+            if (fastest := self.vessel.fastest_m_s) >= min(self.tow.speed_m_s):
+                allowed = f"so little that the codend never stops: it goes to and fro at {fastest:.3g} m/s"
+                yield Contradiction("vessel.heave_m", allowed)
+        elif self.time is not None:
+            yield Contradiction("vessel", "a table [vessel] with heave_m and period_s beside [time]", "is missing")
         yield from self._catches_that_do_not_fit()
         yield from self._straps_out_of_place()
         yield from self._ropes_out_of_place()

@@ -1,13 +1,14 @@
 """A scene as a net under loads: ropes cut into bars, sheets of netting that hang on them, points at their nodes."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from codend.errors import InputError
 from codend.mechanics.problem import Problem
+from codend.mechanics.rigid import draw_in
 from codend.mechanics.seabed import Seabed, no_seabed
 from codend.mechanics.water import VISCOSITY_M2_S, Water
 from codend.mechanics.weight import GRAVITY_M_S2, wet_weight
@@ -21,8 +22,8 @@ from codend.scenes.tables import VESSEL, PointTable
 
 FINE = 20
 """Parts of a bar in which the curve is measured on which a rope is laid."""
-TOO_LONG = 1e-3
-"""By which, relative, what does not stretch may be placed too long at the start of a motion."""
+DRAWN_IN, TOO_LONG, MOST_SWEEPS = 1e-7, 5e-3, 20_000
+"""By which, relative, bars may be too long at the start of a motion: what is aimed at, and what is refused."""
 SINKS_M = 1e-3
 """How far what lies on the seabed sinks in under its own weight, assumed."""
 
@@ -98,8 +99,6 @@ def build(scene: Scene) -> BuiltScene:
     net = bars.net(
         place, laid_out, held, np.concatenate([np.zeros((0, 3), int), *facets]), np.concatenate([[], *weights])
     )
-    if scene.time is not None and scene.time.start == "placed":
-        _refuse_too_long(scene, net, bars.sheet, rope_bars)
     for point in scene.point:
         lift, coefficient = scene.coefficients(point)
         net = with_point(
@@ -111,7 +110,7 @@ def build(scene: Scene) -> BuiltScene:
             lift_area_m2=lift * point.area_m2,
             lift_towards=point.lift_towards,
         )
-    return BuiltScene(
+    built = BuiltScene(
         scene,
         Problem.of(net, water=_water(scene), seabed=_seabed(scene, net)),
         node_of,
@@ -123,6 +122,7 @@ def build(scene: Scene) -> BuiltScene:
         bars.added_mass,
         towed,
     )
+    return _drawn_in(built) if scene.time is not None and scene.time.start == "placed" else built
 
 
 def _held(
@@ -143,17 +143,24 @@ def _held(
     return held, towed
 
 
-def _refuse_too_long(scene: Scene, net: Net, bar_sheet: NDArray[np.int64], rope_bars: Sequence[slice]) -> None:
-    """Refuse a motion that starts with bars longer than they can be."""
-    apart = np.linalg.norm(net.positions[net.bars[:, 1]] - net.positions[net.bars[:, 0]], axis=1)
-    long = np.flatnonzero((net.bar_flexibility == 0.0) & (apart > (1.0 + TOO_LONG) * net.bar_length))
-    if len(long) == 0:
-        return
-    sheet, times = int(bar_sheet[long[0]]), float((apart / net.bar_length)[long[0]])
-    rope = next((number for number, bars in enumerate(rope_bars) if bars.start <= long[0] < bars.stop), 0)
-    key = f"netting.{sheet}.corners" if sheet >= 0 else f"rope.{rope}.length_m"
-    allowed = 'places that it reaches, with time.start = "placed"'
-    raise InputError(scene.source, key, None, allowed, f"is placed {times:.4g} times as long as it is")
+def _drawn_in(built: BuiltScene) -> BuiltScene:
+    """The scene with what is placed too long, ropes or netting between places too far apart, drawn in to its length."""
+    positions = built.problem.net.positions.copy()
+    net = built.problem.net
+    # a rope that stretches may be placed under tension
+    limits = np.where(net.bar_is_rope & (net.bar_flexibility > 0.0), np.inf, net.bar_length)
+    structure = built.problem.structure._replace(length=limits)
+    if draw_in(positions, structure, DRAWN_IN, MOST_SWEEPS) > TOO_LONG:
+        apart = np.linalg.norm(positions[structure.second] - positions[structure.first], axis=1) / structure.length
+        worst = int(apart.argmax())
+        sheet = int(built.bar_sheet[worst])
+        rope = next((number for number, bars in enumerate(built.rope_bars) if bars.start <= worst < bars.stop), 0)
+        key = f"netting.{sheet}.corners" if sheet >= 0 else f"rope.{rope}.length_m"
+        problem = f"is placed {apart[worst]:.4g} times as long as it is, however it is drawn in"
+        raise InputError(
+            built.scene.source, key, None, 'held places that it reaches, with time.start = "placed"', problem
+        )
+    return replace(built, problem=replace(built.problem, net=replace(built.problem.net, positions=positions)))
 
 
 def places_of(scene: Scene) -> dict[str, Floats]:

@@ -94,7 +94,14 @@ def follow(built: BuiltScene, start: Floats, state: State | None = None) -> Iter
     if time is None:
         raise ValueError("a scene without a table [time] has no motion")
     path = path_of(scene.vessel, scene.vessel_path())
-    motion = Motion(built.problem, start, added_mass=built.added_mass, towed=built.towed, path=path)
+    motion = Motion(
+        built.problem,
+        start,
+        added_mass=built.added_mass,
+        towed=built.towed,
+        path=path,
+        length_error=scene.length_error,
+    )
     hangs = sorted((p.held_from_s, built.node_of[p.name]) for p in scene.point if p.held_from_s is not None)
     ropes = len(built.rope_bars)
     peaks, since, first = np.full((ropes, 3), -1.0), np.zeros(ropes), 0

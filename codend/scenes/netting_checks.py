@@ -43,8 +43,8 @@ def netting_contradictions(
             if name not in names or sewn not in EDGES:
                 allowed = f'a netting and its edge, as in "{names[0] if names else "belly"}.left": {", ".join(EDGES)}'
                 yield Contradiction(f"seam.{index}.edges.{side}", allowed)
-        if seam.edges[0] == seam.edges[1]:
-            yield Contradiction(f"seam.{index}.edges", "two edges")
+        if len(set(seam.edges)) < len(seam.edges):
+            yield Contradiction(f"seam.{index}.edges", "edges that differ")
 
 
 def _edge_contradictions(

@@ -5,7 +5,7 @@ from copy import copy
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Final, Literal, Self
 
-from annotated_types import Ge, Le
+from annotated_types import Ge, Le, MinLen
 from pydantic import ValidationError, create_model, model_validator
 from pydantic.fields import FieldInfo
 
@@ -194,13 +194,12 @@ else:  # keys of the twine are those of a codend's section, bounds and all
 
 
 class SeamTable(Table):
-    """Two edges of sheets sewn together knot to knot, or in the ratio of their counts."""
+    """An edge of a sheet sewn to one of another, or to several end to end, knot to knot or in the ratio of counts."""
 
-    edges: tuple[Text, Text]
-    """As in "belly.left"."""
+    edges: Annotated[tuple[Text, ...], MinLen(2)]
+    """As in "belly.left"; the first is sewn to all others, these in the order in which they follow one another."""
 
     @property
-    def named(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Sheet and edge of both."""
-        first, second = (tuple(edge.rpartition(".")[::2]) for edge in self.edges)
-        return (first[0], first[1]), (second[0], second[1])
+    def named(self) -> tuple[tuple[str, str], ...]:
+        """Sheet and edge of each."""
+        return tuple((sheet, edge) for sheet, _, edge in (edge.rpartition(".") for edge in self.edges))

@@ -32,6 +32,8 @@ from codend.scenes.tables import (
 
 FAST = ("vessel", "ground")
 """What holds a point every way."""
+NETTING_LENGTH_ERROR = 0.05
+"""Netting that flaps is followed with so much in a step; the next one mends it."""
 STEPS_A_PERIOD = 20
 """Fewest time steps in a period of heave: of fewer the motion would be another."""
 
@@ -170,6 +172,12 @@ class Scene(Table):
     def speed_m_s(self) -> float:
         """Of the vessel, 0 where it does not tow or moves by a table."""
         return self.vessel.speed_m_s if self.vessel is not None else 0.0
+
+    @property
+    def length_error(self) -> float:
+        """What a step of the motion may leave a bar off its length, relative."""
+        given = None if self.time is None else self.time.length_error
+        return given or (NETTING_LENGTH_ERROR if self.netting else 1e-7)
 
     @property
     def source(self) -> Path:

@@ -99,23 +99,35 @@ def at_points(sheet: SheetTable, knots: Counts, node_of: Mapping[str, int]) -> P
 
 
 def sewn(seam: SeamTable, sheets: Sequence[SheetTable], knots: Sequence[Counts], positions: Floats) -> Pairs:
-    """Knots of two edges that are one: those at the same place, as the edges lie at the start; in the ratio of counts.
+    """Knots of edges that are one: those at the same place along them, in the ratio of counts where these differ.
 
-    Edges run against each other where that brings their ends nearer.
+    The first edge is sewn to the others end to end; edges run against each other where that brings their ends nearer at
+    the start.
     """
     number = {sheet.name: index for index, sheet in enumerate(sheets)}
-    sides = []
-    for name, edge in seam.named:
-        which: EdgeName = next(e for e in EDGES if e == edge)
-        own = sheets[number[name]].sheet.edges[which]
-        sides.append((knots[number[name]][own.knots], own.place))
-    (one, place), (other, other_place) = sorted(sides, key=lambda side: -len(side[0]))
+
+    def side(named: Sequence[tuple[str, str]]) -> tuple[Counts, Floats]:
+        found, places, reached = [], [], 0.0
+        for name, edge in named:
+            which: EdgeName = next(e for e in EDGES if e == edge)
+            sheet = sheets[number[name]]
+            own, length = sheet.sheet.edges[which], sheet.reach_m(which)
+            found.append(knots[number[name]][own.knots])
+            places.append(reached + length * own.place)
+            reached += length
+        return np.concatenate(found), np.concatenate(places) / reached
+
+    named = seam.named
+    sides = side(named[:1]), side(named[1:])
+    (one, place), (other, other_place) = sorted(sides, key=lambda part: -len(part[0]))
     straight = [np.linalg.norm(positions[one[i]] - positions[other[j]]) for i, j in ((0, 0), (-1, -1))]
     crossed = [np.linalg.norm(positions[one[i]] - positions[other[j]]) for i, j in ((0, -1), (-1, 0))]
     if sum(crossed) < sum(straight):
         other, other_place = other[::-1], 1.0 - other_place[::-1]
-    nearest = np.abs(place[:, None] - other_place[None, :]).argmin(axis=1)
-    return _paired(one, other[nearest])
+    apart = np.abs(place[:, None] - other_place[None, :])
+    nearest = apart.argmin(axis=1)
+    left = np.setdiff1d(np.arange(len(other)), nearest)
+    return _paired(one, other[nearest]) + _paired(one[apart.argmin(axis=0)[left]], other[left])
 
 
 def _paired(first: Counts, second: Counts) -> Pairs:

@@ -195,6 +195,8 @@ class TimeTable(Table):
     """Time from one output to the next."""
     step_s: Annotated[Number, Gt(0), Le(10)] = 0.01
     """Longest time step."""
+    length_error: Annotated[Number, Ge(1e-9), Le(0.1)] | None = None
+    """How far a step may leave a bar off its length, relative, for the next to mend; None: 1e-7, with netting 0.05."""
     start: Literal["equilibrium", "placed"] = "equilibrium"
     """Whether it begins in the equilibrium of the tow, or at rest where the points and ropes are placed."""
 

@@ -30,12 +30,11 @@ DAMPING = 0.1
 WIDEST_BAND = 80
 """Half-bandwidth of the system for the tensions beyond which SuperLU is the faster (measured)."""
 LENGTHS_MET = 1e-11
-FARTHEST_OFF = 1e-7
-"""Departure from the lengths, relative, that a step may leave."""
+LOOSE, ENOUGH = 1e-3, 0.2
+"""From which allowed departure on, and below which part of it, lengths are corrected twice only."""
 CORRECTIONS = 15
-SLACK_PASSES = 60
-PATIENCE = 4
-"""Passes without fewer bars on the wrong side of slackness, after which only half of them change at once."""
+SLACK_PASSES, SWEEPS, MOST_SWEEPS = 12, 30, 1000
+"""Sweeps after a guess of which bars are taut, twice as many after each further one."""
 NO_PUSH = 1e-10
 """Push, over the largest force density, that is round-off."""
 NEARLY_TAUT = 1e-6
@@ -47,7 +46,7 @@ Path = Callable[[float], Floats]
 
 
 class Motion:
-    """A full net on its way: places and, half a step behind, velocities."""
+    """A net, or a sector of one, on its way: places and, half a step behind, velocities."""
 
     def __init__(
         self,
@@ -58,6 +57,7 @@ class Motion:
         added_mass: Floats | float = 1.0,
         towed: NDArray[np.bool_] | None = None,
         path: Path | None = None,
+        length_error: float = 1e-7,
     ) -> None:
         """Set a net out.
 
@@ -68,10 +68,10 @@ class Motion:
             added_mass: Cm of the bars, (m,) or of all.
             towed: nodes that are held by the vessel and go with it, (n,).
             path: how the vessel goes.
+            length_error: departure of a bar from its length, relative, that a step may leave to the next one to mend;
+                from ``LOOSE`` on they are met no better than need be, which large nets that flap are followed by.
         """
         net, water = problem.net, problem.loading.water.density
-        if net.order != 1:
-            raise ValueError("motion is that of full nets, not of sectors")
         self.problem, self.loading = problem, problem.loading
         self.structure = problem.structure._replace(free=problem.structure.free.copy())
         volume = 0.25 * np.pi * net.bar_solid_diameter**2 * net.bar_length
@@ -89,6 +89,9 @@ class Motion:
         self.velocity = np.zeros((nodes, 3)) if velocities is None else np.array(velocities, dtype=np.float64)
         self.towed = np.zeros(nodes, dtype=bool) if towed is None else towed
         self.path, self._start = path, self.position[self.towed].copy()
+        self.length_error, self._corrections = length_error, 2 if length_error >= LOOSE else CORRECTIONS
+        self.worst_length = 0.0
+        """Largest departure of a bar from its length that a step has left, relative."""
         self.taut = np.ones(bars, dtype=np.int32)
         self.strain = np.zeros((2, bars))
         """Of the bars now and a step earlier, 0 in slack ones."""
@@ -106,7 +109,11 @@ class Motion:
         self._gradient, self._square = np.zeros((2 * bars, 3)), np.zeros(bars)
         self._masses, self._inverse = np.zeros((nodes, 3, 3)), np.zeros((nodes, 3, 3))
         self._force, self._acceleration = np.zeros((nodes, 3)), np.zeros((nodes, 3))
-        self._entries, self._rate, self._length = np.zeros(len(row)), np.zeros(bars), np.zeros(bars)
+        self._entries, self._masked = np.zeros(len(row)), np.zeros(len(row))
+        self._starts = np.searchsorted(row, np.arange(bars + 1)).astype(np.int32)
+        self._rate, self._length, self._product = np.zeros(bars), np.zeros(bars), np.zeros(bars)
+        self._all = np.ones(bars, dtype=np.int32)
+        self._factored: Ints | None = None
         bar_lengths(self.position, self.structure, self._length)
         stretches = self.structure.flexibility > 0.0
         strain = np.where(stretches, self._length / self.structure.length - 1.0, 0.0)
@@ -116,7 +123,7 @@ class Motion:
 
     def state(self) -> dict[str, Floats | Ints]:
         """A copy of all that ``set_state`` needs to go on from here."""
-        clock = np.array([self.time, self.last_step, float(self.unsettled)])
+        clock = np.array([self.time, self.last_step, float(self.unsettled), self.worst_length])
         return {
             "position": self.position.copy(),
             "velocity": self.velocity.copy(),
@@ -132,7 +139,7 @@ class Motion:
         self.position[:], self.velocity[:] = state["position"], state["velocity"]
         self.taut[:], self.strain[:] = state["taut"], state["strain"]
         self.structure.free[:], self.density = state["free"], np.array(state["density"])
-        self.time, self.last_step, unsettled = map(float, state["clock"])
+        self.time, self.last_step, unsettled, self.worst_length = map(float, state["clock"])
         self.unsettled = int(unsettled)
 
     def hold(self, node: int, ground: ArrayLike = (0.0, 0.0, 0.0)) -> None:
@@ -226,62 +233,75 @@ class Motion:
             self.velocity[self.towed] = (there - self.position[self.towed]) / dt
 
     def _solve_for_tensions(self, kick: float, dt: float) -> Floats | None:
-        """Force densities of the step, N/m, (m,): of twine none below 0; None where the lengths are not met."""
-        structure = self.structure
-        bars = len(self.taut)
+        """Force densities of the step, N/m, (m,): of twine none below 0; None where the lengths are not met.
+
+        Newton's method on the lengths at the end of the step, all its systems with the matrix of the start; in each
+        one bars are taut that then pull, and all others no longer than they may be.
+        """
+        structure, rest, squared = self.structure, self.structure.length, kick * dt
         weights = _weights(DAMPING)
         known = (weights[1] * self.strain[0] + weights[2] * self.strain[1]) / weights[0]
         # a step's strain by its force density
         give = structure.flexibility * np.sqrt(self._square) / weights[0]
-        rest = structure.length
         rigid.accelerations(self._inverse, self._force, self._acceleration)
         free_move = dt * (self.velocity + kick * self._acceleration)
-        density, fewest, patience = np.zeros(bars), bars + 1, PATIENCE
-        for number in range(SLACK_PASSES):
-            rigid.tension_system(self.pattern, self._gradient, self._inverse, self.taut, self._entries)
-            self._entries[self.pattern.diagonal] += rest**2 * give / (kick * dt)
-            if self.system.factorise(self._entries) == -1:
-                return None
-            density, error = self._corrected(free_move, known, give, kick * dt)
-            least = -NO_PUSH * float(np.abs(density).max(initial=0.0))
-            wrong = np.flatnonzero(np.where(self.taut, ~structure.is_strut & (density < least), error > LENGTHS_MET))
-            if len(wrong) == 0:
-                density = carried(structure.is_strut, density)
-                break
-            patience = PATIENCE if len(wrong) < fewest else patience - 1
-            fewest = min(fewest, len(wrong))
-            # where all at once goes round in circles, half of them
-            change = wrong if patience > 0 or len(wrong) == 1 else wrong[number % 2 :: 2]
-            self.taut[change] = 1 - self.taut[change]
-        else:
-            self.unsettled += 1
-            density = carried(structure.is_strut, density)
-        if np.abs(error * self.taut).max(initial=0.0) > FARTHEST_OFF or not np.isfinite(density).all():
-            return None
-        return density
-
-    def _corrected(self, free_move: Floats, known: Floats, give: Floats, squared: float) -> tuple[Floats, Floats]:
-        """Force densities by Newton's method with one matrix, and what bars are then too long by, relative."""
-        structure, rest = self.structure, self.structure.length
-        density = np.zeros(len(self.taut))
+        rigid.tension_system(self.pattern, self._gradient, self._inverse, self._all, self._entries)
+        self._entries[self.pattern.diagonal] += rest**2 * give / squared
+        self._factored = None
         # the first time without the term in dt^2, which is what the papers solve
         rigid.lengthening(structure, self._gradient, free_move, self._rate)
         aim = np.maximum(rest * (1.0 - known), 0.5 * rest)
-        off = self._rate + 0.5 * (self._square - aim**2)
-        worst = np.inf
-        for _ in range(CORRECTIONS):
-            right = np.where(self.taut, off, 0.0) / squared
-            density += self.system.solve(right[None, :, None]).reshape(-1) * self.taut
+        right = (self._rate + 0.5 * (self._square - aim**2)) / squared
+        worst, density = np.inf, None
+        for number in range(CORRECTIONS):
+            density = self._one_sided(right)
+            if density is None:
+                return None
             pulls = np.zeros_like(free_move)
             rigid.add_pulls(structure, self._gradient, density, pulls)
             rigid.accelerations(self._inverse, pulls, self._acceleration)
             bar_lengths(self.position + free_move + squared * self._acceleration, structure, self._length)
             aim = np.maximum(rest * (1.0 + give * density - known), 0.5 * rest)
-            off = 0.5 * (self._length**2 - aim**2)
-            last, worst = worst, float(np.max(np.abs(self._length / aim - 1.0) * self.taut, initial=0.0))
+            error = self._length / aim - 1.0
+            last, worst = worst, float(np.max(np.where(self.taut, np.abs(error), error), initial=0.0))
             if worst <= LENGTHS_MET or not worst < 0.7 * last:
                 break
-        return density, self._length / aim - 1.0
+            if number + 1 >= self._corrections and worst <= ENOUGH * self.length_error:
+                break
+            rigid.multiply(self._starts, self.pattern.column, self._entries, density, self._product)
+            right = self._product + 0.5 * (self._length**2 - aim**2) / squared
+        if not worst <= self.length_error or density is None or not np.isfinite(density).all():
+            return None
+        self.worst_length = max(self.worst_length, worst)
+        return density
+
+    def _one_sided(self, right: Floats) -> Floats | None:
+        """Force densities q with A q = right where they are above 0 and A q > right elsewhere, A the step's matrix.
+
+        Struts, which may push, have A q = right anyhow.
+
+        Which bars are taut is the first guess; a few sweeps of one-sided relaxation tell where it is wrong.
+        """
+        column, diagonal, strut = self.pattern.column, self.pattern.diagonal, self.structure.is_strut
+        for number in range(SLACK_PASSES):
+            if self._factored is None or not np.array_equal(self.taut, self._factored):
+                rigid.only_taut(self._starts, column, self.taut, self._entries, self._masked)
+                self._factored = self.taut.copy()
+                if self.system.factorise(self._masked) == -1:
+                    return None
+            density = self.system.solve(np.where(self.taut, right, 0.0)[None, :, None]).reshape(-1) * self.taut
+            rigid.multiply(self._starts, column, self._entries, density, self._product)
+            least = -NO_PUSH * float(np.abs(density).max(initial=0.0))
+            scale = NO_PUSH * float(np.abs(right).max(initial=0.0))
+            pushes = ~strut & (density < least)
+            density, missing = carried(strut, density), right - self._product
+            if not np.any(np.where(self.taut, pushes, missing > scale)):
+                return np.asarray(density)
+            sweeps = min(SWEEPS * 2**number, MOST_SWEEPS)
+            rigid.relax_one_sided(self._starts, column, diagonal, self._entries, right, strut, density, sweeps)
+            self.taut[:] = strut | (density > 0.0)
+        self.unsettled += 1
+        return density
 
     def _note_strains(self) -> None:
         bar_lengths(self.position, self.structure, self._length)

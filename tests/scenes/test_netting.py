@@ -207,10 +207,14 @@ def test_a_seam_names_netting_and_edges():
         scene_from_dict(data)
 
 
-def test_netting_that_is_placed_farther_than_it_reaches_is_refused_in_motion():
+def test_netting_that_is_placed_farther_than_it_reaches_is_drawn_in_or_refused():
     data = hung() | {"time": {"end_s": 1.0, "output_s": 0.5, "start": "placed"}}
-    data["point"][2]["at"], data["point"][3]["at"] = [0, 0, -9.0], [0, 10.0, -9.0]
-    with pytest.raises(InputError, match=r"netting\.0\.corners is placed .* times as long"):
+    data["point"][2]["at"], data["point"][3]["at"] = [0, 0, -9.0], [0, 9.9, -9.0]
+    net = build(scene_from_dict(data)).problem.net
+    apart = np.linalg.norm(net.positions[net.bars[:, 1]] - net.positions[net.bars[:, 0]], axis=1)
+    assert np.all(apart <= (1.0 + 5e-3) * net.bar_length)
+    data["netting"][0]["left"] = data["netting"][0]["right"] = "vessel"
+    with pytest.raises(InputError, match=r"is placed .* times as long as it is, however it is drawn in"):
         build(scene_from_dict(data))
 
 

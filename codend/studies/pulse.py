@@ -1,0 +1,156 @@
+"""A pulsing codend: what a heaving vessel does to its openings and its drag, period by period."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import ceil, pi, sin
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from catch_models.fish import Species
+from codend.bag.loads import problem_of
+from codend.bag.measures import measure_all
+from codend.mechanics.loads import add_bound
+from codend.plan.plan import Plan
+from codend.plan.pulse import Following
+from codend.selectivity.escape.catches import run_of
+from codend.selectivity.escape.haul import terms_of_catches
+from codend.selectivity.escape.predict import hauls_for
+from codend.solvers.outcome import Solution
+from codend.solvers.pulsing import BagWater, PulsingBag
+from codend.studies.case_result import CaseResult
+from codend.studies.study import Study, StudyProgress
+
+SHAPE = ("opening_ahead_deg", "front_radius_m", "max_radius_m", "filled_meshes")
+"""Measures that stand in every row."""
+STABLE = 0.5
+"""Of the longest step that loads taken at its start allow, by a bound on their stiffness."""
+
+
+def surge(time_s: float, period_s: float) -> float:
+    """Way to and fro over its amplitude, aft first: a sine that sets in over the first period without a jump."""
+    ramp = sin(0.5 * pi * time_s / period_s) ** 2 if time_s < period_s else 1.0
+    return ramp * sin(2.0 * pi * time_s / period_s)
+
+
+@dataclass(frozen=True)
+class Pulse:
+    """A case of a plan under heave of one period."""
+
+    table: pd.DataFrame
+    """``case, period_s, time_s, entry_speed_m_s, speed_m_s, stagnation_pressure_pa, drag_n, opening_ahead_deg,
+    front_radius_m, max_radius_m, filled_meshes``; speeds are through the water, drag is what the entry is held with."""
+    least: CaseResult
+    """The case as it is in the last period when the meshes ahead of the catch are least open."""
+    most: CaseResult
+
+
+def pulse(plan: Plan, result: CaseResult, period_s: float, progress: StudyProgress | None = None) -> Pulse:
+    """Rows in time of a case of a plan with ``[vessel]``, from its equilibrium on.
+
+    The entry moves to and fro along the tow by the heave that is transmitted. The catch presses by rho V |V| / 2, V the
+    speed at which the water passes the bag; the bag's water goes with it (``BagWater``).
+
+    Args:
+        plan: its ``vessel`` is given.
+        result: a case of it that was solved.
+        period_s: of the heave.
+        progress: told how many rows are done.
+
+    Raises:
+        ArithmeticError: the motion cannot be followed.
+    """
+    assert plan.vessel is not None
+    following = plan.time or Following()
+    case, amplitude = result.case, plan.vessel.heave_m * plan.vessel.transmitted
+    water, density = plan.tow.water_density_kg_m3, plan.catch_density_kg_m3
+    solution, problem = result.solution, problem_of(result.bag, plan, case)
+    bag = BagWater.of(problem, solution.positions, solution.share, result.measures.catch_volume_m3, density)
+    motion = PulsingBag(
+        problem,
+        solution.positions,
+        case.speed_m_s,
+        bag,
+        lambda t: np.array([amplitude * surge(t, period_s), 0.0, 0.0]),
+    )
+    output = period_s / following.outputs_a_period
+    dt = output / ceil(output / min(following.step_s, _longest_step(motion)) - 1e-9)
+    entry, order = motion.towed, result.net.order
+    rows: list[dict[str, float]] = []
+    ends: dict[str, CaseResult] = {}
+    count = following.periods * following.outputs_a_period
+    for number in range(count + 1):
+        start = number * output
+        place, entry_x = motion.position.copy(), motion.position[entry, 0].mean()
+        motion.step(dt)
+        at = replace(solution, positions=place, bar_tension=motion.tension, share=motion.share.copy())
+        now = _as_it_is(result, motion, at)
+        if number >= count - following.outputs_a_period:
+            for name, side in (("least", 1.0), ("most", -1.0)):
+                if (
+                    name not in ends
+                    or side * now.measures.opening_ahead_deg < side * ends[name].measures.opening_ahead_deg
+                ):
+                    ends[name] = now
+        rows.append(
+            {
+                "case": case.number,
+                "period_s": period_s,
+                "time_s": start,
+                "entry_speed_m_s": case.speed_m_s - (motion.position[entry, 0].mean() - entry_x) / dt,
+                "speed_m_s": motion.speed_m_s,
+                "stagnation_pressure_pa": 0.5 * water * motion.speed_m_s * abs(motion.speed_m_s),
+                "drag_n": -float(motion.support[entry, 0].sum()) * order,
+                **{name: getattr(now.measures, name) for name in SHAPE},
+            }
+        )
+        while motion.time < start + output - 0.5 * dt:
+            motion.step(dt)
+        if progress is not None:
+            progress(number, count, f"case {case.number}, period {period_s:g} s")
+    return Pulse(pd.DataFrame(rows), ends["least"], ends["most"])
+
+
+def _as_it_is(result: CaseResult, motion: PulsingBag, at: Solution) -> CaseResult:
+    problem = replace(result.problem, loading=motion.loading)
+    meshes, rows, measures = measure_all(result.bag, problem, at)
+    return replace(result, problem=problem, solution=at, measures=measures, rows=rows, meshes=meshes)
+
+
+def _longest_step(motion: PulsingBag) -> float:
+    """What pressure and bending, taken at the start of a step, allow for."""
+    bound, loading = np.zeros(len(motion.position)), motion.problem.loading
+    motion._set_loads(1e-3, 1e-3)  # fills the shares
+    add_bound(motion.position, motion.structure, loading, motion.share, bound)
+    mass = motion._bare_masses()[:, 0, 0]
+    stiff = bound > 0.0
+    free = motion.structure.free[:, 0] > 0.0
+    return STABLE * 2.0 * float(np.sqrt((mass / np.maximum(bound, 1e-300))[stiff & free].min(initial=np.inf)))
+
+
+def ranges(study: Study, pulsing: Sequence[Pulse], species: Sequence[Species]) -> pd.DataFrame:
+    """A row a case and period: means and ranges of speed, drag and opening over the last period, and what L50 then is.
+
+    L50 is that of fish that meet the meshes as they are at rest, least and most open: a range between which a haul's
+    lies, for fish try at all times.
+    """
+    found = []
+    for one in pulsing:
+        period = float(one.table["period_s"].iloc[0])
+        last = one.table[one.table["time_s"] >= one.table["time_s"].max() - period - 1e-9]
+        row: dict[str, Any] = {"case": one.least.case.number, "period_s": period}
+        for name in ("speed_m_s", "drag_n", "opening_ahead_deg"):
+            row |= {f"mean_{name}": float(last[name].iloc[:-1].mean())}
+            row |= {f"least_{name}": float(last[name].min()), f"most_{name}": float(last[name].max())}
+        at_rest = next(result for result in study.cases if result.case.number == one.least.case.number)
+        for fish in species:
+            for words, result in (("rest", at_rest), ("least", one.least), ("most", one.most)):
+                row[f"{fish.name}_l50_{words}_cm"] = _l50_cm(replace(study, cases=(result,)), fish)
+        found.append(row)
+    return pd.DataFrame(found)
+
+
+def _l50_cm(study: Study, species: Species) -> float:
+    haul = hauls_for(run_of(study), [species])[0]
+    return terms_of_catches(haul, species)[0].l50_sr()[0]

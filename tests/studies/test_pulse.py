@@ -1,0 +1,99 @@
+"""Pulsing codends: slow heave follows the equilibria, a sector is the whole net, and what is refused."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+
+import codend
+from codend.cli.main import main
+from codend.errors import InputError
+from codend.studies.pulse import pulse
+
+NETTING = {"mesh": "diamond", "meshes_round": 24, "meshes_long": 12, "bar_mm": 60.0, "twine_mm": 4.0}
+PLAN = {
+    "title": "A small codend",
+    "tow": {"speed_m_s": 1.5},
+    "entry": {"radius_m": 0.2},
+    "netting": [{**NETTING, "axial_stiffness_n": 2000.0}],
+    "catch": {"filled_meshes": 4.0},
+    "model": {"fidelity": "sector"},
+}
+
+
+def heaved(period_s, heave_m, **more):
+    tables = {"vessel": {"heave_m": heave_m, "period_s": period_s}, "time": {"periods": 3, "step_s": 0.02}}
+    return codend.Plan.from_dict({**PLAN, **tables, **more})
+
+
+def off_the_equilibria(period_s):
+    """Largest departure of drag from that of equilibria at the speed of the moment, for the same swing of speed."""
+    plan = heaved(period_s, 0.2 * period_s / (2.0 * np.pi))
+    table = pulse(plan, codend.solve(plan).cases[0], period_s).table
+    last = table[table["time_s"] >= 2.0 * period_s]
+    speeds = np.linspace(1.25, 1.75, 6)
+    still = codend.solve(codend.Plan.from_dict({**PLAN, "tow": {"speed_m_s": speeds.tolist()}})).table
+    # drag goes nearly as the square
+    share = np.interp(last["entry_speed_m_s"], speeds, still["drag_n"] / speeds**2)
+    return np.abs(last["drag_n"] / (share * last["entry_speed_m_s"] ** 2) - 1.0).max()
+
+
+def test_a_codend_heaved_ever_more_slowly_follows_the_equilibria_to_the_first_order():
+    fast, slow = off_the_equilibria(8.0), off_the_equilibria(32.0)
+    assert slow < 0.01
+    assert fast / slow == pytest.approx(4.0, rel=0.2)
+
+
+def test_a_pulsing_sector_is_the_pulsing_net():
+    found = []
+    for fidelity in ("sector", "full"):
+        plan = heaved(4.0, 0.3, model={"fidelity": fidelity}, time={"periods": 3, "outputs_a_period": 8})
+        found.append(pulse(plan, codend.solve(plan).cases[0], 4.0).table)
+    for column in ("drag_n", "opening_ahead_deg", "speed_m_s"):
+        # a full net has no axis to hold its codline to: round-off grows
+        assert found[1][column].to_numpy() == pytest.approx(found[0][column].to_numpy(), rel=1e-6)
+
+
+def test_a_pulse_starts_in_the_equilibrium_and_ends_in_its_period():
+    plan = heaved(5.0, 0.3)
+    result = codend.solve(plan).cases[0]
+    found = pulse(plan, result, 5.0)
+    table = found.table
+    assert table["drag_n"].iloc[0] == pytest.approx(result.measures.drag_n, rel=1e-3)
+    assert table["opening_ahead_deg"].iloc[0] == pytest.approx(result.measures.opening_ahead_deg, rel=1e-6)
+    second, third = (table["drag_n"].to_numpy()[i : i + 40] for i in (40, 80))
+    assert third == pytest.approx(second, rel=0.05)
+    pressure = 0.5 * 1025.0 * table["speed_m_s"] * table["speed_m_s"].abs()
+    assert table["stagnation_pressure_pa"].to_numpy() == pytest.approx(pressure.to_numpy())
+    assert found.least.measures.opening_ahead_deg < result.measures.opening_ahead_deg
+    assert found.most.measures.opening_ahead_deg > result.measures.opening_ahead_deg
+
+
+@pytest.mark.parametrize(
+    ("tables", "message"),
+    [
+        ({"vessel": {"heave_m": 1.0, "period_s": 4.0}}, r"vessel\.heave_m = 1\.0 .* never stops"),
+        ({"time": {"periods": 4}}, r"vessel is missing"),
+        ({"vessel": {"period_s": 4.0}}, r"vessel\.heave_m is missing"),
+    ],
+)
+def test_heave_that_makes_no_sense_is_refused(tables, message):
+    with pytest.raises(InputError, match=message):
+        codend.Plan.from_dict({**PLAN, **tables})
+
+
+def test_the_command_writes_the_pulse_and_its_ranges(tmp_path):
+    file, out = tmp_path / "plan.toml", tmp_path / "out"
+    file.write_text(
+        'title = "p"\n[tow]\nspeed_m_s = 1.5\n[entry]\nradius_m = 0.2\n[catch]\nfilled_meshes = 4.0\n'
+        '[model]\nfidelity = "sector"\n[vessel]\nheave_m = 0.2\nperiod_s = [4.0, 6.0]\n'
+        "[time]\nperiods = 3\noutputs_a_period = 8\nstep_s = 0.02\n[[netting]]\n"
+        'mesh = "diamond"\nmeshes_round = 24\nmeshes_long = 12\nbar_mm = 60.0\ntwine_mm = 4.0\n'
+    )
+    done = CliRunner().invoke(main, ["scene", str(file), "--out", str(out)])
+    assert done.exit_code == 0, done.output
+    assert {path.name for path in out.iterdir()} == {"pulse.csv", "pulse_range.csv", "pulse.png", "results.csv"}
+    found = pd.read_csv(out / "pulse_range.csv")
+    assert found["period_s"].tolist() == [4.0, 6.0]
+    swing = found["most_opening_ahead_deg"] - found["least_opening_ahead_deg"]
+    assert swing[0] > swing[1] > 0.0
