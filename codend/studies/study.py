@@ -204,8 +204,10 @@ def _apart_from_other_shapes(model: BagModel, result: CaseResult) -> Floats:
     if plan.rope or loading.dead.any() or loading.catch.weight_density != 0.0:
         return np.zeros(4)
     sector = model_of(plan, model.globalisation, 1)
+    if sector.bag.net.order == 1:
+        return np.zeros(4)
     problem, solution = equilibrium.solve(sector, result.case, (), None)
-    if sector.bag.net.order == 1 or not solution.report.outcome.converged:
+    if not solution.report.outcome.converged:
         return np.zeros(4)
     stability = stability_of(sector, newton.tangent_at(problem, solution, sector.prepared))
     if stability.stable != "no":
