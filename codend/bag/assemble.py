@@ -1,11 +1,14 @@
 """A bag put together: the parts of its netting as written, with the properties of each section's twine."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from codend.bag.bag import Bag
 from codend.net.net import NO_POINTS, Floats, Ints, Net
 from codend.netting.parts import Counts, Lattice, Parts
+from codend.netting.windows import LetIn
 
 
 def assembled(
@@ -15,35 +18,43 @@ def assembled(
     node_row: Ints,
     entry: NDArray,
     drag: tuple[int, float, float],
+    windows: Sequence[LetIn] = (),
 ) -> Bag:
     """Bag with the properties of its bars, held at the entry and nowhere else.
 
     Only the symmetry of a sector keeps its codline on the axis.
 
-    ``drag`` is the law of the twine's drag and its coefficients, as ``drag_laws.drag`` gives them.
+    ``drag`` is the law of the twine's drag and its coefficients, as ``drag_laws.drag`` gives them. Windows have parts
+    of their own, in the bands of the netting that they are let into, and the properties of their own netting.
     """
     law, normal, tangential = drag
     g = lattice.globalisation
-    bars = np.concatenate(parts.bars)
+    bars, netting = _own_and_of_windows(parts.bars, 3, [window.bars for window in windows], lattice.bands)
     is_knot = bars[:, 4].astype(bool)
     band = bars[:, 3]
 
-    sections = {id(s): s for s in lattice.sections}
+    # of each band, and of each window
+    nettings = [*lattice.sections, *(window.netting for window in windows)]
+    sections = {id(s): s for s in nettings}
 
     def of_section(value: str) -> Floats:
         values = {key: getattr(s, value) for key, s in sections.items()}  # many bands have one section
-        return np.array([values[id(s)] for s in lattice.sections], dtype=np.float64)[band]
+        return np.array([values[id(s)] for s in nettings], dtype=np.float64)[netting]
 
     def softness(of: str) -> Floats:
         """Strain per newton of the (merged) bars or knots, 0 where they do not stretch."""
-        given = (getattr(s, of) for s in lattice.sections)
-        return np.array([0.0 if stiffness is None else 1.0 / (g * stiffness) for stiffness in given])[band]
+        given = (getattr(s, of) for s in nettings)
+        return np.array([0.0 if stiffness is None else 1.0 / (g * stiffness) for stiffness in given])[netting]
 
     facets, weight = parts.facet_table()
+    for window in windows:
+        facets = np.concatenate([facets, *window.facets])
+        weight = np.concatenate([weight, *window.weights])
     around = lattice.order * lattice.columns[facets[:, 6]]
     weight *= _polygon_area(g * around) / _polygon_area(around)
-    meshes = np.concatenate(parts.meshes)
-    meshes = meshes[np.argsort(meshes[:, 16], kind="stable")]
+    meshes, mesh_netting = _own_and_of_windows(parts.meshes, 16, [window.meshes for window in windows], lattice.bands)
+    by_row = np.argsort(meshes[:, 16], kind="stable")
+    meshes, mesh_netting = meshes[by_row], mesh_netting[by_row]
     count = len(node_row)
     fixed = np.zeros((count, 3), dtype=bool)
     fixed[entry] = True
@@ -64,7 +75,7 @@ def assembled(
         bar_flexibility=np.where(is_knot, softness("knot_axial_stiffness_n"), softness("axial_stiffness_n")),
         bar_drag_diameter=np.where(is_knot, 0.0, g * of_section("drag_width_m")),
         bar_solid_diameter=np.sqrt(g) * of_section("solid_diameter_m"),
-        bar_density=np.array([np.nan if s.density_kg_m3 is None else s.density_kg_m3 for s in lattice.sections])[band],
+        bar_density=np.array([np.nan if s.density_kg_m3 is None else s.density_kg_m3 for s in nettings])[netting],
         bar_diameter=of_section("twine_m"),
         bar_drag_law=np.full(len(bars), law, dtype=np.int32),
         bar_normal_drag=np.full(len(bars), normal),
@@ -95,7 +106,22 @@ def assembled(
         mesh_bars=_bars_of_sides(bars[:, :3], meshes[:, :8].reshape(-1, 2), meshes[:, 8:16].reshape(-1, 2)),
         mesh_row=meshes[:, 16].astype(np.int32),
         globalisation=g,
+        windows=tuple(window.netting for window in windows),
+        bar_window=np.where(netting >= lattice.bands, netting - lattice.bands, -1).astype(np.int32),
+        mesh_window=np.maximum(mesh_netting - lattice.bands, -1).astype(np.int32),
     )
+
+
+def _own_and_of_windows(
+    own: list[NDArray], place: int, of_windows: Sequence[list[NDArray]], bands: int
+) -> tuple[NDArray, NDArray]:
+    """Parts with those of windows after them, and the netting of each: its band, or behind those its window."""
+    table = np.concatenate(own)
+    netting = [np.minimum(table[:, place], bands - 1)]
+    for number, parts in enumerate(of_windows):
+        table = np.concatenate([table, *parts])
+        netting.append(np.full(sum(map(len, parts)), bands + number))
+    return table, np.concatenate(netting)
 
 
 def _polygon_area(corners: Counts) -> Floats:

@@ -5,12 +5,14 @@ Rows count rings of knots from the entry, row 0, to the codline; band j is the n
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from codend.net.net import Floats, Ints, Net, numbered_all_round, rotate, split_bars
 from codend.plan.kinds import Kind
+from codend.plan.tables import Netting
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,12 @@ class Bag:
     """Tension of the real rope over that of its bar, (p,)."""
     rope_name: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
     """1000 times the plan's table of the rope, plus its number among the equal ones, both from 0, (p,)."""
+    windows: tuple[Netting, ...] = ()
+    """Netting of the windows that are let in."""
+    mesh_window: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
+    """Window that a mesh is of, -1 for none, (k,); empty: all -1."""
+    bar_window: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
+    """Window that a bar of netting is of, -1 for none; empty: all -1."""
     anchors: int = 0
     """Nodes of the hoop that only ropes start from, behind all others."""
 
@@ -77,15 +85,39 @@ class Bag:
         """Whether the rows at either end of a band are half a mesh apart, a whole one otherwise, (bands,)."""
         return np.array([kind.staggered for kind in self.band_kind])
 
+    def _of_meshes(self, of_bands: NDArray, of_windows: list[Any]) -> NDArray:
+        """What a mesh has of its band or window, (k,)."""
+        own = of_bands[np.minimum(self.mesh_row, self.bands - 1)]
+        if not self.windows:
+            return own
+        return np.where(self.mesh_window >= 0, np.array(of_windows)[np.maximum(self.mesh_window, 0)], own)
+
     @cached_property
     def mesh_is_staggered(self) -> NDArray[np.bool_]:
-        """Whether a mesh lies about the row that counts it; otherwise in the band behind it, (k,)."""
-        return self.band_is_staggered[self.mesh_row]
+        """Whether a mesh has its sides aslant; otherwise along and across, (k,)."""
+        return self._of_meshes(self.band_is_staggered, [part.kind.staggered for part in self.windows])
 
     @cached_property
     def mesh_opens(self) -> NDArray[np.bool_]:
         """Whether a mesh opens and closes, (k,)."""
-        return np.array([kind.opens for kind in self.band_kind])[self.mesh_row]
+        return self._of_meshes(
+            np.array([kind.opens for kind in self.band_kind]), [part.kind.opens for part in self.windows]
+        )
+
+    @cached_property
+    def mesh_bending_n(self) -> Floats:
+        """24 EI / b^2 of a mesh, (k,)."""
+        return self._of_meshes(self.band_bending_n, [part.bending_n for part in self.windows])
+
+    @cached_property
+    def mesh_rest_rad(self) -> Floats:
+        """Half the opening at which it is at rest, (k,)."""
+        return self._of_meshes(self.band_rest_rad, [part.rest_half_angle_rad for part in self.windows])
+
+    @cached_property
+    def mesh_of_section(self) -> NDArray[np.bool_]:
+        """Whether a mesh is of its section's own netting, not of a window, (k,)."""
+        return self.mesh_window < 0 if self.windows else np.ones(len(self.mesh_row), dtype=bool)
 
     @property
     def mesh_place(self) -> Floats:

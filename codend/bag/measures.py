@@ -41,6 +41,10 @@ class Measures:
     entry_reaction_n: float
     opening_ahead_deg: float
     opening_force_ahead_n: float
+    opening_ahead_spread_deg: float
+    """Standard deviation round the ring of the openings in the rows ahead, about the means of their rows."""
+    opening_ahead_least_deg: float
+    opening_ahead_most_deg: float
     max_bar_tension_n: float
     max_strap_tension_n: float
     """nan where there is no strap."""
@@ -112,8 +116,7 @@ def mesh_opening_force(
     bag: Bag, bar_tension_n: Floats, opening_deg: Floats, wanted_deg: float = WANTED_OPENING_DEG
 ) -> Floats:
     """``opening_force`` of the meshes of a bag, whose real tensions and openings are given, (k,)."""
-    bending, rest = bag.band_bending_n[bag.mesh_row], bag.band_rest_rad[bag.mesh_row]
-    return opening_force(bar_tension_n, opening_deg, wanted_deg, bending, rest)
+    return opening_force(bar_tension_n, opening_deg, wanted_deg, bag.mesh_bending_n, bag.mesh_rest_rad)
 
 
 def mesh_openings(bag: Bag, corners: Floats) -> tuple[Floats, Floats]:
@@ -195,7 +198,8 @@ def folded_share(bag: Bag, positions: Floats, rows: Rows, share: Floats) -> floa
 
 
 def measure_rows(bag: Bag, problem: Problem, solution: Solution, meshes: Meshes) -> Rows:
-    """Means over every row of knots."""
+    """Means over every row of knots; of meshes those of windows are left out."""
+    own = bag.mesh_of_section
     ring = np.flatnonzero(bag.node_row >= 0)
     x = _mean_by(bag.node_row[ring], solution.positions[ring, 0], bag.bands + 1)
     r = _mean_by(bag.node_row[ring], ring_radii(bag, solution.positions), bag.bands + 1)
@@ -208,9 +212,9 @@ def measure_rows(bag: Bag, problem: Problem, solution: Solution, meshes: Meshes)
     return Rows(
         x_m=x,
         radius_m=r,
-        opening_deg=_mean_by(bag.mesh_row, meshes.opening_deg, bag.bands + 1),
+        opening_deg=_mean_by(bag.mesh_row[own], meshes.opening_deg[own], bag.bands + 1),
         bar_tension_n=tension,
-        opening_force_n=_mean_by(bag.mesh_row, meshes.opening_force_n, bag.bands + 1),
+        opening_force_n=_mean_by(bag.mesh_row[own], meshes.opening_force_n[own], bag.bands + 1),
         pressure_pa=filled * (by_water + by_weight),
     )
 
@@ -227,7 +231,7 @@ def current_loads(problem: Problem, solution: Solution) -> tuple[Floats, Floats]
     return on_twine, by_catch
 
 
-def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows) -> Measures:
+def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows, meshes: Meshes) -> Measures:
     """Drag, volume, sizes and openings of a solved net."""
     net, structure, loading = problem.net, problem.structure, problem.loading
     position, share = np.ascontiguousarray(solution.positions), solution.share
@@ -258,6 +262,7 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows) -> Measu
         entry_reaction_n=float(-support[held_by_the_entry(bag), 0].sum() * net.order),
         opening_ahead_deg=float(np.mean(openings)) if len(ahead) else float("nan"),
         opening_force_ahead_n=float(np.mean(forces)) if len(ahead) else float("nan"),
+        **_spread_ahead(bag, meshes, ahead),
         max_bar_tension_n=float(np.delete(tension, np.append(straps, bag.ropes)).max()),
         max_strap_tension_n=float(tension[straps].max()) if len(straps) else float("nan"),
         max_rope_tension_n=float(tension[bag.ropes].max()) if len(bag.ropes) else float("nan"),
@@ -267,6 +272,20 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows) -> Measu
     )
 
 
+def _spread_ahead(bag: Bag, meshes: Meshes, ahead: Floats) -> dict[str, float]:
+    """How openings differ round the ring in the rows just ahead of the front; nan where ropes are smeared."""
+    place = bag.mesh_place[bag.mesh_row]
+    found = bag.mesh_of_section & np.isfinite(meshes.opening_deg)
+    if len(ahead):
+        found &= (place > ahead.min() - 0.5 + 1e-9) & (place < ahead.max() + 0.5 - 1e-9)
+    names = ("opening_ahead_spread_deg", "opening_ahead_least_deg", "opening_ahead_most_deg")
+    if len(ahead) == 0 or not found.any() or (len(bag.ropes) and bag.rope_share.min() != 1.0):
+        return dict.fromkeys(names, float("nan"))
+    openings, row = meshes.opening_deg[found], bag.mesh_row[found]
+    about = openings - _mean_by(row, openings, bag.bands + 1)[row]
+    return dict(zip(names, map(float, (np.sqrt(np.mean(about**2)), openings.min(), openings.max())), strict=True))
+
+
 def measure_briefly(bag: Bag, problem: Problem, solution: Solution) -> tuple[float, float, float, float]:
     """Of ``measure`` the drag, the catch's volume, the largest radius and the opening ahead, as it has them."""
     position, share = np.ascontiguousarray(solution.positions), solution.share
@@ -274,15 +293,16 @@ def measure_briefly(bag: Bag, problem: Problem, solution: Solution) -> tuple[flo
     band_geometry(position, problem.structure, problem.loading.catch, area, moment)
     ring = np.flatnonzero(bag.node_row >= 0)
     x = _mean_by(bag.node_row[ring], position[ring, 0], bag.bands + 1)
-    by_row = _mean_by(bag.mesh_row, mesh_openings(bag, mesh_corners(bag, position))[0], bag.bands + 1)
+    own, openings = bag.mesh_of_section, mesh_openings(bag, mesh_corners(bag, position))[0]
+    by_row = _mean_by(bag.mesh_row[own], openings[own], bag.bands + 1)
     has_mesh = np.flatnonzero(np.isfinite(by_row))
     ahead = opening_rows_ahead(bag, share)
-    openings = np.interp(ahead, bag.mesh_place[has_mesh], by_row[has_mesh])
+    middles = np.interp(ahead, bag.mesh_place[has_mesh], by_row[has_mesh])
     return (
         drag_of(problem, solution),
         enclosed_volume(x, area, moment, share),
         float(ring_radii(bag, position).max()),
-        float(np.mean(openings)) if len(ahead) else float("nan"),
+        float(np.mean(middles)) if len(ahead) else float("nan"),
     )
 
 
@@ -296,7 +316,7 @@ def measure_all(bag: Bag, problem: Problem, solution: Solution) -> tuple[Meshes,
     """Meshes, rows and sums of a solved bag."""
     meshes = measure_meshes(bag, problem, solution)
     rows = measure_rows(bag, problem, solution, meshes)
-    return meshes, rows, measure(bag, problem, solution, rows)
+    return meshes, rows, measure(bag, problem, solution, rows, meshes)
 
 
 def opening_rows_ahead(bag: Bag, share: Floats) -> Floats:

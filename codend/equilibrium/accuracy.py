@@ -58,7 +58,7 @@ there is in any case, and by the square of the shortening over the number of rop
 
 def smeared_errors(plan: Plan) -> np.ndarray:
     """How far smeared ropes may be off: relative in drag, volume and largest radius, degrees in opening, (4,)."""
-    most = max(max(rope.shortening, 0.0) ** 2 / rope.number for rope in plan.rope)
+    most = max(max(rope.shortening, 0.0) ** 2 / rope.number for rope in plan.ropes)
     return np.asarray(SMEARED @ [1.0, most])
 
 
@@ -111,6 +111,7 @@ def estimate(
     globalised = by_ratio(model, case, measures)
     if model.globalisation > 1:
         globalised += _distance(*(sector_measures(model.plan, case, g) for g in (1, model.globalisation)))
+        globalised += by_merged_windows(model, case, measures)
     # N per m3 of the catch, in all and as the model bears it
     of_catch, borne = catch_weight_density(model.plan), problem.loading.catch.weight_density
     catch_n = abs(of_catch - borne if model.globalisation == 1 else of_catch) * measures.catch_volume_m3
@@ -118,7 +119,7 @@ def estimate(
     share = (net_n + catch_n) / measures.drag_n
     weight = WEIGHT_LEFT_OUT @ [share, share**2] + OF_THE_CATCH * catch_n / measures.drag_n
     errors = SAFETY * (solver + globalised) + (NOISE + weight) * sizes + by_wrinkles
-    if model.smeared and model.plan.rope:
+    if model.smeared and model.plan.ropes:
         errors += smeared_errors(model.plan) * [*sizes[:3], 1.0]
     if any(share > part.kind.folds_over_from for part in model.plan.netting):
         errors = np.full(4, np.nan)
@@ -165,6 +166,22 @@ def by_ratio(model: BagModel, case: Case, measures: Measures) -> np.ndarray:
     distance = part * _distance(measures, _solved(model_of(by_any_method(model.plan), 1, 1, near=other), case))
     sizes = np.abs(measures.estimated)
     return np.asarray(np.maximum(distance, BY_MISMATCH * near.largest * sizes))
+
+
+def by_merged_windows(model: BagModel, case: Case, measures: Measures) -> np.ndarray:
+    """What merging makes of what windows change: how much that differs in the next coarser net.
+
+    Where there is none coarser, or it is not solved, all that they change.
+    """
+    plan, g = by_any_method(model.plan), model.globalisation
+    if not plan.window:
+        return np.zeros(4)
+    changed = measures.estimated - sector_measures(plan, case, g).estimated
+    coarser = min((other for other in plan.globalisations if other > g), default=None)
+    if coarser is None:
+        return np.abs(changed)
+    other = _solved(model_of(plan, coarser, None), case).estimated - sector_measures(plan, case, coarser).estimated
+    return np.where(np.isnan(other), np.abs(changed), np.abs(changed - other))
 
 
 def _distance(first: Measures, second: Measures) -> np.ndarray:

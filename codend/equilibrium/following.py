@@ -142,7 +142,7 @@ class _Following:
             motion.solution,
             stability_of(model, tangent),
             measure_all(model.bag, problem, motion.solution)[2],
-            meshes_wide(model.bag, max(part.meshes_round for part in model.plan.netting)),
+            meshes_wide(model.bag, max(max(part.open_meshes) for part in model.plan.netting)),
             growth.harmonic,
         )
 

@@ -25,6 +25,8 @@ class Lattice:
     """Equal sectors that are modelled side by side."""
     order: float
     globalisation: int
+    seamed: bool = False
+    """Whether sections taper, or are joined, along seams, the first of which has azimuth 0."""
 
     @property
     def bands(self) -> int:
@@ -51,8 +53,10 @@ class Lattice:
         """Azimuth of column 0 of each band without its shift, rad, (bands,).
 
         Where knots are taken up unevenly, the sections are turned against each other so that on average none is pulled
-        to either side.
+        to either side. Seams stay where they are: on a column, or half a column beside one.
         """
+        if self.seamed:
+            return -np.pi * self._beside_seam / (self.columns * self.order)
         turn = np.zeros(self.bands)
         for band in np.flatnonzero(np.diff(self.columns)) + 1:
             ahead, aft = self.columns[band - 1 : band + 1]
@@ -61,6 +65,28 @@ class Lattice:
             lag = 2.0 * np.pi / self.order * np.mean(knot / wide - taken_up(knot, wide, narrow) / narrow)
             turn[band] = lag if ahead > aft else -lag
         return np.cumsum(turn)
+
+    @cached_property
+    def upward(self) -> NDArray[np.bool_]:
+        """Whether knots of a row are laced to the next knot on, not to the last, of a ring of fewer, (bands + 1,).
+
+        Of a section that loses a mesh at every seam those on either side of the seam become one. In rows that are
+        shifted by half a mesh these are the last and the first, in others the first and the second.
+        """
+        return self.seamed & (self.shift == 1)
+
+    @cached_property
+    def _beside_seam(self) -> Counts:
+        """0 where a seam runs through column 0 of a band, 1 where half a mesh on, (bands,)."""
+        beside = np.zeros(self.bands, dtype=np.int64)
+        for band in range(1, self.bands):
+            ahead, aft = self.columns[band - 1 : band + 1]
+            beside[band] = beside[band - 1]
+            if ahead > aft:
+                beside[band] = self.shift[band]  # the knot that others are laced to lies on the seam
+            elif ahead < aft:
+                beside[band] = 1 - self.shift[band]
+        return beside
 
     def places(self, bands: NDArray[np.integer]) -> tuple[Counts, Counts]:
         """Band and column of every modelled mesh of some bands, band by band, each (places,)."""
@@ -86,12 +112,12 @@ class Lattice:
         return inside % wide * self.abreast + inside // wide, image
 
 
-def taken_up(knot: Counts, wide: Counts, narrow: Counts) -> Counts:
+def taken_up(knot: Counts, wide: Counts, narrow: Counts, upward: NDArray[np.bool_] | bool = False) -> Counts:
     """Knot of a ring of ``narrow`` that a knot of ``wide`` is laced to, both counted on all round.
 
     100 meshes are joined to 60 at the ratio of 5 to 3: of each 5, two pairs are taken up two by two and one is not.
     """
-    return knot * narrow // wide
+    return np.where(upward, -(-knot * narrow // wide), knot * narrow // wide)
 
 
 @dataclass(frozen=True)
