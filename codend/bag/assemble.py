@@ -81,7 +81,7 @@ def assembled(
         bar_normal_drag=np.full(len(bars), normal),
         bar_tangential_drag=np.full(len(bars), tangential),
         bar_is_rope=np.zeros(len(bars), dtype=bool),
-        bar_is_strut=is_knot & np.array([s.knot_compression for s in lattice.sections])[band],
+        bar_is_strut=is_knot & np.array([s.knot_compression for s in nettings])[netting],
         facets=facets[:, :3].astype(np.int32),
         facet_image=facets[:, 3:6].astype(np.int32),
         facet_weight=weight,
