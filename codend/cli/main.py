@@ -23,6 +23,7 @@ from codend.cli.common import (
     check_writable,
     out_option,
     set_option,
+    spreadsheet_options,
     written_into,
 )
 from codend.cli.compare import compare
@@ -37,6 +38,7 @@ from codend.cli.selectivity import selectivity, species
 from codend.cli.sensitivities import sensitivities
 from codend.cli.streams import Terminated, end_on_signals, give_up_output, say, take_any_text
 from codend.cli.sweep import sweep
+from codend.cli.tables import tables
 from codend.errors import InputError, TooLittleMemory
 
 if TYPE_CHECKING:
@@ -140,6 +142,7 @@ def main(ctx: click.Context) -> None:
 @click.argument("plan", metavar="PLAN.toml")
 @out_option
 @set_option
+@spreadsheet_options
 def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     """Solve every case of a plan; write tables, plots, VTK files and a report into DIR.
 
@@ -155,6 +158,7 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     from codend.report.html import cautions, sea_water
     from codend.report.page import files_of, write_report
     from codend.report.size_words import derived_sizes
+    from codend.report.style import load_quickly
     from codend.studies.kept_cases import KeptCases
     from codend.studies.run_record import unfinished
     from codend.studies.study import solve
@@ -175,6 +179,7 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     with shown_progress() as progress, written_into(folder), KeptCases(checked, choice, folder) as kept:
         with _told_what_is_kept(kept, len(checked.cases()), folder / "results.csv"):
             study = solve(checked, progress, choice, kept.add)
+        load_quickly()
         written = write_report(study, folder, progress)
     click.echo(text_table(list(TABLE_COLUMNS.values()), study.table[list(TABLE_COLUMNS)].itertuples(index=False)))
     click.echo(f"{len(written)} files written into {folder}; see {folder / 'report.html'}")
@@ -244,6 +249,7 @@ for _command in (
     sweep,
     search,
     sensitivities,
+    tables,
     compare,
     chart,
     force,
