@@ -6,6 +6,7 @@ import numpy as np
 
 from codend.bag.bag import Bag
 from codend.bag.build import build_bag
+from codend.bag.measures import mean_by, ring_radii
 from codend.bag.meridian.plan_case import tensions_on
 from codend.bag.meridian.problem import MeridianShape
 from codend.equilibrium.bag_model import BagModel
@@ -36,6 +37,39 @@ def all_round_start(
     return Solution(np.concatenate(nodes), pulls, np.zeros(sector.bands), START)
 
 
+def windowed_start(wider: BagModel, sector: Bag, found: Solution) -> Solution:
+    """A start for a full net with windows, from the equilibrium of a sector of the netting they are let into.
+
+    Its rows are those of the sector, and its bars pull as theirs do; those of a window, more or fewer, share the pull.
+    """
+    whole = wider.bag
+    ring = np.flatnonzero(sector.node_row >= 0)
+    row = sector.node_row[ring]
+    x, radius = (
+        np.bincount(row, values) / np.bincount(row)
+        for values in (found.positions[ring, 0], np.hypot(*found.positions[ring, 1:].T))
+    )
+    laid = build_bag(wider.plan, globalisation=wider.globalisation, rows=(x, radius))
+    pulls = np.zeros(len(whole.net.bars))
+    for twine in (True, False):
+        own = np.delete(sector.bar_is_twine == twine, sector.ropes)
+        pull = np.delete(found.bar_tension, sector.ropes)[own]
+        band = np.delete(sector.bar_band, sector.ropes)[own]
+        mean = np.bincount(band, pull, sector.bands) / np.maximum(np.bincount(band, minlength=sector.bands), 1)
+        there = whole.bar_is_twine == twine
+        pulls[there] = mean[whole.bar_band[there]]
+    for number, (window, hole) in enumerate(zip(wider.plan.window, wider.plan.holes, strict=True)):
+        lines = (
+            window.meshes_round * window.rows_per_mesh / (hole.across * wider.plan.netting[hole.section].rows_per_mesh)
+        )
+        own = np.flatnonzero(whole.bar_window == number)
+        pulls[own] /= lines
+        if not window.kind.staggered:
+            ends = laid.net.positions[whole.net.bars[own]]
+            pulls[own[np.abs(ends[:, 1, 0] - ends[:, 0, 0]) < 0.1 * whole.net.bar_length[own]]] *= 0.1
+    return Solution(laid.net.positions, pulls, np.zeros(whole.bands), START)
+
+
 def set_round(sector: Bag, whole: Bag, solution: Solution) -> Solution:
     """The equilibrium of a sector with its ropes as one of the whole bag."""
     order, abreast, anchors = sector.net.sectors, sector.abreast, len(sector.net.positions) - sector.anchors
@@ -53,6 +87,27 @@ def set_round(sector: Bag, whole: Bag, solution: Solution) -> Solution:
     codline = solution.positions[anchors - 1 : anchors]
     positions = np.concatenate([turned, codline, held])
     return replace(solution, positions=positions, bar_tension=np.concatenate(pulls))
+
+
+def along_the_rows(narrow: Bag, solution: Solution, model: BagModel) -> Solution:
+    """A start for a wide sector or a full net of joined sections: the rows and tensions of one of nearly their ratio.
+
+    Every ring is a circle at the mean place of the narrow one's knots, every twine and knot of a band pulls as the mean
+    of its own do.
+    """
+    rings, g = np.flatnonzero(narrow.node_row >= 0), model.globalisation
+    rows = narrow.bands + 1
+    x = mean_by(narrow.node_row[rings], solution.positions[rings, 0], rows)
+    radius = mean_by(narrow.node_row[rings], ring_radii(narrow, solution.positions), rows)
+    bag = build_bag(model.plan, globalisation=g, sectors=model.sectors, rows=(x[::g], radius[::g]), near=model.near)
+    twine = narrow.bar_is_twine
+    of_twine, of_knots = (
+        mean_by(narrow.bar_band[which], solution.bar_tension[which], narrow.bands)[::g] for which in (twine, ~twine)
+    )
+    # straps begin slack
+    pulls = np.nan_to_num(np.where(bag.bar_is_twine, of_twine[bag.bar_band], of_knots[bag.bar_band]))
+    pulls[bag.straps] = 0.0
+    return Solution(bag.net.positions, g * pulls, np.zeros(bag.bands), START)
 
 
 def laid_out(model: BagModel, shape: MeridianShape) -> Solution:

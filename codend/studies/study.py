@@ -178,7 +178,7 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     errors = accuracy.estimate(model, case, tangent, result.measures, unseen_weight_n, changed)
     followed = replace(NOT_FOLLOWED, folds=True, reason=LYING_ON_ITSELF) if touching else NOT_FOLLOWED
     result = replace(result, errors=errors, stability=stability, followed=followed)
-    if stability.stable != "no" or plan.model.wrinkles is False or plan.model.bars_per_side > 1 or plan.rope:
+    if stability.stable != "no" or plan.model.wrinkles is False or plan.model.bars_per_side > 1 or plan.ropes:
         return result
     if plan.model.wrinkles == "auto" and within_accuracy(plan, result.measures, errors):
         return result

@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.errors import InputError
-from codend.io.columns import OF_LAYERS, PLACE
+from codend.io.columns import ALL_PANELS, OF_LAYERS, PLACE
 from codend.io.input_table import InputTable
 from codend.io.run_tables import read_run_table, solved_cases
 from codend.plan.plan import Netting, Plan, load_plan
+from codend.plan.tables import TUBE
+from codend.plan.windows import Window
 from codend.selectivity.escape.penetration import SHAPES, Holes
 from codend.selectivity.escape.yielding import held_by_neighbours, load_along
 
@@ -134,11 +136,13 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
     results.require(("fidelity", "opening_ahead_deg"))
     solved = solved_cases(run.results, results.source, ("case", "speed_m_s", "filled_meshes", "catch_volume_m3"))
     InputTable(results.source, solved).check("case", ~solved["case"].duplicated().to_numpy(), "each case once")
+    names_of = (*run.plan.section_names, *run.plan.window_names)
+    section_of = dict(zip(names_of, (*run.plan.netting, *run.plan.window), strict=True))
     found = []
     for result in solved.to_dict("records"):
         profile, merged = _profile_of(run, result)
         meshes = _meshes_of(run, result, profile, merged)
-        sections = [run.plan.netting[run.plan.section_names.index(name)] for name in meshes["section"]]
+        sections = [section_of[name] for name in meshes["section"]]
         place, row = profile["meshes_from_entry"].to_numpy(), meshes["row"].to_numpy(dtype=int)
         front_row = np.interp(place[-1] - result["filled_meshes"], place, merged * np.arange(len(place)))
         # a merged row stands for real rows about it, of square mesh for those behind it
@@ -150,7 +154,7 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
         share = 1.0 / np.bincount(row)[row]
         names, panels = meshes["section"].to_numpy(), np.full(len(row), "", dtype=object)
         if "panel" in meshes.columns:
-            panels = meshes["panel"].fillna("").to_numpy()
+            panels = meshes["panel"].fillna("").replace([TUBE, ALL_PANELS], "").to_numpy()
         found.append(
             Catch(
                 case=int(result["case"]),
@@ -197,36 +201,54 @@ def _profile_of(run: Run, result: dict[Hashable, Any]) -> tuple[pd.DataFrame, in
 
 def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, merged: int) -> pd.DataFrame:
     """Meshes of a solved case: one a row of a net that is the same all round, of another all."""
-    around = np.array([section.meshes_round for section in run.plan.netting])
     bands = [run.plan.netting[number].kind for number in run.plan.sections_of_bands(merged)]
     staggered = np.array([kind.staggered for kind in bands])
     # a square mesh lies behind the row that counts it, another about it; where square mesh ends a row counts none
     counting = np.append(~staggered | np.append(False, staggered[:-1]), False)
-    if result["fidelity"] in ("meridian", "smeared", "sector") and np.gcd.reduce(around) > 1:
+    meshes = run.meshes[run.meshes["case"] == result["case"]]
+    if meshes.empty and result["fidelity"] in ("meridian", "smeared", "sector") and not _wide(result):
         rows = profile[counting]
         InputTable(str(Path(run.source) / "profile.csv"), rows).numbers("opening_deg")
         return rows
     source = str(Path(run.source) / "meshes.csv")
-    meshes = run.meshes[run.meshes["case"] == result["case"]]
     section = profile["section"].to_numpy()
-    count = around[[run.plan.section_names.index(name) for name in section]] // merged * counting
-    wanted = np.repeat(np.arange(len(count)), count)
-    if not np.array_equal(np.sort(meshes["row"]), wanted):
+    row = np.sort(meshes["row"].to_numpy(dtype=int))
+    if run.plan.tapers or run.plan.window or run.plan.ropes:
+        # meshes round differ from row to row, and windows have their own
+        wanted, found = np.flatnonzero(counting), np.unique(row)
+    else:
+        around = np.array([part.open_meshes[0] for part in run.plan.netting])
+        number = {name: i for i, name in enumerate(run.plan.section_names)}
+        count = around[[number[name] for name in section]] // merged * counting
+        if result["fidelity"] in ("meridian", "sector"):
+            count = np.rint(count / float(result["sector_order"])).astype(int)
+        wanted, found = np.repeat(np.arange(len(count)), count), row
+    if not np.array_equal(found, wanted):
         allowed = f"the {len(wanted)} of the plan in rows {wanted[0]} to {wanted[-1]}"
         raise InputError(source, "case", result["case"], allowed, f"has {len(meshes)} meshes, not those of the plan")
-    same = meshes["section"].to_numpy() == section[meshes["row"].to_numpy(dtype=int)]
-    InputTable(source, meshes).check("section", same, "that of its row in profile.csv")
+    own = meshes["section"].to_numpy() == section[meshes["row"].to_numpy(dtype=int)]
+    own |= meshes["section"].isin(run.plan.window_names).to_numpy()
+    InputTable(source, meshes).check("section", own, "that of its row in profile.csv, or a window")
     return meshes
+
+
+def _wide(result: dict[Hashable, Any]) -> bool:
+    """Whether more than one mesh round is modelled, all of which fish meet."""
+    return float(result.get("sector_meshes", 1)) > 1 and result["fidelity"] == "sector"
 
 
 def _holes(sections: list[Netting], meshes: pd.DataFrame, radius_m: Floats) -> Holes:
     row = meshes["row"].to_numpy(dtype=int)
     half = 0.5 * np.radians(meshes["opening_deg"].to_numpy(dtype=float))
     bar = np.array([s.clear_bar_m for s in sections])
+    bar_full = np.array([s.bar_m for s in sections])
     width = np.array([s.drag_width_m for s in sections])
-    around = np.array([s.meshes_round for s in sections])
+    around = np.array([max(s.open_meshes) for s in sections])
     # the chord between two meridional bars, which a bar across them bounds
     between = 2.0 * 0.5 * (radius_m[row] + radius_m[np.minimum(row + 1, len(radius_m) - 1)]) * np.sin(np.pi / around)
+    # in a window and where counts differ round the ring, by the mesh's own opening
+    alone = np.array([isinstance(s, Window) or s.tapers for s in sections], dtype=bool)
+    between = np.where(alone, bar_full * np.tan(np.minimum(half, 0.5 * np.pi - 1e-9)), between)
     shape = np.array([SHAPES[s.kind.hole] for s in sections], dtype=np.int64)
     rectangle = shape == SHAPES["rectangle"]
     across = np.where(rectangle, np.clip(between - width, 0.0, bar), bar)
