@@ -169,7 +169,10 @@ def _starts(
 ) -> Iterator[tuple[BagModel, int, Growth, Solution]]:
     """Models so many sectors wide, what grows there, and where to start: along it, and of the widest shaken as well."""
     order, sectors = model.bag.net.sectors, model.sectors
-    for width, growth in _fitting(model, stability):
+    fitting = list(_fitting(model, stability))
+    if not fitting:
+        return
+    for width, growth in fitting:
         wide = model
         if width > 1:
             wide = model_of(model.plan, model.globalisation, (sectors or 1) * width)

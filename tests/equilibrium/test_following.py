@@ -5,8 +5,12 @@ from functools import cache
 import pytest
 
 from codend.equilibrium import following
+from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.bag_model import model_of
+from codend.equilibrium.stability import stability_of
 from codend.errors import InputError
 from codend.plan.plan import Plan, plan_from_dict
+from codend.solvers import newton
 from codend.solvers.gentle import End
 from codend.studies.case_result import CaseResult
 from codend.studies.study import solve
@@ -120,6 +124,16 @@ def test_nothing_is_followed_where_it_is_not_asked_or_nothing_grows():
     assert stiff_t0(wrinkles=False).followed.reason == ""
     limp = solve(make_plan(24, 20, model={"wrinkles": True})).cases[0]
     assert (limp.stability.stable, limp.followed.reason, limp.net.order) == ("yes", "", 24)
+
+
+def test_a_shape_of_which_nothing_that_can_be_followed_grows_is_the_last(monkeypatch):
+    plan = small("t90", 40.0, 0.12, 1.5, {}, twine_mm=3.0, knot_mm=8.0)
+    model, case = model_of(plan, 1, 1), plan.cases()[0]
+    problem, solution = equilibrium.solve(model, case, (), None)
+    stability = stability_of(model, newton.tangent_at(problem, solution, model.prepared))
+    assert list(following._starts(model, case, solution, stability))
+    monkeypatch.setattr(following, "MOST_KNOTS", 0)
+    assert not list(following._starts(model, case, solution, stability))
 
 
 def test_columns_tell_what_was_followed():

@@ -205,7 +205,8 @@ def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, mer
         wanted, found = np.flatnonzero(counting), np.unique(row)
     else:
         around = np.array([part.open_meshes[0] for part in run.plan.netting])
-        count = around[[run.plan.section_names.index(name) for name in section]] // merged * counting
+        number = {name: i for i, name in enumerate(run.plan.section_names)}
+        count = around[[number[name] for name in section]] // merged * counting
         if result["fidelity"] in ("meridian", "sector"):
             count = np.rint(count / float(result["sector_order"])).astype(int)
         wanted, found = np.repeat(np.arange(len(count)), count), row
