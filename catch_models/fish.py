@@ -99,7 +99,8 @@ class Along(_Table):
     """How attempts are spread over the distance from the catch's front, linear between the rows given."""
 
     rows_ahead: Annotated[tuple[Annotated[Number, Ge(0), Le(10_000)], ...], MinLen(1)]
-    """Rows of meshes ahead of the front, rising; beyond the last no fish tries."""
+    """Rows of meshes ahead of the front, rising from 0 to 1 on; nearer than the first its weight holds, and beyond the
+    last no fish tries."""
     weight: Annotated[tuple[Annotated[Number, Ge(0)], ...], MinLen(1)]
     """Attempts there, relative; open meshes of a row share them."""
     source: Text

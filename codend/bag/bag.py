@@ -5,12 +5,15 @@ Rows count rings of knots from the entry, row 0, to the codline; band j is the n
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from codend.bag.measure_kernels import write_corners
 from codend.net.net import Floats, Ints, Net, numbered_all_round, rotate, split_bars
 from codend.plan.kinds import Kind
+from codend.plan.tables import Netting
 
 
 @dataclass(frozen=True)
@@ -59,15 +62,24 @@ class Bag:
     """Tension of the real rope over that of its bar, (p,)."""
     rope_name: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
     """1000 times the plan's table of the rope, plus its number among the equal ones, both from 0, (p,)."""
+    windows: tuple[Netting, ...] = ()
+    """Netting of the windows that are let in."""
+    mesh_window: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
+    """Window that a mesh is of, -1 for none, (k,); empty: all -1."""
+    bar_window: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
+    """Window that a bar of netting is of, -1 for none; empty: all -1."""
     anchors: int = 0
     """Nodes of the hoop that only ropes start from, behind all others."""
+
+    layer_bands: tuple[Ints, ...] = ()
+    """Bands that each second layer lies over, in the order of the net's ``wrap_ring``."""
 
     @property
     def bands(self) -> int:
         """Number of bands of netting from the entry to the codline."""
         return len(self.band_meshes)
 
-    @property
+    @cached_property
     def row_place(self) -> Floats:
         """Place of every row of knots, in meshes from the entry, (bands + 1,)."""
         return np.concatenate([[0.0], np.cumsum(self.band_meshes)])
@@ -77,17 +89,62 @@ class Bag:
         """Whether the rows at either end of a band are half a mesh apart, a whole one otherwise, (bands,)."""
         return np.array([kind.staggered for kind in self.band_kind])
 
+    def _of_meshes(self, of_bands: NDArray, of_windows: list[Any]) -> NDArray:
+        """What a mesh has of its band or window, (k,)."""
+        own = of_bands[np.minimum(self.mesh_row, self.bands - 1)]
+        if not self.windows:
+            return own
+        return np.where(self.mesh_window >= 0, np.array(of_windows)[np.maximum(self.mesh_window, 0)], own)
+
     @cached_property
     def mesh_is_staggered(self) -> NDArray[np.bool_]:
-        """Whether a mesh lies about the row that counts it; otherwise in the band behind it, (k,)."""
-        return self.band_is_staggered[self.mesh_row]
+        """Whether a mesh has its sides aslant; otherwise along and across, (k,)."""
+        return self._of_meshes(self.band_is_staggered, [part.kind.staggered for part in self.windows])
+
+    @cached_property
+    def mesh_is_folded(self) -> NDArray[np.bool_]:
+        """Whether a mesh is folded over its widest part by a strap, (k,)."""
+        return np.isin(self.mesh_row, self.node_row[self.net.bars[self.straps, 0]]) & self.mesh_is_staggered
+
+    @cached_property
+    def mesh_bands(self) -> tuple[Ints, Ints]:
+        """Bands that a mesh reaches ahead and behind into, the same of one that lies in one band, each (k,)."""
+        behind = np.minimum(self.mesh_row, self.bands - 1)
+        return np.where(self.mesh_is_staggered, np.maximum(behind - 1, 0), behind), behind
+
+    @cached_property
+    def twine_band(self) -> Ints:
+        """Band that a bar of twine lies in, -1 for other bars, (m,)."""
+        return np.where(self.bar_is_twine, self.bar_band, -1)
+
+    @cached_property
+    def netting(self) -> Ints:
+        """Bars that are neither straps nor ropes."""
+        return np.delete(np.arange(len(self.net.bars), dtype=np.int32), np.append(self.straps, self.ropes))
 
     @cached_property
     def mesh_opens(self) -> NDArray[np.bool_]:
         """Whether a mesh opens and closes, (k,)."""
-        return np.array([kind.opens for kind in self.band_kind])[self.mesh_row]
+        return self._of_meshes(
+            np.array([kind.opens for kind in self.band_kind]), [part.kind.opens for part in self.windows]
+        )
 
-    @property
+    @cached_property
+    def mesh_bending_n(self) -> Floats:
+        """24 EI / b^2 of a mesh, (k,)."""
+        return self._of_meshes(self.band_bending_n, [part.bending_n for part in self.windows])
+
+    @cached_property
+    def mesh_rest_rad(self) -> Floats:
+        """Half the opening at which it is at rest, (k,)."""
+        return self._of_meshes(self.band_rest_rad, [part.rest_half_angle_rad for part in self.windows])
+
+    @cached_property
+    def mesh_of_section(self) -> NDArray[np.bool_]:
+        """Whether a mesh is of its section's own netting, not of a window, (k,)."""
+        return self.mesh_window < 0 if self.windows else np.ones(len(self.mesh_row), dtype=bool)
+
+    @cached_property
     def mesh_place(self) -> Floats:
         """Middle of the meshes that a row counts, in meshes from the entry, (bands + 1,)."""
         behind = np.append(0.5 * self.band_meshes * ~self.band_is_staggered, 0.0)
@@ -96,7 +153,9 @@ class Bag:
 
 def mesh_corners(bag: Bag, positions: Floats) -> Floats:
     """End positions of the four sides of every mesh, (k, 4, 2, 3): mesh, side, end, coordinate."""
-    return rotate(positions[bag.mesh_sides], bag.mesh_side_image, bag.net.order)
+    corners = np.empty((len(bag.mesh_sides), 4, 2, 3))
+    write_corners(positions, bag.mesh_sides, bag.mesh_side_image, float(bag.net.order), corners)
+    return corners
 
 
 @dataclass(frozen=True)

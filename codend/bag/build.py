@@ -3,18 +3,23 @@
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.bag.assemble import assembled
 from codend.bag.bag import Bag, with_hinges
+from codend.bag.layers import with_layers
 from codend.bag.near_ratio import NearRatio
 from codend.bag.ropes import with_ropes
 from codend.bag.straps import with_straps
+from codend.bag.windows import sewn_to_bars, with_windows
 from codend.errors import InputError
 from codend.mechanics.drag_laws import drag
 from codend.net.net import Floats
 from codend.netting.knots import knots_of, placed_knots
 from codend.netting.parts import Lattice, RowShape
-from codend.netting.pattern import parts_of
+from codend.netting.pattern import layout_of, parts_of
+from codend.netting.taper import columns_along
+from codend.netting.windows import LetIn
 from codend.plan.plan import Netting, Plan
 
 
@@ -51,16 +56,30 @@ def build_bag(
     _check_panels(plan)
     lattice = _lattice_of(plan, globalisation, sectors, smeared, near)
     x, radius = rows if rows is not None else crude_rows(plan, globalisation)
+    azimuth_rad += np.radians(plan.seam_deg)
     shape = RowShape(x, np.concatenate([[plan.entry_radius_m], radius[1:-1], [0.0]]), azimuth_rad)
     knots = knots_of(lattice)
     positions, node_row = placed_knots(knots, shape)
     entry = np.arange(knots.fore_start[1])
     drag_law = drag(plan.drag.law, *plan.drag.coefficients)
-    bag = assembled(parts_of(knots), lattice, positions, node_row, entry, drag_law)
+    windows = list[LetIn]()
+    if plan.window and sectors is None:
+        parts = parts_of(knots)
+        windows, knots, positions, node_row = with_windows(plan, parts, knots, shape, positions, node_row)
+        entry = np.unique(knots.now(entry))
+        layout = parts.joined(windows)
+    else:
+        layout = layout_of(knots)
+    bag = assembled(layout, lattice, positions, node_row, entry, drag_law, windows)
+    bag = sewn_to_bars(bag, windows)
     bag = replace(bag, abreast=lattice.abreast)
     if plan.model.bars_per_side == 2:
         bag = with_hinges(bag)
-    return with_ropes(with_straps(bag, plan, knots, drag_law), plan, knots, drag_law, smeared)
+    bag = with_ropes(with_straps(bag, plan, knots, drag_law), plan, knots, drag_law, smeared)
+    if not plan.layer:
+        return bag
+    _check_layers(plan, lattice)
+    return with_layers(bag, plan, knots)
 
 
 def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool, near: NearRatio | None) -> Lattice:
@@ -75,15 +94,31 @@ def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bo
     if near is not None:
         columns = np.array(near.columns)[list(plan.sections_of_bands(globalisation))]
         return Lattice(sections, columns, 1, near.order, globalisation)
-    meshes_round = np.array([s.meshes_round // globalisation for s in sections])
-    most = int(np.gcd.reduce(meshes_round))
+    columns = _columns_of(plan, globalisation)
+    most = int(np.gcd.reduce(columns))
     # n equal ropes leave n equal sectors
-    equal = most if smeared else int(np.gcd.reduce([most, *(rope.number for rope in plan.rope)]))
+    equal = most if smeared else int(np.gcd.reduce([most, *(rope.number for rope in plan.ropes)]))
     if sectors is not None and equal % sectors:
         raise ValueError(f"sectors must divide {equal}, the equal ones all round, not be {sectors}")
     abreast = most if sectors is None else most // equal * sectors
     order = most // abreast
-    return Lattice(sections, meshes_round // order, abreast, order, globalisation)
+    seamed = plan.tapers or any(part.has_seams for part in plan.netting)
+    return Lattice(sections, columns // order, abreast, order, globalisation, seamed)
+
+
+def _columns_of(plan: Plan, globalisation: int) -> NDArray[np.int64]:
+    """(Merged) meshes all round of every band, (bands,).
+
+    A tube tapers in as many places round as its counts and those of the other sections allow.
+    """
+    places = plan.places_round(globalisation)
+    parts = []
+    for part in plan.netting:
+        around = part.panels if part.has_seams else places
+        fore, aft = (count // globalisation // around for count in part.open_meshes)
+        rows = part.rows_per_mesh * part.meshes_long // globalisation
+        parts.append(around * columns_along(fore, aft, rows, part.kind.staggered))
+    return np.concatenate(parts)
 
 
 def _check_bending(plan: Plan) -> None:
@@ -99,18 +134,28 @@ def _check_bending(plan: Plan) -> None:
     raise InputError(file=plan.source, key="netting.bending_stiffness_n_m2", value=value, allowed=allowed)
 
 
+def _check_layers(plan: Plan, lattice: Lattice) -> None:
+    """Refuse layers where they have no model: anything but a sector one mesh wide of meshes that bars alone make up."""
+    if lattice.order == 1 or (lattice.columns != 1).any():
+        allowed = '"auto" or "sector", sections of as many meshes round, and "smeared" with ropes, under a [[layer]]'
+        raise InputError(plan.source, "model.fidelity", plan.model.fidelity, allowed)
+    if plan.model.bars_per_side != 1:
+        raise InputError(plan.source, "model.bars_per_side", plan.model.bars_per_side, "1 under a [[layer]]")
+
+
 def _check_panels(plan: Plan) -> None:
     """Refuse what of panels and windows is not modelled yet."""
     for index, section in enumerate(plan.netting):
-        if section.tapers:
-            key = "meshes_round_aft" if section.meshes_round_aft is not None else "cut"
-            allowed = "left out: sections that taper are drawn, but not modelled yet"
-            raise InputError(plan.source, f"netting.{index}.{key}", getattr(section, key), allowed)
-        if section.selvedge_meshes:
-            allowed = "0: selvedges are drawn, but not modelled yet"
-            raise InputError(plan.source, f"netting.{index}.selvedge_meshes", section.selvedge_meshes, allowed)
-    if plan.window:
-        raise InputError(plan.source, "window.0", None, "left out: windows are drawn, but not modelled yet")
+        if not section.tapers:
+            continue
+        key = "meshes_round_aft" if section.meshes_round_aft is not None else "cut"
+        if 2 * abs(section.edge_loss) > section.rows_per_mesh * section.meshes_long:
+            allowed = f"no steeper than along bars all the way: {section.meshes_long} meshes of an edge"
+        elif section.knot_across_m > 0.0:
+            allowed = f"left out: {section.kind.words} netting with knot_mm that tapers is not modelled yet"
+        else:
+            continue
+        raise InputError(plan.source, f"netting.{index}.{key}", getattr(section, key), allowed)
 
 
 def rows_of(plan: Plan, globalisation: int = 1) -> list[Netting]:
@@ -123,7 +168,8 @@ def crude_rows(plan: Plan, globalisation: int = 1) -> tuple[Floats, Floats]:
     sections = rows_of(plan, globalisation)
     number = list(plan.sections_of_bands(globalisation))
     side = np.array([globalisation * (s.bar_m + s.knot_along_m) for s in plan.netting])[number]
-    largest = np.array([s.stretched_radius_m for s in plan.netting])[number]
+    around = globalisation * _columns_of(plan, globalisation)
+    largest = around * np.array([s.stretched_radius_per_mesh_m for s in plan.netting])[number]
     from_entry = np.concatenate([[0.0], np.cumsum(side)])
     bound = np.minimum(np.concatenate([largest[:1], largest]), np.concatenate([largest, largest[-1:]]))
     from_wide_entry = np.minimum(plan.entry_radius_m - 0.6 * from_entry, 0.9 * bound)

@@ -44,8 +44,8 @@ def near_ratios(plan: Plan) -> Iterator[NearRatio]:
     The number of sectors is the one that meets the counts best, sections weighed by the area of their netting: what a
     few rows at an end are off by matters little.
     """
-    counts = np.array([part.meshes_round for part in plan.netting])
-    area = np.array([part.meshes_round * part.meshes_long * part.full_mesh_m**2 for part in plan.netting])
+    counts = np.array([part.open_meshes[0] for part in plan.netting])
+    area = np.array([part.open_meshes[0] * part.meshes_long * part.full_mesh_m**2 for part in plan.netting])
     exact = int(np.gcd.reduce(counts))
     least, nearest = int(np.argmin(counts)), np.inf
     for width in range(1, int(counts[least]) // exact + 1):
@@ -64,9 +64,12 @@ def near_enough(plan: Plan) -> NearRatio | None:
 
     None where the exact sector is narrow itself, no narrower one is near enough, or ropes have their places in it.
     """
-    widest = max(part.meshes_round for part in plan.netting) // math.gcd(*(part.meshes_round for part in plan.netting))
+    widest = max(part.open_meshes[0] for part in plan.netting) // math.gcd(
+        *(part.open_meshes[0] for part in plan.netting)
+    )
     rows = len(plan.sections_of_bands())
-    if plan.rope or widest < SLOW_MESHES or rows * widest < SLOW_KNOTS:
+    seamed = plan.ropes or plan.window or plan.tapers
+    if seamed or widest < SLOW_MESHES or rows * widest < SLOW_KNOTS:
         return None
     allowed = plan.model.accuracy / DRAG_BY_MISMATCH
     return next(

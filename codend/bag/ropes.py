@@ -18,7 +18,7 @@ from codend.net.net import Floats, with_bars, with_held_node
 from codend.netting.knots import LEFT, Knots
 from codend.netting.parts import Lattice
 from codend.plan.plan import Plan
-from codend.plan.ropes import Rope
+from codend.plan.ropes import Rope, Selvedge
 
 BESIDE = 0.26
 """Of a mesh: how far beside the rope a knot may lie that it is laced to. Every other row's are half a mesh off."""
@@ -36,13 +36,13 @@ class _Pieces:
 
 def with_ropes(bag: Bag, plan: Plan, knots: Knots, drag: tuple[int, float, float], smeared: bool) -> Bag:
     """The bag with the ropes of its plan, their bars after all others."""
-    for index, rope in enumerate(plan.rope):
+    for index, rope in enumerate(plan.ropes):
         for number, fraction, share in _places(rope, knots.lattice, smeared):
             bag = _with_rope(bag, plan, knots, drag, index, number, fraction, share)
     return bag
 
 
-def _places(rope: Rope, lattice: Lattice, smeared: bool) -> Iterator[tuple[int, float, float]]:
+def _places(rope: Rope | Selvedge, lattice: Lattice, smeared: bool) -> Iterator[tuple[int, float, float]]:
     """Number, place round the net (0 to 1) and share of a real one of every rope in the modelled sectors."""
     columns, order = int(lattice.columns[0]), lattice.order
     if smeared:
@@ -64,7 +64,7 @@ def _with_rope(
     fraction: float,
     share: float,
 ) -> Bag:
-    rope = plan.rope[index]
+    rope = plan.ropes[index]
     bag, pieces = _laid(bag, plan, knots, rope, fraction)
     length = (1.0 - rope.shortening) * np.array(pieces.stretched_m)
     density = np.nan if rope.density_kg_m3 is None else rope.density_kg_m3
@@ -75,7 +75,7 @@ def _with_rope(
         bar_length=length,
         bar_flexibility=0.0 if rope.axial_stiffness_n is None else 1.0 / (share * rope.axial_stiffness_n),
         bar_drag_diameter=share * rope.diameter_m,
-        bar_solid_diameter=np.sqrt(share) * rope.diameter_m,
+        bar_solid_diameter=np.sqrt(share) * rope.solid_diameter_m,
         bar_density=density,
         bar_diameter=rope.diameter_m,
         bar_is_rope=True,
@@ -92,7 +92,7 @@ def _with_rope(
     )
 
 
-def _laid(bag: Bag, plan: Plan, knots: Knots, rope: Rope, fraction: float) -> tuple[Bag, _Pieces]:
+def _laid(bag: Bag, plan: Plan, knots: Knots, rope: Rope | Selvedge, fraction: float) -> tuple[Bag, _Pieces]:
     """A rope's pieces, and the bag with the point of the hoop that it starts from where no knot is there."""
     lattice, g = knots.lattice, knots.lattice.globalisation
     bands = lattice.bands

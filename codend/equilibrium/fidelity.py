@@ -11,6 +11,7 @@ from codend.bag.loads import catch_weight_density
 from codend.bag.near_ratio import DRAG_BY_MISMATCH, SLOW_KNOTS, SLOW_MESHES, NearRatio, near_enough
 from codend.equilibrium.accuracy import WEIGHT_LEFT_OUT, sector_measures, smeared_errors
 from codend.equilibrium.bag_model import bag_of
+from codend.errors import InputError
 from codend.mechanics.weight import wet_weight
 from codend.net.net import Net
 from codend.plan.plan import Plan
@@ -31,6 +32,8 @@ class Reason(Enum):
     """The plan is the same all round but for its equal ropes, and sectors as wide as they are apart are exact."""
     SMEARED = auto()
     """Ropes smeared over all meshes are near enough for the accuracy in opening that was asked for."""
+    WINDOW = auto()
+    """A window is somewhere round the net; meshes are merged as the accuracy allows."""
     NO_WEIGHT = auto()
     """The plan is the same all round, and nothing is given a density other than the water's."""
     LITTLE_WEIGHT = auto()
@@ -118,11 +121,11 @@ def choose(plan: Plan) -> Choice:
         fidelity="sector",
         globalisation=1,
         sectors=1,
-        reason=Reason.ROPES if plan.rope else Reason.LITTLE_WEIGHT if dense else Reason.NO_WEIGHT,
+        reason=Reason.ROPES if plan.seamed else Reason.LITTLE_WEIGHT if dense else Reason.NO_WEIGHT,
         drag_error=float(WEIGHT_LEFT_OUT[0] @ [left_out, left_out**2]),
         unseen_weight_n=unseen,
         order=sector.sectors,
-        meshes_round=tuple(dict.fromkeys(part.meshes_round for part in plan.netting)),
+        meshes_round=tuple(dict.fromkeys(count for part in plan.netting for count in part.open_meshes)),
         weight_n=weight,
         catch_weight_n=of_catch,
         least_drag_n=drag,
@@ -145,6 +148,15 @@ def choose(plan: Plan) -> Choice:
             slow=slow,
         )
 
+    if plan.window and asked in ("sector", "smeared", "meridian"):
+        allowed = '"auto", "full" or "globalised": a window lies somewhere round the net, where a sector has no place'
+        raise InputError(plan.source, "model.fidelity", asked, allowed)
+    if plan.tapers and asked == "smeared":
+        allowed = '"auto", "sector", "full" or "globalised": ropes are not smeared over netting that tapers'
+        raise InputError(plan.source, "model.fidelity", asked, allowed)
+    if plan.layer and asked == "auto":
+        # layers meet all round alike, or not at all in this model
+        return by_sector
     match asked:
         case "sector":
             return replace(by_sector, reason=Reason.ASKED)
@@ -157,11 +169,14 @@ def choose(plan: Plan) -> Choice:
             return replace(chosen, fidelity="globalised")
         case "full":
             return all_round(1, Reason.ASKED, 0.0)
+    if plan.window and not by_sector.weight_matters:
+        globalisation, error = _largest_globalisation(plan)
+        return all_round(globalisation, Reason.WINDOW, error)
     # netting that folds over under its weight has no estimate of what is left out of a sector
     folds_over_from = min(part.kind.folds_over_from for part in plan.netting)
     if not by_sector.weight_matters and by_sector.weight_over_drag <= folds_over_from:
         asked_deg = plan.model.opening_accuracy_deg
-        if plan.rope and asked_deg is not None and smeared_errors(plan)[3] <= asked_deg:
+        if plan.ropes and not plan.tapers and asked_deg is not None and smeared_errors(plan)[3] <= asked_deg:
             return replace(
                 by_sector, fidelity="smeared", reason=Reason.SMEARED, drag_error=float(smeared_errors(plan)[0])
             )
@@ -209,7 +224,7 @@ def _size(plan: Plan, sector: Net, globalisation: int | None) -> tuple[int, bool
     sectors, g = (1, 1) if globalisation is None else (sector.sectors, globalisation)
     # all knots but the codline, which every sector has
     knots = 1 + (len(sector.positions) - 1) * sectors // g**2
-    widest = max(part.meshes_round for part in plan.netting)
+    widest = max(max(part.open_meshes) for part in plan.netting)
     return knots, knots >= SLOW_KNOTS and widest * sectors // sector.sectors >= SLOW_MESHES * g
 
 
@@ -219,7 +234,7 @@ def _largest_globalisation(plan: Plan) -> tuple[int, float]:
     cases = by_size[:1] if by_size[0].catch_value == by_size[-1].catch_value else [by_size[0], by_size[-1]]
     real_n = [sector_measures(plan, case, 1).drag_n for case in cases]
     for g in sorted(plan.globalisations, reverse=True):
-        if g == 1 or min(part.meshes_round for part in plan.netting) < FEWEST_MESHES_ROUND * g:
+        if g == 1 or min(min(part.open_meshes) for part in plan.netting) < FEWEST_MESHES_ROUND * g:
             continue
         globalised_n = [sector_measures(plan, case, g).drag_n for case in cases]
         errors = [abs(globalised / real - 1.0) for globalised, real in zip(globalised_n, real_n, strict=True)]

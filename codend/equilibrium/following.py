@@ -88,6 +88,8 @@ def follow(
     """Follow what grows of an equilibrium from a few starts."""
     if len(model.bag.ropes):
         return replace(NOT_FOLLOWED, reason="not followed: ropes along the netting have no place in wider sectors yet")
+    if model.bag.layer_bands:
+        return replace(NOT_FOLLOWED, reason="not followed: second layers have no place in wider sectors yet")
     if model.near is not None:
         return replace(NOT_FOLLOWED, reason='not followed: fidelity = "sector" asks for the exact ratio of the counts')
     with Clock() as clock:
@@ -142,7 +144,7 @@ class _Following:
             motion.solution,
             stability_of(model, tangent),
             measure_all(model.bag, problem, motion.solution)[2],
-            meshes_wide(model.bag, max(part.meshes_round for part in model.plan.netting)),
+            meshes_wide(model.bag, max(max(part.open_meshes) for part in model.plan.netting)),
             growth.harmonic,
         )
 
@@ -169,7 +171,10 @@ def _starts(
 ) -> Iterator[tuple[BagModel, int, Growth, Solution]]:
     """Models so many sectors wide, what grows there, and where to start: along it, and of the widest shaken as well."""
     order, sectors = model.bag.net.sectors, model.sectors
-    for width, growth in _fitting(model, stability):
+    fitting = list(_fitting(model, stability))
+    if not fitting:
+        return
+    for width, growth in fitting:
         wide = model
         if width > 1:
             wide = model_of(model.plan, model.globalisation, (sectors or 1) * width)

@@ -6,7 +6,7 @@ from functools import cached_property
 
 from codend.bag.near_ratio import SLOW_MESHES, near_ratios
 from codend.equilibrium.bag_model import BagModel, model_of
-from codend.equilibrium.start_shapes import all_round_start, along_the_rows
+from codend.equilibrium.start_shapes import all_round_start, along_the_rows, windowed_start
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
 from codend.solvers import dynamic_relaxation, interior_point, newton
@@ -93,7 +93,7 @@ class Situation:
     @property
     def has_sector(self) -> bool:
         """Whether more than a sector is modelled, or one with ropes, and that of a narrower one can be set round it."""
-        wider = self.model.sectors is None or (len(self.plan.rope) > 0 and not self.model.smeared)
+        wider = self.model.sectors is None or (len(self.plan.ropes) > 0 and not self.model.smeared)
         return wider and self.plan.model.bars_per_side == 1
 
     @cached_property
@@ -103,6 +103,8 @@ class Situation:
         found = self.solve(sector, self.case)
         if not found.report.outcome.converged:
             return None
+        if self.model.bag.windows:
+            return replace(windowed_start(self.model, sector.bag, found), report=found.report)
         sectors = sector.bag.net.sectors // self.model.bag.net.sectors
         start = all_round_start(sector.bag, found.positions, found.bar_tension, sectors, self.model.bag)
         return replace(start, report=found.report)

@@ -37,6 +37,39 @@ def all_round_start(
     return Solution(np.concatenate(nodes), pulls, np.zeros(sector.bands), START)
 
 
+def windowed_start(wider: BagModel, sector: Bag, found: Solution) -> Solution:
+    """A start for a full net with windows, from the equilibrium of a sector of the netting they are let into.
+
+    Its rows are those of the sector, and its bars pull as theirs do; those of a window, more or fewer, share the pull.
+    """
+    whole = wider.bag
+    ring = np.flatnonzero(sector.node_row >= 0)
+    row = sector.node_row[ring]
+    x, radius = (
+        np.bincount(row, values) / np.bincount(row)
+        for values in (found.positions[ring, 0], np.hypot(*found.positions[ring, 1:].T))
+    )
+    laid = build_bag(wider.plan, globalisation=wider.globalisation, rows=(x, radius))
+    pulls = np.zeros(len(whole.net.bars))
+    for twine in (True, False):
+        own = np.delete(sector.bar_is_twine == twine, sector.ropes)
+        pull = np.delete(found.bar_tension, sector.ropes)[own]
+        band = np.delete(sector.bar_band, sector.ropes)[own]
+        mean = np.bincount(band, pull, sector.bands) / np.maximum(np.bincount(band, minlength=sector.bands), 1)
+        there = whole.bar_is_twine == twine
+        pulls[there] = mean[whole.bar_band[there]]
+    for number, (window, hole) in enumerate(zip(wider.plan.window, wider.plan.holes, strict=True)):
+        lines = (
+            window.meshes_round * window.rows_per_mesh / (hole.across * wider.plan.netting[hole.section].rows_per_mesh)
+        )
+        own = np.flatnonzero(whole.bar_window == number)
+        pulls[own] /= lines
+        if not window.kind.staggered:
+            ends = laid.net.positions[whole.net.bars[own]]
+            pulls[own[np.abs(ends[:, 1, 0] - ends[:, 0, 0]) < 0.1 * whole.net.bar_length[own]]] *= 0.1
+    return Solution(laid.net.positions, pulls, np.zeros(whole.bands), START)
+
+
 def set_round(sector: Bag, whole: Bag, solution: Solution) -> Solution:
     """The equilibrium of a sector with its ropes as one of the whole bag."""
     order, abreast, anchors = sector.net.sectors, sector.abreast, len(sector.net.positions) - sector.anchors

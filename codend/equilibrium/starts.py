@@ -137,8 +137,8 @@ THROUGH = Start(
     lambda s: s.has_sector,
     _from_a_sector_through_the_interior,
 )
-"""Weight lets many bars go slack, and so do ropes beside the columns that they are laced to and alone draw in. A crude
-bag with weight may lead to another shape than the one that hangs from the sector's."""
+"""Weight lets many bars go slack, and so do windows, and ropes beside the columns that they are laced to and alone draw
+in. A crude bag with weight may lead to another shape than the one that hangs from the sector's."""
 ROWS = Start(
     "the rows of a sector of nearly the ratio, through the interior",
     lambda s: s.wide,
@@ -153,7 +153,7 @@ CRUDE = Start(
 """Led to 3181 of 3547 nets that nothing known led to."""
 MERIDIAN = Start(
     "the meridian method's shape",
-    lambda s: s.by_meshes and s.plan.model.bars_per_side == 1,
+    lambda s: s.by_meshes and s.plan.model.bars_per_side == 1 and not s.plan.layer and not s.model.bag.windows,
     _from_the_meridian,
 )
 """Led to 45 of 51 nets of one section that a crude bag had not led to, most of them of stiff twine with small catches.

@@ -41,14 +41,34 @@ RESULT_COLUMNS = [
     "drag_spread_n",
     "opening_spread_deg",
     "folds",
+    "opening_ahead_spread_deg",
+    "opening_ahead_least_deg",
+    "opening_ahead_most_deg",
 ]
 
 STRAP_COLUMNS = ["max_strap_tension_n"]
 """Further columns of plans with straps."""
 ROPE_COLUMNS = ["max_rope_tension_n"]
 """Further columns of plans with ropes along the netting."""
-OF_ROPES = ["case", "rope", "number", "place_deg", "length_m", "max_tension_n", "tension_ahead_n", "slack_share"]
+OF_ROPES = [
+    "case",
+    "rope",
+    "number",
+    "place_deg",
+    "length_m",
+    "max_tension_n",
+    "tension_ahead_n",
+    "slack_share",
+    "kind",
+]
 """Columns of ``ropes.csv``."""
+
+LAYER_COLUMNS = ["layer_hoop_share", "max_layer_tension_n", "layer_opening_deg"]
+"""Further columns of plans with second layers: share of the hoop load on the catch that they carry, largest tension of
+their bars, mean opening of their meshes over the catch."""
+OF_LAYERS = ["case", "layer", "row", "meshes_from_entry", "x_m", "radius_m", "opening_deg", "opening_below_deg"]
+OF_LAYERS += ["bar_tension_n", "hoop_share", "axial_share"]
+"""Columns of ``layers.csv``."""
 
 REASON = "reason"
 """Column of a study's table that says why a case was not solved."""
@@ -63,7 +83,11 @@ OF_MESHES = ["opening_deg", "bar_tension_n", "opening_force_n", "pressure_pa"]
 SIZES = ["inside_mesh_mm", "full_mesh_mm"]
 """What a gauge measures, and knot centre to knot centre: in ``results.csv`` of the meshes just ahead of the catch."""
 PROFILE_COLUMNS = ["case", "row", *PLACE, "x_m", "radius_m", *OF_MESHES, *SIZES]
-MESH_COLUMNS = ["case", "row", "mesh", *PLACE, "x_m", "y_m", "z_m", *OF_MESHES, *SIZES]
+PANEL = "panel"
+"""Panel that a mesh is of, by name."""
+ALL_PANELS = "all"
+"""Where less than a panel is modelled, for all are alike."""
+MESH_COLUMNS = ["case", "row", "mesh", *PLACE, "x_m", "y_m", "z_m", *OF_MESHES, *SIZES, PANEL]
 
 OPENING_FORCE_COLUMNS = [
     "case",

@@ -34,17 +34,20 @@ class Knots:
     """First of a row's nodes where the twines ahead end, the ring itself but for knots that lie along."""
     start: Counts
     """First node of a row's ring."""
+    renumbered: Counts | None = None
+    """Numbers that the nodes have in a net with windows, -1 where there are none any more; None: as they were."""
 
     @property
     def codline(self) -> int:
         """Node of the codline, the last one."""
-        return int(self.start[-1])
+        return int(self.start[-1]) if self.renumbered is None else int(self.renumbered[self.start[-1]])
 
     def ring(self, side: int, row: Counts, counted: Counts, columns: Counts) -> Corner:
         """Nodes of a row's ring that knots counted on all round are laced to, where there are ``columns`` of them."""
         knots = self.lattice.knots[row]
-        number, image = self.lattice.numbered(taken_up(counted, columns, knots), knots)
-        return Corner(self.start[row] + number + side * (self.across[row] * knots), image)
+        laced = taken_up(counted, columns, knots, self.lattice.upward[row])
+        number, image = self.lattice.numbered(laced, knots)
+        return Corner(self.now(self.start[row] + number + side * (self.across[row] * knots)), image)
 
     def fore(self, side: int, row: Counts, counted: Counts) -> Corner:
         """Nodes in which the twines of the band ahead end; its columns are counted on all round."""
@@ -52,7 +55,12 @@ class Knots:
         ring = self.ring(side, row, counted, columns)
         number, image = self.lattice.numbered(counted, columns)
         own = self.along[row]
-        return Corner(np.where(own, self.fore_start[row] + number, ring.node), np.where(own, image, ring.image))
+        node = np.where(own, self.now(np.where(own, self.fore_start[row] + number, 0)), ring.node)
+        return Corner(node, np.where(own, image, ring.image))
+
+    def now(self, node: Counts) -> Counts:
+        """Numbers that nodes have now."""
+        return node if self.renumbered is None else self.renumbered[node]
 
     def aft(self, side: int, row: Counts, counted: Counts) -> Corner:
         """Nodes from which the twines of the band behind start; its columns are counted on all round."""
@@ -66,8 +74,8 @@ def knots_of(lattice: Lattice) -> Knots:
     the codline gathers those. Where the counts of two sections differ, or square mesh follows, the row is laced at
     points: its knots cannot lie across.
     """
-    along = np.array([False, *(s.knot_along_m > 0.0 for s in lattice.sections)])
-    lie_across = np.array([s.knot_across_m > 0.0 for s in lattice.sections])
+    along = np.append(False, lattice.of_bands(lambda section: section.knot_along_m > 0.0))
+    lie_across = lattice.of_bands(lambda section: section.knot_across_m > 0.0)
     plain = (lattice.columns[:-1] == lattice.columns[1:]) & lattice.staggered[1:]
     across = np.concatenate([lie_across[:1], lie_across[:-1] & plain, [False]])
     fore_nodes = along * np.concatenate([[0], lattice.columns])
@@ -81,7 +89,7 @@ def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
     lattice = knots.lattice
     positions = np.empty((knots.codline + 1, 3))
     node_row = np.full(knots.codline + 1, -1, dtype=np.int32)
-    knot_m = lattice.globalisation * np.array([s.knot_m for s in lattice.sections])
+    knot_m = lattice.globalisation * lattice.of_bands(lambda section: section.knot_m)
     # a knot keeps its length, however far the rows have closed up
     knot_share = np.minimum(knot_m / np.hypot(np.diff(shape.x), np.diff(shape.radius)), 0.9)
 
@@ -107,7 +115,8 @@ def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
     # knots that share a node of the ring lie beside each other, ahead of it
     shares = (row < lattice.bands) & (lattice.knots[row] < lattice.columns[band])
     band_shared, row_shared = band[shares], row[shares]
-    laced = taken_up(column[shares], lattice.columns[band_shared], lattice.knots[row_shared])
+    around = lattice.columns[band_shared], lattice.knots[row_shared]
+    laced = taken_up(column[shares], *around, lattice.upward[row_shared])
     middle = _azimuth(lattice, owner[row_shared], laced, row_shared)
     reach = 0.5 * knot_m[band_shared] / shape.radius[row_shared]
     azimuth[shares] = middle + np.clip(azimuth[shares] - middle, -reach, reach)

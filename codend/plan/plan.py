@@ -17,6 +17,7 @@ from codend.errors import InputError, all_at_once
 from codend.io.names import as_name
 from codend.io.toml import read_toml
 from codend.plan.kinds import kinds_in_words
+from codend.plan.layers import Layer
 from codend.plan.messages import Contradiction
 from codend.plan.mistakes import checked
 from codend.plan.overrides import CatchKind, Overrides, apply_overrides
@@ -69,6 +70,7 @@ class Plan(Table):
     strap: tuple[Strap, ...] = ()
     rope: tuple[Rope, ...] = ()
     window: tuple[Window, ...] = ()
+    layer: tuple[Layer, ...] = ()
     catch: Catch
     drag: Drag = Drag.model_validate({})
     model: Model = Model()
@@ -108,13 +110,15 @@ class Plan(Table):
         yield from self._catches_that_do_not_fit()
         yield from self._straps_out_of_place()
         yield from self._ropes_out_of_place()
-        yield from out_of_place(self.window, self.netting, self.section_names, self.seam_deg)
+        yield from self._layers_out_of_place()
+        astray = list(out_of_place(self.window, self.netting, self.section_names, self.seam_deg))
+        yield from astray
         # laid even flat across the entry
         gap_m = least_radius_m(self.netting, self.entry_radius_m, 0)
         if gap_m > 0.0:
             allowed = f"more: laid flat the netting ends {gap_m:.3g} m short of the axis, where the codline gathers it"
             yield Contradiction(f"netting.{len(self.netting) - 1}.meshes_long", allowed)
-        if self.model.globalisation not in (divisors := self.globalisations):
+        if not astray and self.model.globalisation not in (divisors := self.globalisations):
             allowed = ", ".join(map(str, divisors))
             and_straps = ", and of the rows from every strap to the codline" if self.strap else ""
             reason = f"divisors of all meshes_round and meshes_long{and_straps}"
@@ -133,6 +137,21 @@ class Plan(Table):
     def panels(self) -> int:
         """Panels round of the sections that have more than one; 1 of a tube."""
         return max(part.panels for part in self.netting)
+
+    @property
+    def seamed(self) -> bool:
+        """Whether ropes or seams show all along it, so that not every mesh round is alike."""
+        return len(self.rope) > 0 or any(part.has_seams for part in self.netting)
+
+    @property
+    def tapers(self) -> bool:
+        """Whether a section does."""
+        return any(part.tapers for part in self.netting)
+
+    def places_round(self, globalisation: int = 1) -> int:
+        """Places round, at equal angles, at which a tube loses meshes where it tapers."""
+        counts = [count // globalisation for part in self.netting for count in part.open_meshes]
+        return math.gcd(*counts, *(part.panels for part in self.netting if part.has_seams))
 
     @property
     def seam_deg(self) -> float:
@@ -252,6 +271,20 @@ class Plan(Table):
                 elif self.rows_to_codline(meshes) is None:
                     yield Contradiction(key, "a row of knots")
 
+    def _layers_out_of_place(self) -> Iterator[Contradiction]:
+        """Layers that begin at no row of knots, and models that have no place for any."""
+        meshes_long = sum(part.meshes_long for part in self.netting)
+        for index, layer in enumerate(self.layer):
+            key, start = f"layer.{index}.meshes_from_codline.1", layer.meshes_from_codline[1]
+            if start > meshes_long:
+                yield Contradiction(key, f"at most {meshes_long}, the sum of meshes_long")
+            elif self.rows_to_codline(start) is None:
+                yield Contradiction(key, "a row of knots")
+        if self.layer and self.model.fidelity not in ("auto", "sector", "smeared"):
+            yield Contradiction("model.fidelity", '"auto", "sector" or, with ropes, "smeared", under a [[layer]]')
+        if self.layer and self.model.method == "rigid-bars":
+            yield Contradiction("model.method", '"auto", "newton" or "dynamic-relaxation", under a [[layer]]')
+
     def rows_to_codline(self, meshes: float) -> int | None:
         """Rows from the codline to a place that many meshes ahead of it; None where no row of knots lies there."""
         rows = 0
@@ -312,6 +345,8 @@ class Plan(Table):
         Rows that carry a strap stay rows.
         """
         counts = [count for part in self.netting for count in (*part.open_meshes, part.meshes_long)]
+        counts += [count for window in self.window for count in (window.meshes_round, window.meshes_long)]
+        counts += [count for hole in self.holes for count in (hole.fore, hole.deep, hole.across)]
         counts += [count // part.panels for part in self.netting if part.has_seams for count in part.open_meshes]
         common = math.gcd(*counts, *self.strap_rows, *self.rope_rows)
         most = min(min(part.open_meshes) for part in self.netting) // 3

@@ -7,7 +7,6 @@ from codend.equilibrium.fidelity import Choice, Reason
 
 def reason_text(choice: Choice) -> str:
     """Why the model was chosen, and what it costs in accuracy and time."""
-    g = choice.globalisation
     weighed = _weighed(choice)
     match choice.reason:
         case Reason.ASKED:
@@ -15,26 +14,34 @@ def reason_text(choice: Choice) -> str:
             if choice.weight_matters and not choice.sees_weight:
                 said += f"; it leaves out the wet weight, which here matters ({weighed})"
         case Reason.ROPES:
-            said = f"The plan is the same all round but for equal ropes: {_sector(choice)}, as they repeat, is exact"
+            alike = "The plan is the same all round but for equal ropes or seams"
+            said = f"{alike}: {_sector(choice)}, as they repeat, is exact"
         case Reason.SMEARED:
             said = (
                 "Ropes smeared over all meshes round are near enough for the accuracy in opening that is asked for: "
                 f"one mesh is a sector, which costs {100.0 * choice.drag_error:.2g} % in drag"
             )
+        case Reason.WINDOW:
+            said = f"A window lies somewhere round the net: {_merged(choice)}"
         case Reason.NO_WEIGHT:
             light = "no twine density is given, so wet weight is left out, and the catch is as dense as the water"
             said = f"The plan is the same all round and {light}: {_sector_enough(choice)}"
         case Reason.LITTLE_WEIGHT:
             said = f"The plan is the same all round and {weighed}, is negligible: {_sector_enough(choice)}"
         case Reason.WEIGHT | Reason.TOO_HEAVY_TO_GLOBALISE:
-            model = f"the full net, {g} x {g} meshes merged into one" if g > 1 else "the full net"
-            cost = (
-                f"which costs {100.0 * choice.drag_error:.2g} % in drag where {100.0 * choice.accuracy:g} % is allowed"
-            )
+            model = _merged(choice)
             if choice.reason is Reason.TOO_HEAVY_TO_GLOBALISE:
-                cost = "for merged meshes may bear so much of it otherwise"
-            said = f"Wet weight breaks the symmetry ({weighed}): {model}, {cost}"
+                model = "the full net, for merged meshes may bear so much of it otherwise"
+            said = f"Wet weight breaks the symmetry ({weighed}): {model}"
     return f"{said}.{_time(choice)}"
+
+
+def _merged(choice: Choice) -> str:
+    """The full net, how many of its meshes are merged, and what that costs."""
+    g = choice.globalisation
+    model = f"the full net, {g} x {g} meshes merged into one" if g > 1 else "the full net"
+    allowed = f"{100.0 * choice.drag_error:.2g} % in drag where {100.0 * choice.accuracy:g} % is allowed"
+    return f"{model}, which costs {allowed}"
 
 
 def _weighed(choice: Choice) -> str:

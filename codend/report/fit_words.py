@@ -100,12 +100,23 @@ def trial_warnings(fitted: FieldFit) -> list[str]:
         if answer.note:
             failed = "was not fitted" if np.isnan(answer.estimates.values).all() else "warning"
             found.append(f"{answer.group} {failed}: {answer.note}")
+    found += _wide_range(fitted)
     if silent:
         names = ", ".join(fit.group.removeprefix("haul ") for fit in silent[:8]) + ", ..." * (len(silent) > 8)
         kept = " In one stage they count all the same." if fitted.one_stage is not None else ""
         share = f"{len(silent)} of {len(fitted.hauls)}"
         found.append(f"{share} hauls have no L50 of their own ({names}); diagnostics.csv says why.{kept}")
     return found
+
+
+def _wide_range(fitted: FieldFit) -> list[str]:
+    """A word where the answer's selection range is wider than the lengths that were measured."""
+    sr = float(fitted.answers[0].estimates["sr_cm"])
+    fished = fitted.data.length_cm[fitted.data.test_count + fitted.data.other_count > 0.0]
+    span = float(np.ptp(fished))
+    if not sr > span:
+        return []
+    return [f"SR of {sr:.3g} cm is wider than all lengths measured, {span:.3g} cm: L25 or L75 is no measurement"]
 
 
 def trial_notes(fitted: FieldFit) -> list[str]:

@@ -53,7 +53,8 @@ def retention_plot(predictions: Sequence[Prediction]) -> Figure:
             axes.plot([found.length_cm[0], l50], [0.5, 0.5], color=INK, linewidth=0.8, linestyle=":")
         axes.set(xlabel="fish length (cm)", ylabel="retention", ylim=(0.0, 1.02))
         _limit_lengths(axes, found)
-        _title(axes, found, f"L50 {number_text(l50)} cm, SR {number_text(sr)} cm" if np.isfinite(l50) else "no L50")
+        computed = f"L50 {number_text(l50)} cm, SR {number_text(sr)} cm" if np.isfinite(l50) else "no L50"
+        _title(axes, found, f"black curve: {computed} (a logit fit, as of a trial, has others)")
         _legend_aside(axes)
     return figure
 

@@ -21,8 +21,6 @@ from codend.solvers.newton import DIRECT, FIRST_SHIFT, LARGEST_SHIFT, Prepared
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
 METHOD = "interior point"
-FIRST_BARRIER, LAST_BARRIER = 1e-3, 1e-12
-"""In units of the reference tension over the square of the mean length of bars."""
 LOWERED, LOWERED_WARILY = 0.1, 0.5
 """Factor on the barrier after a step that was nearly whole, and after one that was more than half of it."""
 NEAREST_TO_SLACK = 0.99
@@ -47,6 +45,11 @@ class InteriorPointSettings:
     """What may be tuned; the default holds for all plans the project knows."""
 
     steps_allowed: int = 300
+    first_barrier: float = 1e-3
+    """In units of the reference tension over the square of the mean length of bars. From a start that the loads have
+    since left by much, a higher one takes fewer steps: lowered too early, bars hit slackness one after the other."""
+    last_barrier: float = 1e-12
+    """Likewise; a higher one leaves more to Newton's method."""
 
 
 def solve(
@@ -112,7 +115,7 @@ def _lower_the_barrier(
     state, new, _ = prepared.states
     tension = reference_tension(problem) if start is None else start.mean_tension
     unit = tension / float(structure.length.mean()) ** 2
-    barrier, last_barrier = FIRST_BARRIER * unit, LAST_BARRIER * unit
+    barrier, last_barrier = settings.first_barrier * unit, settings.last_barrier * unit
     state.position[:] = problem.net.positions if start is None else start.positions
     tensions = tension if start is None else np.maximum(start.bar_tension, LEAST_TENSION * tension)
     state.density[:] = tensions / structure.length

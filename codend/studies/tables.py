@@ -7,20 +7,28 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from codend.bag.bag import Bag
+from codend.bag.bag import Bag, mesh_corners
+from codend.bag.layer_measures import measure_layers, of_the_catch
 from codend.equilibrium.following import meshes_wide
 from codend.equilibrium.stability import ranges_text
 from codend.io.columns import (
+    ALL_PANELS,
+    LAYER_COLUMNS,
     MESH_COLUMNS,
+    OF_LAYERS,
+    OF_MESHES,
     OF_ROPES,
     OPENING_FORCE_COLUMNS,
+    PANEL,
     PROFILE_COLUMNS,
     RESULT_COLUMNS,
     ROPE_COLUMNS,
     SIZES,
     STRAP_COLUMNS,
 )
+from codend.net.net import rotate
 from codend.plan.plan import Plan
+from codend.plan.tables import TUBE
 from codend.studies.case_result import CaseResult
 from codend.studies.opening_force import Pull
 
@@ -38,7 +46,8 @@ def results_table(plan: Plan, fidelity: str, cases: Sequence[CaseResult]) -> pd.
 
 def result_columns(plan: Plan) -> list[str]:
     """Columns of ``results.csv`` of a plan."""
-    return RESULT_COLUMNS + (STRAP_COLUMNS if plan.strap else []) + (ROPE_COLUMNS if plan.rope else [])
+    ropes = (STRAP_COLUMNS if plan.strap else []) + (ROPE_COLUMNS if plan.ropes else [])
+    return RESULT_COLUMNS + ropes + (LAYER_COLUMNS if plan.layer else [])
 
 
 def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, object]:
@@ -63,13 +72,46 @@ def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, objec
         "stable": "unknown" if result.stability is None else result.stability.stable,
         "growing_harmonics": (result.stability and ranges_text(result.stability.growing)) or float("nan"),
         "sector_order": result.net.order,
-        "sector_meshes": meshes_wide(result.bag, max(section.meshes_round for section in plan.netting)),
+        "sector_meshes": meshes_wide(result.bag, max(max(section.open_meshes) for section in plan.netting)),
         "drag_spread_n": result.followed.drag_spread_n,
         "opening_spread_deg": result.followed.opening_spread_deg,
         "folds": "yes" if result.followed.folds else "no",
         "wrinkles": result.followed.reason or float("nan"),
         **_sizes_ahead(plan, float(measures["filled_meshes"])),
+        **_of_layers(result),
     }
+
+
+def _of_layers(result: CaseResult) -> dict[str, float]:
+    """Columns of second layers, none where there are none."""
+    if not result.bag.layer_bands:
+        return {}
+    values = of_the_catch(result.bag, result.problem, result.solution) if result.converged else [float("nan")] * 3
+    return dict(zip(LAYER_COLUMNS, values, strict=True))
+
+
+def layer_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
+    """``layers.csv``: a row a band of netting under a second layer of a solved case."""
+    parts = []
+    for result in cases:
+        if result.rows is None:
+            continue
+        bag = result.bag
+        for number, rows in enumerate(measure_layers(bag, result.problem, result.solution), start=1):
+            band = rows.band.astype(int)
+            place = bag.row_place[band] + 0.5 * bag.band_meshes[band]
+            known = np.flatnonzero(np.isfinite(result.rows.opening_deg))
+            below = np.interp(place, bag.mesh_place[known], result.rows.opening_deg[known])
+            columns = {
+                "case": result.case.number,
+                "layer": plan.layer[number - 1].name or str(number),
+                "row": band,
+                "meshes_from_entry": place,
+                "opening_below_deg": below,
+                **{name: value for name, value in asdict(rows).items() if name != "band"},
+            }
+            parts.append(pd.DataFrame(columns))
+    return pd.concat(parts, ignore_index=True)[OF_LAYERS] if parts else pd.DataFrame(columns=OF_LAYERS)
 
 
 def _fidelity_of(bag: Bag) -> str:
@@ -86,9 +128,9 @@ def _sizes_ahead(plan: Plan, filled_meshes: float) -> dict[str, float]:
 
 
 def _sizes(plan: Plan, names: NDArray[np.object_]) -> dict[str, NDArray[np.float64]]:
-    """Size of the meshes of sections, by the sections' names."""
-    number = {name: i for i, name in enumerate(plan.section_names)}
-    found = 1000.0 * np.array([(part.inside_mesh_m, part.full_mesh_m) for part in plan.netting])
+    """Size of the meshes of sections and windows, by their names."""
+    number = {name: i for i, name in enumerate(plan.section_names + plan.window_names)}
+    found = 1000.0 * np.array([(part.inside_mesh_m, part.full_mesh_m) for part in (*plan.netting, *plan.window)])
     return dict(zip(SIZES, found[[number[name] for name in names]].T, strict=True))
 
 
@@ -108,6 +150,7 @@ def rope_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
                     "case": result.case.number,
                     "rope": int(name) // 1000 + 1,
                     "number": int(name) % 1000 + 1,
+                    "kind": plan.ropes[int(name) // 1000].kind,
                     "place_deg": float(np.degrees(np.arctan2(z, y)) % 360.0),
                     "length_m": float(result.net.bar_length[bars].sum()),
                     "max_tension_n": float(tension[bars].max()),
@@ -138,32 +181,66 @@ def profile_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
 
 
 def mesh_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
-    """A row a mesh of a solved case, with its middle's position; none of a model that is one mesh wide."""
+    """A row a mesh of a solved case, with its middle's position; none of a model that is one mesh wide.
+
+    Of one panel that stands for all the meshes of all are listed, each in its place.
+    """
     parts = []
     for result in cases:
-        row = result.bag.mesh_row
-        if result.meshes is None or np.bincount(row).max() == 1:
+        bag = result.bag
+        if result.meshes is None or np.bincount(bag.mesh_row).max() == 1:
             continue
-        parts.append(
-            pd.DataFrame(
-                {
-                    "case": result.case.number,
-                    "row": row,
-                    "mesh": pd.Series(row).groupby(row).cumcount(),
-                    "section": sections_of_rows(plan, result.bag.globalisation)[row],
-                    "meshes_from_entry": result.bag.mesh_place[row],
-                    "x_m": result.meshes.centre_m[:, 0],
-                    "y_m": result.meshes.centre_m[:, 1],
-                    "z_m": result.meshes.centre_m[:, 2],
-                    "opening_deg": result.meshes.opening_deg,
-                    "bar_tension_n": result.meshes.bar_tension_n,
-                    "opening_force_n": result.meshes.opening_force_n,
-                    "pressure_pa": result.meshes.pressure_pa,
-                    **_sizes(plan, sections_of_rows(plan, result.bag.globalisation)[row]),
-                }
-            )
-        )
+        copies = _panels_alike(plan, bag)
+        row = np.tile(bag.mesh_row, copies)
+        sector = np.repeat(np.arange(copies), len(bag.mesh_row))
+        centre = rotate(np.tile(result.meshes.centre_m, (copies, 1)), sector, bag.net.order)
+        section = sections_of_rows(plan, bag.globalisation)[bag.mesh_row]
+        if bag.windows:
+            names = np.array(plan.window_names, dtype=object)
+            section = np.where(bag.mesh_of_section, section, names[np.maximum(bag.mesh_window, 0)])
+        section = np.tile(section, copies)
+        values = {name: np.tile(value, copies) for name, value in vars(result.meshes).items() if name in OF_MESHES}
+        table = pd.DataFrame(
+            {
+                "case": result.case.number,
+                "row": row,
+                "section": section,
+                "meshes_from_entry": bag.mesh_place[row],
+                "x_m": centre[:, 0],
+                "y_m": centre[:, 1],
+                "z_m": centre[:, 2],
+                **values,
+                **_sizes(plan, section),
+                PANEL: panels_of_meshes(plan, bag, copies),
+            }
+        ).sort_values("row", kind="stable")
+        table["mesh"] = table.groupby("row").cumcount()
+        parts.append(table)
     return pd.concat(parts, ignore_index=True)[MESH_COLUMNS] if parts else pd.DataFrame(columns=MESH_COLUMNS)
+
+
+def _panels_alike(plan: Plan, bag: Bag) -> int:
+    """How many times the modelled sector, of one or more whole panels, is set side by side to show all of them."""
+    order = bag.net.sectors
+    return order if plan.panels % order == 0 else 1
+
+
+def panels_of_meshes(plan: Plan, bag: Bag, copies: int) -> NDArray[np.object_]:
+    """Panel that each mesh is of, of so many sectors set side by side, (copies * k,).
+
+    Where less than a panel is modelled all are alike, and it is of any.
+    """
+    number = np.array(plan.sections_of_bands(bag.globalisation))[np.minimum(bag.mesh_row, bag.bands - 1)]
+    panels = np.array([part.panels for part in plan.netting])[number]
+    middle = mesh_corners(bag, bag.net.positions).mean(axis=(1, 2))
+    azimuth = np.degrees(np.arctan2(middle[:, 2], middle[:, 1])) - plan.seam_deg
+    sector = np.repeat(np.arange(copies), len(middle)) * 360.0 / bag.net.order
+    panels, azimuth = np.tile(panels, copies), np.tile(azimuth, copies) + sector
+    place = np.floor(azimuth % 360.0 / 360.0 * panels + 1e-9).astype(int) % panels
+    names = [part.panel_names for part in plan.netting]
+    found = [names[part][at] for part, at in zip(np.tile(number, copies), place, strict=True)]
+    one = plan.panels % bag.net.sectors != 0
+    return np.array([ALL_PANELS if one and name != TUBE else name for name in found], dtype=object)
 
 
 def sections_of_rows(plan: Plan, globalisation: int) -> NDArray[np.object_]:
@@ -175,6 +252,6 @@ def sections_of_rows(plan: Plan, globalisation: int) -> NDArray[np.object_]:
     band = np.array(plan.sections_of_bands(globalisation))
     ahead, behind = np.append(band[:1], band), np.append(band, band[-1:])
     staggered = np.array([section.kind.staggered for section in plan.netting])
-    around = np.array([section.meshes_round for section in plan.netting])
-    counting = np.where(~staggered[behind] | (around[behind] < around[ahead]), behind, ahead)
+    ends = np.array([section.open_meshes for section in plan.netting])
+    counting = np.where(~staggered[behind] | (ends[behind, 0] < ends[ahead, 1]), behind, ahead)
     return np.array(plan.section_names, dtype=object)[counting]

@@ -2,9 +2,12 @@
 
 import re
 
+import numpy as np
 import pandas as pd
 import pytest
+from click.testing import CliRunner
 
+from codend.cli.main import main
 from tests import ROOT
 from tests.cli.test_cli import HADDOCK, assert_refused, codend_cli
 from tests.selectivity.fits.trials import haul_table
@@ -164,3 +167,43 @@ def test_gears_that_nobody_tells_apart_are_refused_with_what_would(gears, tmp_pa
 def test_choices_that_cannot_be_are_refused_before_anything_is_written(words, named, trial, tmp_path):
     assert_refused(codend_cli("fit", trial, "--design", "covered", *words, "--out", tmp_path / "out"), named)
     assert not (tmp_path / "out").exists()
+
+
+LENGTHS_CM = np.arange(20.0, 46.0, 2.0)
+
+
+def hostile(share, hauls: int = 6) -> pd.DataFrame:
+    """Hauls of 40 fish at every length, of which the share at that length is retained, by chance."""
+    rng, frames = np.random.default_rng(0), []
+    for haul in range(hauls):
+        kept = rng.binomial(40, share(LENGTHS_CM))
+        frames.append(pd.DataFrame({"haul": haul, "length_cm": LENGTHS_CM, "codend": kept, "cover": 40 - kept}))
+    return pd.concat(frames, ignore_index=True)
+
+
+@pytest.mark.parametrize(
+    "share",
+    [
+        lambda length: np.full_like(length, 0.5),
+        lambda length: 1.0 / (1.0 + np.exp(0.5 * (length - 32.0))),
+        np.ones_like,
+        lambda length: np.exp(-0.5 * ((length - 32.0) / 4.0) ** 2),
+    ],
+    ids=["flat", "reversed", "all retained", "a hump"],
+)
+def test_hauls_that_tell_of_no_selection_get_no_number_and_a_word(share, tmp_path):
+    hostile(share).to_csv(tmp_path / "hauls.csv", index=False)
+    asked = ["fit", str(tmp_path / "hauls.csv"), "--design", "covered", "--out", str(tmp_path / "out")]
+    result = CliRunner().invoke(main, asked)
+    assert result.exit_code == 3
+    assert "no L50" in result.output
+    assert "pooled was not fitted: " in result.output
+    table = pd.read_csv(tmp_path / "out" / "fit.csv")
+    gear = table[~table["group"].str.startswith("haul ")]
+    assert gear[["estimate", "standard_error", "lower_95", "upper_95"]].isna().all(axis=None)
+
+
+def test_a_selection_range_wider_than_the_lengths_is_said(tmp_path):
+    hostile(lambda length: 1.0 / (1.0 + np.exp(-0.02 * (length - 32.0)))).to_csv(tmp_path / "hauls.csv", index=False)
+    asked = ["fit", str(tmp_path / "hauls.csv"), "--design", "covered", "--out", str(tmp_path / "out")]
+    assert "wider than all lengths measured" in CliRunner().invoke(main, asked).output

@@ -45,6 +45,14 @@ def test_differences_are_taken_at_the_catches_of_the_first_and_not_beyond_those_
     assert set(found["quantity"]) == {"opening_ahead_deg", "drag_n", "l50_cm", "sr_cm"}
 
 
+def test_l50s_beside_each_other_are_of_the_fits_whose_intervals_they_have(compared, home):
+    shown = pd.read_csv(compared / "designs.csv").query("quantity == 'l50_cm' and design == 'first'")
+    table = pd.read_csv(home / "first" / "selectivity.csv").query("case != 'haul'")
+    assert shown["value"].to_numpy() == pytest.approx(table["l50_logit_cm"].to_numpy(), rel=1e-6)
+    between = 0.5 * (table["l50_upper_95_cm"] - table["l50_lower_95_cm"])
+    assert shown["half_width"].to_numpy() == pytest.approx(between.to_numpy(), rel=1e-6)
+
+
 def test_a_design_beside_itself_differs_in_nothing(compared, home):
     result = codend_cli("compare", home / "first", home / "first", "--out", home / "none")
     assert_refused(result, "is named twice")

@@ -1,7 +1,6 @@
 """The force that opens a mesh in the net, against other solvers, symmetry, and what must follow from it."""
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -151,8 +150,7 @@ def test_by_default_the_mesh_ahead_of_the_catch_that_needs_most_is_pulled():
 
 
 def test_a_pull_that_fails_has_no_number_and_tells_what_it_tried(monkeypatch):
-    hasty = partial(interior_point.solve, settings=InteriorPointSettings(steps_allowed=2))
-    monkeypatch.setattr(interior_point, "solve", hasty)
+    monkeypatch.setattr(pulling, "PULL", InteriorPointSettings(steps_allowed=2))
     plan = make_plan(24, 20, filled=5.0, netting=SOFT)
     pull = pull_mesh(plan, plan.cases()[0], 8.0)
     assert not pull.converged

@@ -57,7 +57,13 @@ def _add_meshes(parts: Parts, knots: Knots, rows: Counts) -> None:
     lattice = knots.lattice
     row, knot = lattice.rings(rows)
     # of the knots of either band that share one, the last one leads to the next knot of the ring
-    ahead, behind = (-(-(knot + 1) * lattice.columns[row - i] // lattice.knots[row]) - 1 for i in (1, 0))
+    upward, around = lattice.upward[row], lattice.knots[row]
+    ahead, behind = (
+        np.where(
+            upward, knot * lattice.columns[row - i] // around, -(-(knot + 1) * lattice.columns[row - i] // around) - 1
+        )
+        for i in (1, 0)
+    )
     fore_middle, aft_middle = ahead + lattice.shift[row], behind + lattice.shift[row]
     parts.add_meshes(
         [

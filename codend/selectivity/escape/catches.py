@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol
 
@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.errors import InputError
-from codend.io.columns import PLACE
+from codend.io.columns import ALL_PANELS, OF_LAYERS, PLACE
 from codend.io.input_table import InputTable
 from codend.io.run_tables import read_run_table, solved_cases
 from codend.plan.plan import Netting, Plan, load_plan
+from codend.plan.tables import TUBE
+from codend.plan.windows import Window
 from codend.selectivity.escape.penetration import SHAPES, Holes
 from codend.selectivity.escape.yielding import held_by_neighbours, load_along
 
@@ -48,6 +50,10 @@ class Solved(Protocol):
     def meshes(self) -> pd.DataFrame:
         """``meshes.csv``."""
 
+    @property
+    def layers(self) -> pd.DataFrame:
+        """``layers.csv``."""
+
 
 @dataclass(frozen=True)
 class Run:
@@ -59,6 +65,8 @@ class Run:
     profile: pd.DataFrame
     meshes: pd.DataFrame
     """Empty where the model is one mesh wide."""
+    layers: pd.DataFrame | None = None
+    """Bands under second layers; None without."""
 
 
 class Part(NamedTuple):
@@ -90,7 +98,7 @@ class Catch:
 
 def run_of(study: Solved) -> Run:
     """A study that is still in memory."""
-    return Run(str(study.plan.source), study.plan, study.table, study.profile, study.meshes)
+    return Run(str(study.plan.source), study.plan, study.table, study.profile, study.meshes, study.layers)
 
 
 def read_run(folder: str | Path) -> Run:
@@ -111,6 +119,7 @@ def read_run(folder: str | Path) -> Run:
         read_run_table(folder / "results.csv"),
         read_run_table(folder / "profile.csv", OF_ROWS),
         read_run_table(meshes, OF_MESHES) if meshes.exists() else pd.DataFrame(columns=list(OF_MESHES)),
+        read_run_table(folder / "layers.csv", OF_LAYERS[:4]) if (folder / "layers.csv").exists() else None,
     )
 
 
@@ -127,11 +136,13 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
     results.require(("fidelity", "opening_ahead_deg"))
     solved = solved_cases(run.results, results.source, ("case", "speed_m_s", "filled_meshes", "catch_volume_m3"))
     InputTable(results.source, solved).check("case", ~solved["case"].duplicated().to_numpy(), "each case once")
+    names_of = (*run.plan.section_names, *run.plan.window_names)
+    section_of = dict(zip(names_of, (*run.plan.netting, *run.plan.window), strict=True))
     found = []
     for result in solved.to_dict("records"):
         profile, merged = _profile_of(run, result)
         meshes = _meshes_of(run, result, profile, merged)
-        sections = [run.plan.netting[run.plan.section_names.index(name)] for name in meshes["section"]]
+        sections = [section_of[name] for name in meshes["section"]]
         place, row = profile["meshes_from_entry"].to_numpy(), meshes["row"].to_numpy(dtype=int)
         front_row = np.interp(place[-1] - result["filled_meshes"], place, merged * np.arange(len(place)))
         # a merged row stands for real rows about it, of square mesh for those behind it
@@ -143,14 +154,20 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
         share = 1.0 / np.bincount(row)[row]
         names, panels = meshes["section"].to_numpy(), np.full(len(row), "", dtype=object)
         if "panel" in meshes.columns:
-            panels = meshes["panel"].fillna("").to_numpy()
+            panels = meshes["panel"].fillna("").replace([TUBE, ALL_PANELS], "").to_numpy()
         found.append(
             Catch(
                 case=int(result["case"]),
                 speed_m_s=float(result["speed_m_s"]),
                 volume_m3=float(result["catch_volume_m3"]),
                 opening_ahead_deg=float(result["opening_ahead_deg"]),
-                holes=_holes([sections[i] for i in which], meshes.iloc[which], profile["radius_m"].to_numpy()),
+                holes=_of_all_layers(
+                    run,
+                    result,
+                    _holes([sections[i] for i in which], meshes.iloc[which], profile["radius_m"].to_numpy()),
+                    meshes["row"].to_numpy(dtype=int)[which],
+                    profile["radius_m"].to_numpy(),
+                ),
                 rows_ahead=ahead[near],
                 share=share[which],
                 parts=tuple(Part(str(names[i]), str(panels[i])) for i in which),
@@ -184,36 +201,54 @@ def _profile_of(run: Run, result: dict[Hashable, Any]) -> tuple[pd.DataFrame, in
 
 def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, merged: int) -> pd.DataFrame:
     """Meshes of a solved case: one a row of a net that is the same all round, of another all."""
-    around = np.array([section.meshes_round for section in run.plan.netting])
     bands = [run.plan.netting[number].kind for number in run.plan.sections_of_bands(merged)]
     staggered = np.array([kind.staggered for kind in bands])
     # a square mesh lies behind the row that counts it, another about it; where square mesh ends a row counts none
     counting = np.append(~staggered | np.append(False, staggered[:-1]), False)
-    if result["fidelity"] in ("meridian", "smeared", "sector") and np.gcd.reduce(around) > 1:
+    meshes = run.meshes[run.meshes["case"] == result["case"]]
+    if meshes.empty and result["fidelity"] in ("meridian", "smeared", "sector") and not _wide(result):
         rows = profile[counting]
         InputTable(str(Path(run.source) / "profile.csv"), rows).numbers("opening_deg")
         return rows
     source = str(Path(run.source) / "meshes.csv")
-    meshes = run.meshes[run.meshes["case"] == result["case"]]
     section = profile["section"].to_numpy()
-    count = around[[run.plan.section_names.index(name) for name in section]] // merged * counting
-    wanted = np.repeat(np.arange(len(count)), count)
-    if not np.array_equal(np.sort(meshes["row"]), wanted):
+    row = np.sort(meshes["row"].to_numpy(dtype=int))
+    if run.plan.tapers or run.plan.window or run.plan.ropes:
+        # meshes round differ from row to row, and windows have their own
+        wanted, found = np.flatnonzero(counting), np.unique(row)
+    else:
+        around = np.array([part.open_meshes[0] for part in run.plan.netting])
+        number = {name: i for i, name in enumerate(run.plan.section_names)}
+        count = around[[number[name] for name in section]] // merged * counting
+        if result["fidelity"] in ("meridian", "sector"):
+            count = np.rint(count / float(result["sector_order"])).astype(int)
+        wanted, found = np.repeat(np.arange(len(count)), count), row
+    if not np.array_equal(found, wanted):
         allowed = f"the {len(wanted)} of the plan in rows {wanted[0]} to {wanted[-1]}"
         raise InputError(source, "case", result["case"], allowed, f"has {len(meshes)} meshes, not those of the plan")
-    same = meshes["section"].to_numpy() == section[meshes["row"].to_numpy(dtype=int)]
-    InputTable(source, meshes).check("section", same, "that of its row in profile.csv")
+    own = meshes["section"].to_numpy() == section[meshes["row"].to_numpy(dtype=int)]
+    own |= meshes["section"].isin(run.plan.window_names).to_numpy()
+    InputTable(source, meshes).check("section", own, "that of its row in profile.csv, or a window")
     return meshes
+
+
+def _wide(result: dict[Hashable, Any]) -> bool:
+    """Whether more than one mesh round is modelled, all of which fish meet."""
+    return float(result.get("sector_meshes", 1)) > 1 and result["fidelity"] == "sector"
 
 
 def _holes(sections: list[Netting], meshes: pd.DataFrame, radius_m: Floats) -> Holes:
     row = meshes["row"].to_numpy(dtype=int)
     half = 0.5 * np.radians(meshes["opening_deg"].to_numpy(dtype=float))
     bar = np.array([s.clear_bar_m for s in sections])
+    bar_full = np.array([s.bar_m for s in sections])
     width = np.array([s.drag_width_m for s in sections])
-    around = np.array([s.meshes_round for s in sections])
+    around = np.array([max(s.open_meshes) for s in sections])
     # the chord between two meridional bars, which a bar across them bounds
     between = 2.0 * 0.5 * (radius_m[row] + radius_m[np.minimum(row + 1, len(radius_m) - 1)]) * np.sin(np.pi / around)
+    # in a window and where counts differ round the ring, by the mesh's own opening
+    alone = np.array([isinstance(s, Window) or s.tapers for s in sections], dtype=bool)
+    between = np.where(alone, bar_full * np.tan(np.minimum(half, 0.5 * np.pi - 1e-9)), between)
     shape = np.array([SHAPES[s.kind.hole] for s in sections], dtype=np.int64)
     rectangle = shape == SHAPES["rectangle"]
     across = np.where(rectangle, np.clip(between - width, 0.0, bar), bar)
@@ -232,3 +267,35 @@ def _holes(sections: list[Netting], meshes: pd.DataFrame, radius_m: Floats) -> H
         shape == SHAPES["rhombus, knots across"],
     )
     return Holes(shape, bar, knot, half, across, load, bending, rest, *held)
+
+
+def _of_all_layers(run: Run, result: dict[Hashable, Any], holes: Holes, row: Counts, radius_m: Floats) -> Holes:
+    """The holes that fish have to pass: under a second layer the tighter of both meshes.
+
+    Tighter is the one that a fish of round section cannot pass first. Layers lie on the netting, so that a fish which
+    has passed one mesh meets the other at once.
+    """
+    if run.layers is None or not run.plan.layer:
+        return holes
+    layers = run.layers[run.layers["case"] == result["case"]]
+    for number, layer in enumerate(run.plan.layer, start=1):
+        own = layers[layers["layer"].astype(str) == (layer.name or str(number))].set_index("row")
+        over = np.flatnonzero(np.isin(row, own.index))
+        if len(over) == 0:
+            continue
+        meshes = own.loc[row[over]].reset_index()[["row", "opening_deg", "bar_tension_n"]]
+        mine = _holes([layer] * len(over), meshes, radius_m)
+        tighter = _widest_round(mine) < _widest_round(holes)[over]
+        chosen = {}
+        for field in fields(Holes):
+            values = getattr(holes, field.name).copy()
+            values[over[tighter]] = getattr(mine, field.name)[tighter]
+            chosen[field.name] = values
+        holes = Holes(**chosen)
+    return holes
+
+
+def _widest_round(holes: Holes) -> Floats:
+    """Radius of the largest round section that passes a rhombus of these bars, or half a rectangle's shorter side."""
+    by_rhombus = holes.bar_m * np.sin(holes.half_angle_rad) * np.cos(holes.half_angle_rad)
+    return np.where(holes.shape == SHAPES["rectangle"], 0.5 * np.minimum(holes.across_m, holes.bar_m), by_rhombus)

@@ -94,7 +94,7 @@ def trying_of(haul: Haul, species: Species) -> Trying:
 def terms_of_catches(haul: Haul, species: Species, nodes: Nodes | None = None) -> list[EscapeTerms]:
     """Retention of fish that meet each of the catches."""
     nodes, trying = nodes or nodes_of(), trying_of(haul, species)
-    return [escape_terms(haul.crowd, i, species.values, nodes, trying) for i in range(len(haul.catches))]
+    return escape_terms(haul.crowd, species.values, nodes, trying)
 
 
 def terms_of_haul(

@@ -71,9 +71,9 @@ def retain_hauls(
     tables = np.zeros((0, 0, 0, 0))
     for m in range(len(values)):
         share = time_shares((volume / volume[-1]) ** (1.0 / values[m, _GROWTH]))
-        ideals = ideals_of(crowd, values[m], nodes)
         if m == 0 or not _same_lengths(values[m], values[m - 1]):
             tables = tables_of(crowd, values[m], nodes)
+        ideals = ideals_of(crowd, values[m], nodes, tables)
         gathered = np.zeros(_BINS + 1)
         for catch in range(len(volume)):
             for k in range(add_terms(crowd, catch, values[m], nodes, trying, ideals, tables, ln_g, escape)):

@@ -45,7 +45,7 @@ from codend.selectivity.escape.passage_kernels import (
     longest_at,
     sides_of,
 )
-from codend.selectivity.escape.yielding_kernels import Effort, best_opening
+from codend.selectivity.escape.yielding_kernels import Effort, Passing, best_opening
 
 Floats = NDArray[np.float64]
 
@@ -145,12 +145,13 @@ def longest_fish(
     fish = Fish(float(section.half_height), float(section.half_width), float(section.exponent))
     rotation = math.nan if rotation_deg is None else math.radians(rotation_deg)
     effort = Effort(float(push_force_n), float(push_exponent), float(push_length_m), FINE)
+    passing = Passing(fish, rotation, np.zeros((0, 0)))
     longest, ideals = np.empty(len(holes.shape)), np.full(IDEALS, np.nan)
     for i in range(len(longest)):
         hole, phi = hole_of(holes, i), float(holes.half_angle_rad[i])
         if push_force_n > 0.0:
             ideal_openings(hole, fish, rotation, FINE, ideals)
-        phi = best_opening(hole, phi, fish, rotation, effort, ideals)
+        phi = best_opening(hole, phi, passing, effort, ideals)
         longest[i] = longest_at(hole, phi, fish, rotation, FINE)
     return longest
 

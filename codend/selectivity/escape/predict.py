@@ -135,7 +135,8 @@ def predict_haul(
     of_catches = terms_of_catches(haul, species)
     every = [*of_catches, terms_of_haul(haul, of_catches, species)]
     length_cm = species.length_cm
-    retention = np.array([terms.retention(length_cm) for terms in every])
+    retention = np.array([terms.retention(length_cm) for terms in of_catches])
+    retention = np.vstack([retention, haul.time_shares(species) @ retention])
     per_class = species.haul.fish.value / len(length_cm)
 
     model, shares = _logit_model(length_cm), shares_of_ends(haul, species)

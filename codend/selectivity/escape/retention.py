@@ -120,24 +120,29 @@ def nodes_of(shapes: int = SHAPES, rotations: int = ROTATIONS, steps: int = STEP
 
 
 def escape_terms(
-    crowd: Crowd, catch: int, values: Floats, nodes: Nodes | None = None, trying: Trying | None = None
-) -> EscapeTerms:
-    """Terms of the retention curve of one catch.
+    crowd: Crowd,
+    values: Floats,
+    nodes: Nodes | None = None,
+    trying: Trying | None = None,
+) -> list[EscapeTerms]:
+    """Terms of the retention curve of every catch.
 
     Args:
         crowd: meshes of all catches.
-        catch: number of the catch.
         values: of ``catch_models.fish.PARAMETERS``, (15,).
         nodes: quadrature; ``nodes_of()`` when left out.
         trying: where fish try; everywhere alike when left out.
 
     Returns:
-        Terms; none where no mesh lies ahead of the catch, so that nothing escapes.
+        Terms; none of a catch that no mesh lies ahead of, so that nothing escapes.
     """
     nodes = nodes or nodes_of()
-    most = (crowd.start[catch + 1] - crowd.start[catch]) * len(nodes.shape) * len(nodes.rotation)
-    ln_length, escape = np.empty(most), np.empty(most)
     trying = trying or everywhere_alike(int(crowd.part.max(initial=0)) + 1)
-    ideals, tables = ideals_of(crowd, values, nodes), tables_of(crowd, values, nodes)
-    count = add_terms(crowd, catch, values, nodes, trying, ideals, tables, ln_length, escape)
-    return EscapeTerms(ln_length[:count], escape[:count], float(values[_SIZE]))
+    tables = tables_of(crowd, values, nodes)
+    ideals = ideals_of(crowd, values, nodes, tables)
+    found = []
+    for catch, meshes in enumerate(np.diff(crowd.start)):
+        ln_length, escape = np.empty((2, meshes * len(nodes.shape) * len(nodes.rotation)))
+        count = add_terms(crowd, catch, values, nodes, trying, ideals, tables, ln_length, escape)
+        found.append(EscapeTerms(ln_length[:count], escape[:count], float(values[_SIZE])))
+    return found

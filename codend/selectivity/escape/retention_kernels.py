@@ -20,7 +20,7 @@ from codend.selectivity.escape.passage_kernels import (
     longest_turned,
     sides_of,
 )
-from codend.selectivity.escape.yielding_kernels import Effort, best_opening, table_opening
+from codend.selectivity.escape.yielding_kernels import Effort, Passing, best_opening
 
 Floats = NDArray[np.float64]
 
@@ -99,11 +99,18 @@ class Trying(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def ideals_of(crowd: Crowd, values: Floats, nodes: Nodes) -> Floats:
-    """Ideal openings of every netting for every shape, (nettings, shapes, IDEALS); nan where no push needs them."""
+def ideals_of(crowd: Crowd, values: Floats, nodes: Nodes, tables: Floats) -> Floats:
+    """Ideal openings of every netting for every shape, (nettings, shapes, IDEALS); nan where no push needs them.
+
+    Those of ``tables``, where lengths are tabled.
+    """
     nettings = np.max(crowd.netting) + 1 if len(crowd.netting) else 0
     ideals = np.full((nettings, len(nodes.shape), IDEALS), np.nan)
-    if values[_PUSH] > 0.0 and nodes.openings == 0:
+    if values[_PUSH] > 0.0 and nodes.openings > 0:
+        for netting in range(nettings):
+            for node in range(len(nodes.shape)):
+                _peaks(tables[netting, node], ideals[netting, node])
+    elif values[_PUSH] > 0.0:
         sought = np.ones(len(ideals), dtype=np.bool_)
         for mesh in range(len(crowd.netting)):
             netting = crowd.netting[mesh]
@@ -113,6 +120,16 @@ def ideals_of(crowd: Crowd, values: Floats, nodes: Nodes) -> Floats:
                     ideal_openings(_hole(crowd, mesh), fish, math.nan, nodes.steps, ideals[netting, node])
             sought[netting] = False
     return ideals
+
+
+@njit(cache=True, nogil=True)
+def _peaks(table: Floats, ideals: Floats) -> None:
+    """Write the half opening angles at which a table's first column is highest into ``ideals``."""
+    count, width = 0, 0.5 * math.pi / (len(table) - 1)
+    for k in range(1, len(table) - 1):
+        if table[k - 1, 0] <= table[k, 0] > table[k + 1, 0] and count < len(ideals):
+            ideals[count] = k * width
+            count += 1
 
 
 @njit(cache=True, nogil=True)
@@ -195,6 +212,7 @@ def add_terms(
     weight, ln_g = np.empty((end - first) * rotations), np.empty((end - first) * rotations)
     zone = np.empty(len(weight), dtype=np.int64)
     probability, kept = np.empty(zones), np.empty(zones)
+    no_table = np.zeros((0, 0))
     written = 0
     for node in range(len(nodes.shape)):
         fish = _fish(values, nodes.shape[node])
@@ -203,15 +221,16 @@ def add_terms(
             if tried[mesh - first] == 0.0:
                 continue
             hole, effort = _hole(crowd, mesh), _effort(values, nodes)
-            phi, netting = crowd.half_angle[mesh], crowd.netting[mesh]
+            netting = crowd.netting[mesh]
             tabled = nodes.openings > 0 and hole.shape != RECTANGLE
+            passing = Passing(fish, math.nan, tables[netting, node] if tabled else no_table)
+            phi = best_opening(hole, crowd.half_angle[mesh], passing, effort, ideals[netting, node])
             left, share, best = 0, 0.0, 0.0
             if tabled:
-                at = table_opening(hole, phi, tables[netting, node], effort) / (0.5 * math.pi) * nodes.openings
+                at = phi / (0.5 * math.pi) * nodes.openings
                 left = min(int(at), nodes.openings - 1)
                 share = at - left
             else:
-                phi = best_opening(hole, phi, fish, math.nan, effort, ideals[netting, node])
                 best = best_rotation(hole, phi, fish, nodes.steps)
             for k in range(rotations):
                 if tabled:

@@ -27,8 +27,8 @@ def load_species(path: str | Path) -> Species:
 
     Raises:
         InputError: no such file, not TOML, an unknown, missing, mistyped or out-of-range key, a number outside its own
-            range, an exponent for an ellipse or none for a superellipse, length classes that run backwards or are too
-            many.
+            range, a range of a zone's number, an exponent for an ellipse or none for a superellipse, length classes
+            that run backwards or are too many, a distribution along the codend that begins farther than a row ahead.
     """
     data = read_toml(path, "species file in TOML")
     species = checked(Species, data, path)
@@ -72,7 +72,17 @@ def _check(species: Species, path: str | Path) -> None:
         raise InputError(path, "section.exponent", species.section.exponent.value, 'only with shape = "superellipse"')
     if species.lengths.to_cm <= species.lengths.from_cm:
         raise InputError(path, "lengths.to_cm", species.lengths.to_cm, f"above {species.lengths.from_cm:g}, from_cm")
+    for place, zone in enumerate(species.zone):
+        for key, of_zone in (("contact", zone.contact), ("attempts", zone.attempts)):
+            for end in ("low", "high"):
+                if (given := getattr(of_zone, end)) is not None:
+                    raise InputError(
+                        path, f"zone.{place}.{key}.{end}", given, "left out: numbers of zones are not ranked"
+                    )
     along = species.along
+    if along is not None and not along.rows_ahead[0] <= 1.0:
+        allowed = "a first row of 0 to 1: what fish do nearer to the front must be said"
+        raise InputError(path, "along.rows_ahead", list(along.rows_ahead), allowed)
     if along is not None and (np.diff(along.rows_ahead) <= 0.0).any():
         raise InputError(path, "along.rows_ahead", list(along.rows_ahead), "rows in rising order")
     if along is not None and (len(along.weight) != len(along.rows_ahead) or max(along.weight) == 0.0):

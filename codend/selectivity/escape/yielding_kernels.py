@@ -29,6 +29,18 @@ class Effort(NamedTuple):
     steps: int
 
 
+class Passing(NamedTuple):
+    """How long a fish passes a mesh at an opening: by its section and rotation (nan: the best), or by a table.
+
+    The table is of even half opening angles from 0 to 90 degrees, (n + 1, ...), its first column the longest fish at
+    the best rotation; without rows every length is exact.
+    """
+
+    fish: Fish
+    rotation: float
+    table: NDArray[np.float64]
+
+
 @njit(cache=True, nogil=True)
 def force_to(hole: Hole, computed: float, phi: float) -> float:
     """Push that brings a mesh from the computed half opening angle to another one, N: across, or along to close it."""
@@ -41,132 +53,67 @@ def force_to(hole: Hole, computed: float, phi: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def best_opening(
-    hole: Hole, phi: float, fish: Fish, rotation: float, effort: Effort, ideals: NDArray[np.float64]
-) -> float:
-    """Half opening angle that the longest fish which passes gives the mesh, at a rotation or the best for nan.
+def longest_by(hole: Hole, phi: float, passing: Passing, steps: int) -> float:
+    """Longest fish through a mesh at a half opening angle, m: by its table where there is one, else exactly."""
+    last = len(passing.table) - 1
+    if last < 0:
+        return longest_at(hole, phi, passing.fish, passing.rotation, steps)
+    at = phi / (0.5 * math.pi) * last
+    left = min(int(at), last - 1)
+    return passing.table[left, 0] + (at - left) * (passing.table[left + 1, 0] - passing.table[left, 0])
 
-    It is one of the netting's ``ideal_openings``, or the edge of what the fish's push reaches on the way to one.
+
+@njit(cache=True, nogil=True)
+def best_opening(hole: Hole, phi: float, passing: Passing, effort: Effort, ideals: NDArray[np.float64]) -> float:
+    """Half opening angle that the longest fish which passes gives the mesh.
+
+    It is one of the netting's ideal openings, or the edge of what the fish's push reaches on the way to one.
     """
     if effort.push <= 0.0 or hole.shape == RECTANGLE:
         return phi
-    best, value = phi, longest_at(hole, phi, fish, rotation, effort.steps)
+    best, value = phi, longest_by(hole, phi, passing, effort.steps)
     for side in (1.0, -1.0):
         reached = phi
         for k in range(len(ideals)):
             ideal = ideals[k] if side > 0.0 else ideals[len(ideals) - 1 - k]
             if not side * (ideal - phi) > 0.0:  # behind, or nan
                 continue
-            if _within_reach(hole, phi, ideal, fish, rotation, effort):
+            if _left_over(hole, phi, ideal, passing, effort) >= 0.0:
                 tried = reached = ideal
             else:
-                tried = _edge_of_reach(hole, phi, reached, ideal, fish, rotation, effort)
-            length = longest_at(hole, tried, fish, rotation, effort.steps)
+                tried = _edge_of_reach(hole, phi, reached, ideal, passing, effort)
+            length = longest_by(hole, tried, passing, effort.steps)
             if length > value:
                 best, value = tried, length
     return best
 
 
 @njit(cache=True, nogil=True)
-def _within_reach(hole: Hole, computed: float, phi: float, fish: Fish, rotation: float, effort: Effort) -> bool:
-    """Whether the longest fish that passes at an opening pushes hard enough to bring the mesh there."""
-    needed = force_to(hole, computed, phi)
-    if effort.exponent == 0.0:
-        return needed <= effort.push
-    length = longest_at(hole, phi, fish, rotation, effort.steps)
-    return needed <= effort.push * (length / effort.at) ** effort.exponent
+def _left_over(hole: Hole, computed: float, phi: float, passing: Passing, effort: Effort) -> float:
+    """Push of the longest fish that passes at an opening, less what brings the mesh there, N."""
+    push = effort.push
+    if effort.exponent != 0.0:
+        push *= (longest_by(hole, phi, passing, effort.steps) / effort.at) ** effort.exponent
+    return push - force_to(hole, computed, phi)
 
 
 @njit(cache=True, nogil=True)
 def _edge_of_reach(
-    hole: Hole, computed: float, within: float, beyond: float, fish: Fish, rotation: float, effort: Effort
+    hole: Hole, computed: float, within: float, beyond: float, passing: Passing, effort: Effort
 ) -> float:
     """The last opening within reach between one that is and one that is not: by bisection, and regula falsi between."""
     spare, lacking = math.nan, math.nan
+    narrowed = ROUGHLY if len(passing.table) else NARROWED
     for step in range(MOST_STEPS):
-        if abs(beyond - within) <= NARROWED:
+        if abs(beyond - within) <= narrowed:
             break
-        middle = _tried_between(within, spare, beyond, lacking, step)
-        push = effort.push
-        if effort.exponent != 0.0:
-            length = longest_at(hole, middle, fish, rotation, effort.steps)
-            push *= (length / effort.at) ** effort.exponent
-        left = push - force_to(hole, computed, middle)
+        if step % 3 and spare - lacking > 0.0:
+            middle = within + min(max(spare / (spare - lacking), 0.01), 0.99) * (beyond - within)
+        else:
+            middle = 0.5 * (within + beyond)
+        left = _left_over(hole, computed, middle, passing, effort)
         if left >= 0.0:
             within, spare = middle, left
         else:
             beyond, lacking = middle, left
     return within
-
-
-@njit(cache=True, nogil=True)
-def _tried_between(within: float, spare: float, beyond: float, lacking: float, step: int) -> float:
-    """Where to look next for the opening at which a push is spent: by regula falsi, at every third step in the middle.
-
-    Args:
-        within: an opening that is reached.
-        spare: push left there; nan where that is not known.
-        beyond: one that is not.
-        lacking: push left there, below 0; nan where that is not known.
-        step: how often was looked before.
-    """
-    if step % 3 and spare - lacking > 0.0:
-        return within + min(max(spare / (spare - lacking), 0.01), 0.99) * (beyond - within)
-    return 0.5 * (within + beyond)
-
-
-@njit(cache=True, nogil=True)
-def table_opening(hole: Hole, phi: float, table: NDArray[np.float64], effort: Effort) -> float:
-    """``best_opening`` from a table of the longest fish at even half opening angles from 0 to 90 degrees, (n + 1, ...).
-
-    The first column is that at the best rotation, linear between its rows.
-    """
-    if effort.push <= 0.0:
-        return phi
-    last = len(table) - 1
-    width = 0.5 * math.pi / last
-    best, value = phi, _tabled(table, phi / width)
-    for side in (1, -1):
-        reached = phi
-        at = int(phi / width) + (1 if side > 0 else 0)
-        if at * width == phi:
-            at += side
-        while 0 < at < last:
-            here = table[at, 0]
-            peak = here >= table[at - 1, 0] and here >= table[at + 1, 0]
-            if peak:
-                push = effort.push * (here / effort.at) ** effort.exponent
-                if force_to(hole, phi, at * width) <= push:
-                    tried = reached = at * width
-                else:
-                    tried = _table_edge(hole, phi, reached, at * width, table, effort)
-                length = _tabled(table, tried / width)
-                if length > value:
-                    best, value = tried, length
-            at += side
-    return best
-
-
-@njit(cache=True, nogil=True)
-def _table_edge(
-    hole: Hole, computed: float, within: float, beyond: float, table: NDArray[np.float64], effort: Effort
-) -> float:
-    width = 0.5 * math.pi / (len(table) - 1)
-    spare, lacking = math.nan, math.nan
-    for step in range(MOST_STEPS):
-        if abs(beyond - within) <= ROUGHLY:
-            break
-        middle = _tried_between(within, spare, beyond, lacking, step)
-        push = effort.push * (_tabled(table, middle / width) / effort.at) ** effort.exponent
-        left = push - force_to(hole, computed, middle)
-        if left >= 0.0:
-            within, spare = middle, left
-        else:
-            beyond, lacking = middle, left
-    return within
-
-
-@njit(cache=True, nogil=True)
-def _tabled(table: NDArray[np.float64], at: float) -> float:
-    left = min(int(at), len(table) - 2)
-    return table[left, 0] + (at - left) * (table[left + 1, 0] - table[left, 0])

@@ -130,10 +130,11 @@ def fit_field_data(
     pooled = fit_pooled(field_data, model, overdispersion)
     several = len(field_data.haul_names) > 1
     hauls = fit_hauls(field_data, model, overdispersion) if several else ()
-    between = fit_between_hauls(field_data, model, hauls) if several else None
+    selects = pooled.outcome not in NO_SELECTION
+    between = fit_between_hauls(field_data, model, hauls) if several and selects else None
     bootstrap = double_bootstrap(field_data, pooled, n_bootstrap, seed) if n_bootstrap and pooled.converged else None
     one_stage = None
-    if terms.terms and len(field_data.haul_names) >= LEAST_UNITS and pooled.outcome not in NO_SELECTION:
+    if terms.terms and len(field_data.haul_names) >= LEAST_UNITS and selects:
         one_stage = fit_trial(field_data, curve, estimated, fixed, terms)
     alike = _pooled_in_one_stage(field_data, pooled)
     return FieldFit(

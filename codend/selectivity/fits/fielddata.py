@@ -24,6 +24,7 @@ from codend.selectivity.fits.haul_table import (
     read_haul_table,
     unused,
 )
+from codend.selectivity.fits.raising import raising_notes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -136,7 +137,8 @@ def read_field_data(
     test_count, other_count = (
         table.numbers(
             name,
-            f"a whole number of counted fish, 0 or more (raised numbers: give the count here and {name}_raising)",
+            f"a whole number of counted fish, 0 or more (raised numbers: give the count here and the factor in "
+            f"{name}_raising; fitted as counts they make errors too small)",
             lambda v: (v >= 0.0) & (v == np.round(v)),
         )
         for name in (test, other)
@@ -150,6 +152,7 @@ def read_field_data(
     if test_count.sum() + other_count.sum() == 0.0:
         raise InputError(source, test, None, "at least one fish", "and the other column hold no fish")
 
+    raised = raising_notes((test, other), (test_count, other_count), (test_raising, other_raising))
     haul, names = pd.factorize(frame["haul"].astype(str).to_numpy())
     per_haul = [_covariate(table, name, haul) for name in covariates]
     of_hauls = np.stack(per_haul, axis=-1) if per_haul else np.empty((len(names), 0))
@@ -174,7 +177,7 @@ def read_field_data(
         covariate_names=tuple(covariates),
         covariates=of_hauls,
         columns=_haul_columns(table, haul, factors),
-        notes=(*([f"{source} has {table.form}"] if table.form else []), *notes, *unused(table, used)),
+        notes=(*([f"{source} has {table.form}"] if table.form else []), *notes, *raised, *unused(table, used)),
     )
 
 

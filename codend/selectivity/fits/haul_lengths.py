@@ -54,11 +54,14 @@ def middles_cm(table: InputTable, unit: str | None, length_is: str | None) -> tu
             width = _class_width(table, column, lengths)
             lengths = lengths + 0.5 * width
             notes = [f"{column} is the lower end of classes {width:g} wide: their middles are taken"]
+        else:
+            said = "" if length_is else "; --length-is lower says otherwise"
+            notes = [f"{column} is taken as the middle of each class{said}"]
     if column == "length_mm" or unit == "mm":
         return lengths / 10.0, [*notes, f"{column} is in mm"]
     if unit is None and table.frame.index.name == LINE:  # whoever makes a frame knows its unit
         _check_unit(table, column, lengths)
-    return lengths, notes
+    return lengths, [f"{note} (in cm)" for note in notes]
 
 
 def _middles_of(

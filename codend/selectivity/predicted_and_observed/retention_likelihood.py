@@ -105,7 +105,7 @@ class _Rows:
     def zeta(self, values: Floats, nodes: Nodes, split: float) -> Floats:
         """Log-odds of the rows, (R,)."""
         haul, data = self.trial.haul, self.trial.data
-        terms = [escape_terms(haul.crowd, i, values, nodes, self.trying) for i in range(len(haul.catches))]
+        terms = escape_terms(haul.crowd, values, nodes, self.trying)
         of_catches = np.array([one.retention(self.length_cm) for one in terms])
         r = np.einsum("rc,cr->r", self.shares, of_catches[:, self.length])
         r = np.clip(r, LEAST_RETENTION, 1.0 - LEAST_RETENTION)

@@ -41,9 +41,9 @@ def beside_each_other(folders: Sequence[Path]) -> BesideEachOther:
     """Compare the runs in some folders.
 
     Answers of a design are taken at the catch masses of the first one at the same speed, between its own catches in
-    proportion and never beyond them. Intervals of opening and drag reach as far as both error estimates together; those
-    of L50 and SR are as wide as both 95 % intervals of the logit fit, for a finite number of fish and the error of the
-    openings, taken as independent.
+    proportion and never beyond them. Intervals of opening and drag reach as far as both error estimates together. L50
+    and SR are of logit curves fitted to fish that meet a catch, and their intervals as wide as both 95 % intervals of
+    those fits, for a finite number of fish and the error of the openings, taken as independent.
 
     Raises:
         InputError: a folder is named twice or holds no run, or no catch of the first can be compared at all.
@@ -121,7 +121,7 @@ def _selectivity(path: Path, cases: pd.DataFrame) -> list[pd.DataFrame]:
         return [
             joined[[*cases.columns, "species"]].assign(
                 quantity=quantity,
-                value=joined[quantity],
+                value=joined[f"{of}_logit_cm"],
                 half_width=0.5 * (joined[f"{of}_upper_95_cm"] - joined[f"{of}_lower_95_cm"]),
             )
             for quantity, of in SELECTIVITY.items()

@@ -100,10 +100,10 @@ def scene_from(path: str | Path, changes: Sequence[str] = (), number: int = 1) -
         raise InputError(OPTIONS, "case", number, f"1 to {len(cases)}, the cases of the plan")
     case = cases[number - 1]
     only = (f"tow.speed_m_s={case.speed_m_s!r}", f"catch.{case.catch_kind}={case.catch_value!r}")
-    least = min(section.meshes_round for section in plan.netting)
+    least = min(min(section.open_meshes) for section in plan.netting)
     factors = [g for g in sorted(plan.globalisations, reverse=True) if g == 1 or least >= FEWEST_MESHES_ROUND * g]
     chosen = fidelity.choose(load_plan(path, [*free, *only])).fidelity
-    knots = sum(section.meshes_round * section.rows_per_mesh * section.meshes_long for section in plan.netting)
+    knots = sum(section.open_meshes[0] * section.rows_per_mesh * section.meshes_long for section in plan.netting)
     if knots > MOST_KNOTS and len(factors) > 1:
         factors.remove(1)
     kept = tuple(factors[i] for i in np.unique(np.linspace(0, len(factors) - 1, MOST_FACTORS).round().astype(int)))

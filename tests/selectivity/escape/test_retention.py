@@ -34,7 +34,7 @@ def crowd(openings: np.ndarray = OPENINGS, *, first: float = 1.0, knot_m: float 
 
 def test_fish_all_alike_in_meshes_all_alike_are_cut_at_the_longest_that_passes():
     alike = values(size=0.0, shape=0.0, contact=1.0, rotation_deg=0.0)
-    terms = escape_terms(crowd(np.full(6, 40.0)), 0, alike)
+    terms = escape_terms(crowd(np.full(6, 40.0)), alike)[0]
     longest_cm = 100.0 * longest_fish(Holes.of("diamond", 0.05, 40.0, knot_m=0.012), FishSection.of(alike)).item()
     l50, sr = terms.l50_sr()
     np.testing.assert_allclose(l50, longest_cm, rtol=1e-6)
@@ -45,7 +45,7 @@ def test_fish_all_alike_in_meshes_all_alike_are_cut_at_the_longest_that_passes()
 def test_fish_of_different_sizes_in_meshes_all_alike_follow_a_normal_distribution_of_ln_length():
     spread = 0.07
     varied = values(size=spread, shape=0.0, contact=1.0, rotation_deg=0.0, attempts=1.0)
-    terms = escape_terms(crowd(np.full(6, 40.0)), 0, varied)
+    terms = escape_terms(crowd(np.full(6, 40.0)), varied)[0]
     longest_cm = 100.0 * longest_fish(Holes.of("diamond", 0.05, 40.0, knot_m=0.012), FishSection.of(varied)).item()
     l50, sr = terms.l50_sr()
     np.testing.assert_allclose(l50, longest_cm, rtol=1e-6)
@@ -71,7 +71,7 @@ def test_retention_agrees_with_fish_sent_one_by_one(push_force_n):
         longest_cm = 100.0 * longest_fish(holes, section, push_force_n=push_force_n, push_exponent=2.0)
         p = (longest_cm >= LENGTH_CM[:, None]).mean(axis=1)
         let_through += contact * (1.0 - (1.0 - p) ** attempts)
-    computed = escape_terms(crowd(), 0, asked).retention(LENGTH_CM)
+    computed = escape_terms(crowd(), asked)[0].retention(LENGTH_CM)
     r = 1.0 - let_through / fish
     error = np.sqrt(np.maximum(r * (1.0 - r), 1e-3) / fish)
     assert np.abs(computed - r).max() < (4.0 * error).max()
@@ -81,21 +81,21 @@ def test_retention_agrees_with_fish_sent_one_by_one(push_force_n):
 @pytest.mark.parametrize("attempts", [1.0, 4.0, 10.0])
 def test_quadrature_is_within_two_thousandths_in_l50_and_two_hundredths_in_sr(attempts):
     asked = values(attempts=attempts)
-    l50, sr = escape_terms(crowd(), 0, asked, nodes_of(15, 400, 40)).l50_sr()
-    found = escape_terms(crowd(), 0, asked).l50_sr()
+    l50, sr = escape_terms(crowd(), asked, nodes_of(15, 400, 40))[0].l50_sr()
+    found = escape_terms(crowd(), asked)[0].l50_sr()
     np.testing.assert_allclose(found[0], l50, rtol=2e-3)
     np.testing.assert_allclose(found[1], sr, rtol=2e-2)
 
 
 def test_retention_rises_with_length_from_the_share_that_never_tries_to_one():
-    found = escape_terms(crowd(), 0, values(contact=0.8)).retention(np.linspace(0.5, 80.0, 400))
+    found = escape_terms(crowd(), values(contact=0.8))[0].retention(np.linspace(0.5, 80.0, 400))
     assert (np.diff(found) >= -1e-12).all()
     np.testing.assert_allclose(found[[0, -1]], [0.2, 1.0], atol=1e-9)
 
 
 def test_more_attempts_and_wider_meshes_let_longer_fish_go_and_farther_rows_shorter_ones():
     def l50(**changes: float) -> float:
-        return escape_terms(crowd(), 0, values(**changes)).l50_sr()[0]
+        return escape_terms(crowd(), values(**changes))[0].l50_sr()[0]
 
     assert l50(attempts=1.0) < l50(attempts=3.0) < l50(attempts=10.0)
     assert l50(rows_ahead=1.0) > l50(rows_ahead=3.0) > l50(rows_ahead=6.0)
@@ -104,14 +104,14 @@ def test_more_attempts_and_wider_meshes_let_longer_fish_go_and_farther_rows_shor
 
 
 def test_no_l50_is_given_where_too_few_fish_try_and_no_sr_where_l25_does_not_exist():
-    assert np.isnan(escape_terms(crowd(), 0, values(contact=0.4)).l50_sr()).all()
-    l50, sr = escape_terms(crowd(), 0, values(contact=0.7)).l50_sr()
+    assert np.isnan(escape_terms(crowd(), values(contact=0.4))[0].l50_sr()).all()
+    l50, sr = escape_terms(crowd(), values(contact=0.7))[0].l50_sr()
     assert np.isfinite(l50)
     assert np.isnan(sr)
 
 
 def test_nothing_escapes_without_a_mesh_ahead_of_the_catch():
-    terms = escape_terms(crowd(first=200.0), 0, SPECIES.values)
+    terms = escape_terms(crowd(first=200.0), SPECIES.values)[0]
     np.testing.assert_array_equal(terms.retention(LENGTH_CM), 1.0)
     assert np.isnan(terms.l50_sr()).all()
 
@@ -119,7 +119,7 @@ def test_nothing_escapes_without_a_mesh_ahead_of_the_catch():
 def test_retention_moves_continuously_with_the_front_from_row_to_row():
     starts = np.linspace(0.0, 2.0, 81)
     openings = np.linspace(50.0, 20.0, 12)
-    l50 = np.array([escape_terms(crowd(openings, first=s), 0, SPECIES.values).l50_sr()[0] for s in starts])
+    l50 = np.array([escape_terms(crowd(openings, first=s), SPECIES.values)[0].l50_sr()[0] for s in starts])
     assert np.abs(np.diff(l50)).max() < 0.05 * np.ptp(l50) + 0.02
 
 

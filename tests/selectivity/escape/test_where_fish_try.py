@@ -43,13 +43,13 @@ def l50(parts: dict[Part, tuple[float, float]], *zones: Zone) -> float:
 
 
 def test_shut_meshes_take_no_attempts_from_open_ones():
-    open_alone = escape_terms(crowd(41.0, 37.0), 0, SPECIES.values).retention(LENGTH_CM)
-    with_shut = escape_terms(crowd(41.0, 37.0, 1.0, 0.5), 0, SPECIES.values).retention(LENGTH_CM)
+    open_alone = escape_terms(crowd(41.0, 37.0), SPECIES.values)[0].retention(LENGTH_CM)
+    with_shut = escape_terms(crowd(41.0, 37.0, 1.0, 0.5), SPECIES.values)[0].retention(LENGTH_CM)
     np.testing.assert_allclose(with_shut, open_alone, atol=1e-12)
 
 
 def test_a_mesh_that_shuts_leaves_its_attempts_to_others_little_by_little():
-    values = np.array([escape_terms(crowd(40.0, o), 0, SPECIES.values).l50_sr()[0] for o in np.linspace(0, 40, 81)])
+    values = np.array([escape_terms(crowd(40.0, o), SPECIES.values)[0].l50_sr()[0] for o in np.linspace(0, 40, 81)])
     assert np.abs(np.diff(values)).max() < 0.2 * np.ptp(values)
 
 
@@ -85,7 +85,7 @@ def test_a_distribution_along_the_codend_says_which_meshes_are_tried():
         return terms_of_catches(haul, SPECIES.model_copy(update={"along": along}))[0].l50_sr()[0]
 
     assert found(1.0, 0.0, 0.0) > found(1.0, 1.0, 0.0) > found(1.0, 1.0, 1.0) > found(0.0, 0.0, 1.0)
-    alone = escape_terms(crowd(30.0), 0, SPECIES.values).l50_sr()[0]
+    alone = escape_terms(crowd(30.0), SPECIES.values)[0].l50_sr()[0]
     np.testing.assert_allclose(found(0.0, 1.0, 0.0), alone, rtol=1e-9)
 
 
@@ -122,6 +122,23 @@ def test_a_species_with_zones_and_a_distribution_is_read_back_equal_and_its_mist
         path.write_text(species_toml(wrong), encoding="utf-8")
         with pytest.raises(InputError, match="along"):
             load_species(path)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"along": Along(rows_ahead=(2.0, 4.0), weight=(1.0, 0.0), source="assumed: test")}, "first row of 0 to 1"),
+        (
+            {"zone": (Zone(section="a", contact=number(0.5).model_copy(update={"low": 0.4}), attempts=number(1.0)),)},
+            r"zone\.0\.contact\.low.* left out",
+        ),
+    ],
+)
+def test_what_would_go_unheard_in_a_species_is_refused(changes, said, tmp_path):
+    path = tmp_path / "species.toml"
+    path.write_text(species_toml(SPECIES.model_copy(update=changes)), encoding="utf-8")
+    with pytest.raises(InputError, match=said):
+        load_species(path)
 
 
 def test_a_zone_without_effect_is_told():

@@ -1,0 +1,145 @@
+"""Windows of a plan in the lattice of its full net: where they are cut, and the nodes numbered anew.
+
+A sector has no windows: it is one of the netting that they are let into, from which their nets start.
+"""
+
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codend.bag.bag import Bag
+from codend.errors import InputError
+from codend.net.net import BAR_ARRAYS, Floats, Ints
+from codend.netting.knots import Knots
+from codend.netting.parts import Parts, RowShape
+from codend.netting.windows import LetIn, Opening, cut_out, let_in, placed_window, rows_of_window
+from codend.plan.plan import Plan
+
+
+def with_windows(
+    plan: Plan, parts: Parts, knots: Knots, shape: RowShape, positions: Floats, node_row: Ints
+) -> tuple[list[LetIn], Knots, Floats, Ints]:
+    """The windows, the knots as they are numbered with them, and positions and rows of all nodes.
+
+    ``parts`` lose what the windows take the place of, and are numbered anew.
+
+    Raises:
+        InputError: what is not modelled of windows.
+    """
+    windows: list[LetIn] = []
+    azimuth = np.arctan2(positions[:, 2], positions[:, 1]) - shape.azimuth_rad
+    count, g = len(positions), knots.lattice.globalisation
+    rows = [node_row]
+    for index, window in enumerate(plan.window):
+        opening = _opening(plan, knots, index)
+        found = let_in(knots, opening, window, window.meshes_round // g, window.meshes_long // g, count)
+        windows.append(found)
+        count += len(found.patch.own)
+        positions = np.concatenate([positions, placed_window(found, knots, shape)])
+        rows.append(rows_of_window(found))
+    for found in windows:
+        cut_out(parts, knots, found.opening, azimuth, node_row)
+    return _numbered_anew(parts, windows, knots, positions, np.concatenate(rows))
+
+
+def _opening(plan: Plan, knots: Knots, index: int) -> Opening:
+    hole, g = plan.holes[index], knots.lattice.globalisation
+    part = plan.netting[hole.section]
+    bands = plan.sections_of_bands(g)
+    start = bands.index(hole.section)
+    fore, aft = (start + part.rows_per_mesh * meshes // g for meshes in (hole.fore, hole.fore + hole.deep))
+    if part.tapers:
+        allowed = "a section with as many meshes round all along: windows in one that tapers are not modelled yet"
+        raise InputError(plan.source, f"window.{index}.netting", plan.window[index].netting, allowed)
+    if any(section.bending_stiffness_n_m2 for section in (*plan.netting, *plan.window)):
+        allowed = "0 in plans with windows: stiff twine at their seams is not modelled yet"
+        raise InputError(plan.source, "netting.bending_stiffness_n_m2", None, allowed)
+    # towards the top where it has no middle in common with its panel
+    first = int(np.floor(hole.first / g + 0.5))
+    return Opening(fore, aft, first, hole.across // g)
+
+
+def _numbered_anew(
+    parts: Parts, windows: list[LetIn], knots: Knots, positions: Floats, node_row: Ints
+) -> tuple[list[LetIn], Knots, Floats, Ints]:
+    stands_for = np.arange(len(positions))
+    for window in windows:
+        for one, other in window.alias.items():
+            stands_for[one] = other
+    while not np.array_equal(stands_for[stands_for], stands_for):
+        stands_for = stands_for[stands_for]
+    tables = [*parts.bars, *(bars for window in windows for bars in window.bars)]
+    used = np.zeros(len(positions), dtype=bool)
+    used[stands_for[np.concatenate([bars[:, :2].ravel() for bars in tables])]] = True
+    used[stands_for[: knots.fore_start[1]]] = True
+    codline = knots.codline
+    used[codline] = False
+    kept = np.append(np.flatnonzero(used), codline)
+    number = np.full(len(positions), -1, dtype=np.int64)
+    number[kept] = np.arange(len(kept))
+    number = number[stands_for]
+
+    def anew(table: NDArray, nodes: int) -> NDArray:
+        return np.concatenate([number[table[:, :nodes]], table[:, nodes:]], axis=1)
+
+    def whole(table: NDArray, nodes: int) -> NDArray:
+        """Rows of a table whose nodes all differ."""
+        apart = [table[:, i] != table[:, j] for i in range(nodes) for j in range(i)]
+        return table[np.all(apart, axis=0)]
+
+    def open_meshes(table: NDArray) -> NDArray:
+        return np.asarray((table[:, 0:8:2] != table[:, 1:8:2]).all(axis=1))
+
+    for window in windows:
+        window.splits = [
+            (int(number[one]), int(number[other]), share, int(number[node]))
+            for one, other, share, node in window.splits
+        ]
+    parts.bars = [whole(anew(bars, 2), 2) for bars in parts.bars]
+    parts.facets = [whole(anew(facets, 3), 3) for facets in parts.facets]
+    parts.meshes = [meshes[open_meshes(meshes)] for meshes in (anew(table, 8) for table in parts.meshes)]
+    parts.corners = [anew(corners, 3) for corners in parts.corners]
+    parts.codline = int(number[codline])
+    for window in windows:
+        window.bars = [whole(anew(bars, 2), 2) for bars in window.bars]
+        facets = anew(np.concatenate(window.facets), 3)
+        weights = np.concatenate(window.weights)
+        sound = (facets[:, 0] != facets[:, 1]) & (facets[:, 1] != facets[:, 2]) & (facets[:, 2] != facets[:, 0])
+        window.facets, window.weights = [facets[sound]], [weights[sound]]
+        meshes = anew(np.concatenate(window.meshes), 8)
+        window.meshes = [meshes[open_meshes(meshes)]]
+    return windows, replace(knots, renumbered=number), positions[kept], node_row[kept]
+
+
+def sewn_to_bars(bag: Bag, windows: list[LetIn]) -> Bag:
+    """The bag with those bars of the netting parted that knots of windows are sewn to."""
+    sewn: dict[tuple[int, int], list[tuple[float, int]]] = {}
+    for window in windows:
+        for one, other, share, node in window.splits:
+            sewn.setdefault((one, other), []).append((share, node))
+    if not sewn:
+        return bag
+    where = {tuple(ends): bar for bar, ends in enumerate(bag.net.bars.tolist())}
+    bars, lengths = bag.net.bars.copy(), bag.net.bar_length.copy()
+    added: list[tuple[int, int, int, float]] = []
+    for (one, other), places in sewn.items():
+        bar, turned = (where[one, other], False) if (one, other) in where else (where[other, one], True)
+        shares, nodes = zip(*[(0.0, one), *sorted(places), (1.0, other)], strict=True)
+        pieces = [(a, b, (t - s) * lengths[bar]) for (s, a), (t, b) in pairwise(zip(shares, nodes, strict=True))]
+        if turned:
+            pieces = [(b, a, length) for a, b, length in pieces]
+        (bars[bar, 0], bars[bar, 1], lengths[bar]), *others = pieces
+        added += [(bar, *piece) for piece in others]
+    of = np.array([bar for bar, *_ in added])
+    arrays: dict[str, Any] = {
+        name: np.append(getattr(bag.net, name), getattr(bag.net, name)[of]) for name in BAR_ARRAYS if name != "bars"
+    }
+    arrays["bar_length"] = np.append(lengths, [length for *_, length in added])
+    ends = np.array([(a, b) for _, a, b, _ in added], dtype=np.int32)
+    net = replace(bag.net, bars=np.concatenate([bars, ends]), **arrays)
+    own = ("bar_band", "bar_is_twine", "bar_window")
+    of_bag: dict[str, Any] = {name: np.append(getattr(bag, name), getattr(bag, name)[of]) for name in own}
+    return replace(bag, net=net, **of_bag)

@@ -1,0 +1,175 @@
+"""Seams, selvedges, sections that taper, and windows: nets are closed, balanced, and the tube where they should be."""
+
+import numpy as np
+import pytest
+
+from codend.bag.build import build_bag
+from codend.errors import InputError
+from codend.net.net import facet_corners
+from codend.plan.plan import Plan, plan_from_dict
+from codend.studies.case_result import CaseResult
+from codend.studies.study import Study, solve
+
+SECTION = {"mesh": "diamond", "meshes_round": 24, "meshes_long": 12, "bar_mm": 40.0, "twine_mm": 2.0}
+WINDOW = {
+    "mesh": "diamond", "meshes_round": 6, "meshes_long": 4, "bar_mm": 40.0, "twine_mm": 2.0,
+    "netting": "1", "panel": "upper", "meshes_from_codline": [5, 9], "meshes_across": 6,
+}  # fmt: skip
+KINDS = [{}, {"knot_mm": 6.0}, {"mesh": "t90", "knot_mm": 6.0}, {"mesh": "square", "meshes_round": 48}]
+OTHER = {
+    "square": {"mesh": "square", "meshes_long": 8},
+    "square and few": {"mesh": "square", "meshes_round": 4, "meshes_long": 7},
+    "turned": {"mesh": "t90", "knot_mm": 5.0},
+    "turned and deeper": {"mesh": "t90", "knot_mm": 5.0, "bar_mm": 32.0, "meshes_long": 5},
+    "larger": {"bar_mm": 53.3, "meshes_round": 5, "meshes_long": 3},
+    "smaller": {"bar_mm": 32.0, "meshes_round": 8, "meshes_long": 5, "knot_mm": 3.0},
+    "at the codline": {"mesh": "square", "meshes_long": 8, "meshes_from_codline": [0, 4]},
+    "at the entry": {"mesh": "square", "meshes_long": 8, "meshes_from_codline": [8, 12]},
+}
+
+
+def plan(*sections: dict, windows: list[dict] | None = None, entry: float = 0.12, **tables: object) -> Plan:
+    data = {
+        "title": "seams",
+        "tow": {"speed_m_s": 1.0, "water_density_kg_m3": 1000.0},
+        "entry": {"radius_m": entry},
+        "netting": [{**SECTION, **section} for section in sections],
+        "window": [{**WINDOW, **window} for window in windows or []],
+        "catch": {"filled_meshes": 3.5},
+        "model": {"fidelity": "full", "tolerance": 1e-10, "wrinkles": False},
+    }
+    return plan_from_dict({**data, **tables})
+
+
+def solved(*sections: dict, windows: list[dict] | None = None, **tables: object) -> CaseResult:
+    (result,) = solve(plan(*sections, windows=windows, **tables)).cases
+    assert result.converged, result.report.attempts
+    return result
+
+
+def numbers(result: CaseResult) -> list[float]:
+    m = result.measures
+    return [m.drag_n, m.catch_volume_m3, m.opening_ahead_deg, m.length_m, m.max_radius_m, m.entry_reaction_n]
+
+
+TAPERED = {
+    "a tube": [{"meshes_round_aft": 18}],
+    "two panels": [{"panels": 2, "meshes_round_aft": 16}],
+    "two panels, with knots": [{"panels": 2, "meshes_round_aft": 20, "knot_mm": 5.0}],
+    "four panels": [{"panels": 4, "meshes_round": 32, "meshes_round_aft": 24}],
+    "wider": [{"panels": 2, "meshes_round": 20, "meshes_round_aft": 24}],
+}
+ASKED = {"tolerance": 1e-10, "wrinkles": False}
+
+
+@pytest.mark.parametrize("sections", TAPERED.values(), ids=TAPERED.keys())
+def test_a_sector_of_netting_that_tapers_is_the_full_net_and_not_turned(sections):
+    sector, full = (solved(*sections, model={**ASKED, "fidelity": asked}) for asked in ("sector", "full"))
+    assert sector.net.order == (sections[0].get("panels") or 6)
+    assert numbers(sector) == pytest.approx(numbers(full), rel=1e-8)
+    assert full.measures.entry_reaction_n == pytest.approx(full.measures.drag_n, rel=1e-8)
+    assert abs(full.measures.turn_deg) < 1e-6
+
+
+@pytest.mark.parametrize("panels", [2, 4])
+def test_panels_without_selvedges_are_the_tube(panels):
+    for asked in ("sector", "full"):
+        tables = {"model": {**ASKED, "fidelity": asked}}
+        assert numbers(solved({"panels": panels}, **tables)) == pytest.approx(numbers(solved({}, **tables)), rel=1e-10)
+
+
+def test_slack_selvedges_without_drag_leave_the_tube_of_the_open_meshes():
+    bare = {"drag": {"normal": 0.0}, "model": {**ASKED, "fidelity": "sector"}}
+    selvedged = solved({"panels": 2, "selvedge_meshes": 1}, **bare)
+    assert selvedged.net.order == 2
+    assert selvedged.measures.max_rope_tension_n == 0.0
+    assert numbers(selvedged) == pytest.approx(numbers(solved({"meshes_round": 20}, **bare)), rel=1e-8)
+
+
+def test_a_sector_with_selvedges_and_ropes_is_the_full_net():
+    rope = [{"number": 2, "shortening": 0.1, "axial_stiffness_n": 5e3}]
+    sector, full = (
+        solved({"panels": 2, "selvedge_meshes": 1}, rope=rope, model={**ASKED, "fidelity": asked})
+        for asked in ("sector", "full")
+    )
+    assert numbers(sector) == pytest.approx(numbers(full), rel=1e-8)
+    assert sector.measures.opening_ahead_spread_deg > 1.0
+
+
+def test_the_upper_panel_has_its_middle_on_top():
+    meshes = solve(plan({"panels": 4, "meshes_round_aft": 20}, model={**ASKED, "fidelity": "sector"})).meshes
+    assert set(meshes["panel"]) == {"upper", "port", "lower", "starboard"}
+    middles = meshes.groupby("panel")[["y_m", "z_m"]].mean()
+    assert middles.loc["upper", "z_m"] > abs(middles.loc["upper", "y_m"])
+    assert middles.loc["port", "y_m"] < -abs(middles.loc["port", "z_m"])
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=["plain", "knots", "turned", "square"])
+def test_a_window_of_the_same_netting_changes_nothing(kind):
+    across = {"meshes_round": 12, "meshes_across": 12} if kind.get("mesh") == "square" else {}
+    window = {key: value for key, value in kind.items() if key != "meshes_round"} | across
+    assert numbers(solved(kind, windows=[window])) == pytest.approx(numbers(solved(kind)), rel=1e-9)
+
+
+@pytest.mark.parametrize("window", OTHER.values(), ids=OTHER.keys())
+@pytest.mark.parametrize("kind", KINDS, ids=["plain", "knots", "turned", "square"])
+def test_netting_with_a_window_is_closed(kind, window):
+    """The area vectors of a closed net, and of one half of it, add up to those of the entry's polygon."""
+    for windows in ([], [window]):
+        net = build_bag(plan(kind, windows=windows)).net
+        corners = facet_corners(net, net.positions)
+        area = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        total = (net.facet_weight[:, None] * area).sum(axis=0)
+        if not windows:
+            entry = total[0]
+        assert total == pytest.approx([entry, 0.0, 0.0], abs=1e-12)
+        assert len(np.unique(np.append(net.bars.ravel(), net.facets.ravel()))) == len(net.positions)
+
+
+@pytest.mark.parametrize("name", ["square", "turned", "larger", "at the codline"])
+def test_a_window_leaves_the_net_in_balance(name):
+    result = solved({}, windows=[OTHER[name]])
+    assert result.measures.entry_reaction_n == pytest.approx(result.measures.drag_n, rel=1e-8)
+    assert result.measures.sideways_imbalance < 1e-8
+    assert result.measures.drag_n != pytest.approx(solved({}).measures.drag_n, rel=1e-3)
+
+
+def test_a_window_mirrored_mirrors_the_answer():
+    sides = [solved({}, windows=[{**OTHER["square"], "panel": side}]) for side in ("port", "starboard")]
+    assert numbers(sides[0]) == pytest.approx(numbers(sides[1]), rel=1e-8)
+    port, starboard = (side.positions[np.lexsort(np.round(side.positions, 6).T)] for side in (sides[0], sides[1]))
+    assert port[:, [0, 2]].sum(axis=0) == pytest.approx(starboard[:, [0, 2]].sum(axis=0), abs=1e-6)
+    assert port[:, 1].sum() == pytest.approx(-starboard[:, 1].sum(), abs=1e-6)
+    assert abs(port[:, 1].sum()) > 0.1
+
+
+def test_meshes_of_a_window_are_told_by_its_name_and_panel():
+    windows = [{**OTHER["square"], "name": "window", "panel": "lower"}]
+    study: Study = solve(plan({"panels": 2}, windows=windows, model={"wrinkles": False}))
+    assert study.choice.fidelity == "full"
+    own = study.meshes[study.meshes["section"] == "window"]
+    assert len(own) == 6 * 8
+    assert set(own["panel"]) == {"lower"}
+    assert own["inside_mesh_mm"].unique() == pytest.approx([76.0])
+
+
+@pytest.mark.parametrize("asked", ["sector", "meridian", "smeared"])
+def test_a_sector_has_no_place_for_a_window(asked):
+    with pytest.raises(InputError, match="window") as told:
+        solve(plan({}, windows=[{}], model={"fidelity": asked}))
+    assert told.value.key == "model.fidelity"
+
+
+@pytest.mark.parametrize(
+    ("sections", "windows", "key"),
+    [
+        ([{"meshes_long": 4, "meshes_round_aft": 8}], [], "netting.0.meshes_round_aft"),
+        ([{"mesh": "t90", "knot_mm": 5.0, "cut": "5T2B"}], [], "netting.0.cut"),
+        ([{"meshes_round_aft": 20}], [{}], "window.0.netting"),
+        ([{"bending_stiffness_n_m2": 1e-4}], [{}], "netting.bending_stiffness_n_m2"),
+    ],
+)
+def test_what_is_not_modelled_is_refused(sections, windows, key):
+    with pytest.raises(InputError) as told:
+        build_bag(plan(*sections, windows=windows, entry=0.1))
+    assert told.value.key == key
