@@ -21,11 +21,14 @@ from codend.equilibrium.start_shapes import all_round_start
 from codend.plan.plan import Plan, plan_from_dict
 from codend.solvers import gentle
 from codend.solvers.gentle import End
+from codend.solvers.refusal import passage
 from codend.studies.case_result import CaseResult
 from codend.studies.study import solve
 from validation.passing_through import random_plan
 
 SHAKEN = 0.01
+HALVINGS = 5
+"""Most halvings of the move."""
 STEPS = 100
 """Of a gentle motion; those that settled took 4 to 46."""
 COMES_BACK = 1e-5
@@ -71,14 +74,21 @@ def wrinkling_plan(seed: int) -> Plan:
 
 
 def shaken(result: CaseResult, plan: Plan, seed: int) -> tuple[End, Measures]:
-    """The whole net of a sector's equilibrium, every free knot moved at random, followed gently and polished."""
+    """The whole net of a sector's equilibrium, every free knot moved at random, followed gently and polished.
+
+    Where netting lies so close to netting that the move would push one through the other, by half as much, and so on.
+    """
     globalisation = result.bag.globalisation
     whole = model_of(plan, globalisation, None)
     problem = problem_of(whole.bag, plan, result.case)
     start = all_round_start(result.bag, result.positions, result.solution.bar_tension, result.net.order)
     moves = np.random.default_rng(seed).standard_normal(start.positions.shape) * ~problem.net.fixed
-    bar = float(np.median(problem.structure.length))
-    start = replace(start, positions=start.positions + SHAKEN * bar * moves)
+    moves *= SHAKEN * float(np.median(problem.structure.length))
+    for _ in range(HALVINGS):
+        if passage(problem, start.positions + moves, gathered=False) is None:
+            break
+        moves *= 0.5
+    start = replace(start, positions=start.positions + moves)
     motion = gentle.follow(problem, plan.model.tolerance, start, whole.prepared, steps_allowed=STEPS)
     return motion.end, measure_all(whole.bag, problem, motion.solution)[2]
 

@@ -85,12 +85,20 @@ def errors_of(seed: int, number: int, of_catch: float = 0.0) -> dict[str, float 
     if not (sector.converged and full.converged):
         return None
     stable = sector.stability.stable if sector.stability else "unknown"
-    found: dict[str, float | str] = {"net": number, "mesh": plan.netting[0].mesh, "w": share, "stable": stable}
+    found: dict[str, float | str] = {
+        "net": number,
+        "mesh": plan.netting[0].mesh,
+        "w": share,
+        "stable": stable,
+        "full": full.stability.stable if full.stability else "unknown",
+    }
     for name, error in QUANTITIES.items():
         size = getattr(full.measures, name)
         off = abs(getattr(sector.measures, name) - size)
         found[name] = off / size
-        found[f"{name} over estimate"] = off / getattr(sector.errors, error)
+        # the full net is known as far as its own estimate, which is wide where it is not stable
+        own = getattr(full.errors, error)
+        found[f"{name} over estimate"] = max(off - own, 0.0) / getattr(sector.errors, error)
     return found
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from codend.bag.measure_kernels import write_corners
 from codend.net.net import Floats, Ints, Net, numbered_all_round, rotate, split_bars
 from codend.plan.kinds import Kind
 from codend.plan.tables import Netting
@@ -70,12 +71,15 @@ class Bag:
     anchors: int = 0
     """Nodes of the hoop that only ropes start from, behind all others."""
 
+    layer_bands: tuple[Ints, ...] = ()
+    """Bands that each second layer lies over, in the order of the net's ``wrap_ring``."""
+
     @property
     def bands(self) -> int:
         """Number of bands of netting from the entry to the codline."""
         return len(self.band_meshes)
 
-    @property
+    @cached_property
     def row_place(self) -> Floats:
         """Place of every row of knots, in meshes from the entry, (bands + 1,)."""
         return np.concatenate([[0.0], np.cumsum(self.band_meshes)])
@@ -96,6 +100,27 @@ class Bag:
     def mesh_is_staggered(self) -> NDArray[np.bool_]:
         """Whether a mesh has its sides aslant; otherwise along and across, (k,)."""
         return self._of_meshes(self.band_is_staggered, [part.kind.staggered for part in self.windows])
+
+    @cached_property
+    def mesh_is_folded(self) -> NDArray[np.bool_]:
+        """Whether a mesh is folded over its widest part by a strap, (k,)."""
+        return np.isin(self.mesh_row, self.node_row[self.net.bars[self.straps, 0]]) & self.mesh_is_staggered
+
+    @cached_property
+    def mesh_bands(self) -> tuple[Ints, Ints]:
+        """Bands that a mesh reaches ahead and behind into, the same of one that lies in one band, each (k,)."""
+        behind = np.minimum(self.mesh_row, self.bands - 1)
+        return np.where(self.mesh_is_staggered, np.maximum(behind - 1, 0), behind), behind
+
+    @cached_property
+    def twine_band(self) -> Ints:
+        """Band that a bar of twine lies in, -1 for other bars, (m,)."""
+        return np.where(self.bar_is_twine, self.bar_band, -1)
+
+    @cached_property
+    def netting(self) -> Ints:
+        """Bars that are neither straps nor ropes."""
+        return np.delete(np.arange(len(self.net.bars), dtype=np.int32), np.append(self.straps, self.ropes))
 
     @cached_property
     def mesh_opens(self) -> NDArray[np.bool_]:
@@ -119,7 +144,7 @@ class Bag:
         """Whether a mesh is of its section's own netting, not of a window, (k,)."""
         return self.mesh_window < 0 if self.windows else np.ones(len(self.mesh_row), dtype=bool)
 
-    @property
+    @cached_property
     def mesh_place(self) -> Floats:
         """Middle of the meshes that a row counts, in meshes from the entry, (bands + 1,)."""
         behind = np.append(0.5 * self.band_meshes * ~self.band_is_staggered, 0.0)
@@ -128,7 +153,9 @@ class Bag:
 
 def mesh_corners(bag: Bag, positions: Floats) -> Floats:
     """End positions of the four sides of every mesh, (k, 4, 2, 3): mesh, side, end, coordinate."""
-    return rotate(positions[bag.mesh_sides], bag.mesh_side_image, bag.net.order)
+    corners = np.empty((len(bag.mesh_sides), 4, 2, 3))
+    write_corners(positions, bag.mesh_sides, bag.mesh_side_image, float(bag.net.order), corners)
+    return corners
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from codend.bag.assemble import assembled
 from codend.bag.bag import Bag, with_hinges
+from codend.bag.layers import with_layers
 from codend.bag.near_ratio import NearRatio
 from codend.bag.ropes import with_ropes
 from codend.bag.straps import with_straps
@@ -16,7 +17,7 @@ from codend.mechanics.drag_laws import drag
 from codend.net.net import Floats
 from codend.netting.knots import knots_of, placed_knots
 from codend.netting.parts import Lattice, RowShape
-from codend.netting.pattern import parts_of
+from codend.netting.pattern import layout_of, parts_of
 from codend.netting.taper import columns_along
 from codend.netting.windows import LetIn
 from codend.plan.plan import Netting, Plan
@@ -61,16 +62,24 @@ def build_bag(
     positions, node_row = placed_knots(knots, shape)
     entry = np.arange(knots.fore_start[1])
     drag_law = drag(plan.drag.law, *plan.drag.coefficients)
-    parts, windows = parts_of(knots), list[LetIn]()
+    windows = list[LetIn]()
     if plan.window and sectors is None:
+        parts = parts_of(knots)
         windows, knots, positions, node_row = with_windows(plan, parts, knots, shape, positions, node_row)
         entry = np.unique(knots.now(entry))
-    bag = assembled(parts, lattice, positions, node_row, entry, drag_law, windows)
+        layout = parts.joined(windows)
+    else:
+        layout = layout_of(knots)
+    bag = assembled(layout, lattice, positions, node_row, entry, drag_law, windows)
     bag = sewn_to_bars(bag, windows)
     bag = replace(bag, abreast=lattice.abreast)
     if plan.model.bars_per_side == 2:
         bag = with_hinges(bag)
-    return with_ropes(with_straps(bag, plan, knots, drag_law), plan, knots, drag_law, smeared)
+    bag = with_ropes(with_straps(bag, plan, knots, drag_law), plan, knots, drag_law, smeared)
+    if not plan.layer:
+        return bag
+    _check_layers(plan, lattice)
+    return with_layers(bag, plan, knots)
 
 
 def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool, near: NearRatio | None) -> Lattice:
@@ -123,6 +132,15 @@ def _check_bending(plan: Plan) -> None:
         return
     value = stiff[0].bending_stiffness_n_m2
     raise InputError(file=plan.source, key="netting.bending_stiffness_n_m2", value=value, allowed=allowed)
+
+
+def _check_layers(plan: Plan, lattice: Lattice) -> None:
+    """Refuse layers where they have no model: anything but a sector one mesh wide of meshes that bars alone make up."""
+    if lattice.order == 1 or (lattice.columns != 1).any():
+        allowed = '"auto" or "sector", sections of as many meshes round, and "smeared" with ropes, under a [[layer]]'
+        raise InputError(plan.source, "model.fidelity", plan.model.fidelity, allowed)
+    if plan.model.bars_per_side != 1:
+        raise InputError(plan.source, "model.bars_per_side", plan.model.bars_per_side, "1 under a [[layer]]")
 
 
 def _check_panels(plan: Plan) -> None:

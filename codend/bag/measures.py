@@ -7,15 +7,22 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from catch_models.filling import enclosed_volume
-from catch_models.pressure import PressureLaw
 from codend.bag.bag import Bag, mesh_corners, real_tensions
+from codend.bag.measure_kernels import (
+    add_current_loads,
+    catch_volume,
+    mean_by,
+    mean_over,
+    net_pressures,
+    rows_ahead,
+    write_openings,
+)
 from codend.bag.supports import held_by_the_entry, sideways_imbalance
-from codend.mechanics import catch_weight, drag, pressure
-from codend.mechanics.catch_front import band_geometry
+from codend.mechanics import catch_weight
 from codend.mechanics.crossing import band_turns
+from codend.mechanics.possible import inward_share
 from codend.mechanics.problem import Problem
-from codend.net.net import Floats, rotate
+from codend.net.net import Floats
 from codend.solvers.outcome import Solution
 from codend.solvers.reactions import loads_and_supports
 
@@ -51,7 +58,10 @@ class Measures:
     max_rope_tension_n: float
     """nan where there is no rope along the netting."""
     folded_share: float
-    """Share of the netting on the catch that lies in folds, facing inward; see ``folded_share``."""
+    """Share of the netting on the catch that faces inward (``possible.inward_share``).
+
+    Netting to spare can lie in folds, as twine gathered at a codline does: the pressure on the layers of a fold is
+    right in sum, for one of three faces inward, but not layer by layer."""
     turn_deg: float
     """By how much the bag is turned about its axis from the entry to the codline, summed over the bands."""
     sideways_imbalance: float
@@ -126,32 +136,20 @@ def mesh_openings(bag: Bag, corners: Floats) -> tuple[Floats, Floats]:
     meshes that are folded over their widest part by a strap, the longitudinal one is taken along the netting: their
     twines are as far apart as if it lay flat. A square mesh has its width over its length instead: 90 degrees open.
     """
-    staggered = bag.mesh_is_staggered[:, None]
-    side = corners[:, :, 1] - corners[:, :, 0]
-    fore, aft = 0.5 * (side[:, 0] - side[:, 3]), 0.5 * (side[:, 1] - side[:, 2])
-    longitudinal = np.where(staggered, fore + aft, 0.5 * (side[:, 1] - side[:, 3]))
-    diagonal = 0.5 * (side[:, 0] - side[:, 1] - side[:, 2] + side[:, 3])
-    transverse = np.where(staggered, diagonal, 0.5 * (side[:, 0] - side[:, 2]))
-    folded = np.isin(bag.mesh_row, bag.node_row[bag.net.bars[bag.straps, 0]]) & bag.mesh_is_staggered
-    normal = np.cross(transverse, longitudinal)
-    with np.errstate(invalid="ignore"):
-        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    flat = np.linalg.norm(fore, axis=1) + np.linalg.norm(aft, axis=1)
-    along = np.where(folded, flat, np.linalg.norm(longitudinal, axis=1))
-    opening = 2.0 * np.arctan2(np.linalg.norm(transverse, axis=1), along)
-    return np.degrees(opening), normal
+    opening, normal = np.empty(len(corners)), np.empty((len(corners), 3))
+    write_openings(corners, bag.mesh_is_staggered, bag.mesh_is_folded, opening, normal)
+    return opening, normal
 
 
 def measure_meshes(bag: Bag, problem: Problem, solution: Solution) -> Meshes:
     """Opening, tension, opening force and net pressure of every mesh of the model."""
     corners = mesh_corners(bag, solution.positions)
     opening, normal = mesh_openings(bag, corners)
-    tension = _mean_over(solution.bar_tension, bag.mesh_bars) / bag.globalisation
-    behind = np.minimum(bag.mesh_row, bag.bands - 1)
-    ahead = np.where(bag.mesh_is_staggered, np.maximum(behind - 1, 0), behind)
+    tension = mean_over(solution.bar_tension, bag.mesh_bars) / bag.globalisation
+    ahead, behind = bag.mesh_bands
     filled = 0.5 * (solution.share[ahead] + solution.share[behind])
     centre = corners.mean(axis=(1, 2))
-    by_water = _pressure_at(problem, normal[:, 0], np.hypot(normal[:, 1], normal[:, 2]))
+    by_water = net_pressures(normal[:, 0], np.hypot(normal[:, 1], normal[:, 2]), problem.loading.catch)
     return Meshes(
         centre_m=centre,
         opening_deg=opening,
@@ -168,53 +166,31 @@ def ring_middles(bag: Bag, positions: Floats) -> Floats:
     """
     if bag.net.order > 1:
         return np.zeros((bag.bands + 1, 2))
-    ring = np.flatnonzero(bag.node_row >= 0)
-    return np.stack([_mean_by(bag.node_row[ring], positions[ring, i], bag.bands + 1) for i in (1, 2)], axis=1)
+    return np.stack([mean_by(bag.node_row, positions[:, i], bag.bands + 1) for i in (1, 2)], axis=1)
 
 
 def ring_radii(bag: Bag, positions: Floats) -> Floats:
-    """Distances of the knots that belong to rings from the middle of their ring, m, in the order of their numbers."""
-    ring = np.flatnonzero(bag.node_row >= 0)
-    across = positions[ring, 1:] - ring_middles(bag, positions)[bag.node_row[ring]]
+    """Distances of the nodes from the middle of their ring, m, (n,); of those that belong to none it is no distance."""
+    across = positions[:, 1:] - ring_middles(bag, positions)[bag.node_row]
     return np.hypot(across[:, 0], across[:, 1])
-
-
-def folded_share(bag: Bag, positions: Floats, rows: Rows, share: Floats) -> float:
-    """Share of the area of the facets on the catch that face inward, seen from the mean meridian of their band.
-
-    Netting to spare can lie in folds, as twine gathered at a codline does. The pressure on the layers of a fold is
-    right in sum, for one of three faces inward, but not layer by layer.
-    """
-    on_catch = np.flatnonzero(share[bag.facet_band] > 0.0)
-    band = bag.facet_band[on_catch]
-    corners = rotate(positions[bag.net.facets[on_catch]], bag.net.facet_image[on_catch], bag.net.order)
-    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    middle = ring_middles(bag, positions)
-    outward = corners[:, :, 1:].mean(axis=1) - 0.5 * (middle[band] + middle[band + 1])
-    along, across = np.diff(rows.x_m)[band], np.diff(rows.radius_m)[band]
-    facing = along * (outward * area[:, 1:]).sum(axis=1) - across * np.linalg.norm(outward, axis=1) * area[:, 0]
-    size = share[band] * bag.net.facet_weight[on_catch] * np.linalg.norm(area, axis=1)
-    return float(size[facing < 0.0].sum() / size.sum())
 
 
 def measure_rows(bag: Bag, problem: Problem, solution: Solution, meshes: Meshes) -> Rows:
     """Means over every row of knots; of meshes those of windows are left out."""
     own = bag.mesh_of_section
-    ring = np.flatnonzero(bag.node_row >= 0)
-    x = _mean_by(bag.node_row[ring], solution.positions[ring, 0], bag.bands + 1)
-    r = _mean_by(bag.node_row[ring], ring_radii(bag, solution.positions), bag.bands + 1)
-    twine = bag.bar_is_twine
-    by_band = _mean_by(bag.bar_band[twine], real_tensions(bag, solution.bar_tension)[twine], bag.bands)
+    x = mean_by(bag.node_row, solution.positions[:, 0], bag.bands + 1)
+    r = mean_by(bag.node_row, ring_radii(bag, solution.positions), bag.bands + 1)
+    by_band = mean_by(bag.twine_band, real_tensions(bag, solution.bar_tension), bag.bands)
     tension = 0.5 * (np.concatenate([by_band[:1], by_band]) + np.concatenate([by_band, by_band[-1:]]))
     filled = 0.5 * (np.concatenate([[0.0], solution.share]) + np.concatenate([solution.share, solution.share[-1:]]))
-    by_water = _pressure_at(problem, -np.gradient(r), np.abs(np.gradient(x)))
+    by_water = net_pressures(-np.gradient(r), np.abs(np.gradient(x)), problem.loading.catch)
     by_weight = _pressure_by_weight(problem, solution, ring_middles(bag, solution.positions)[:, 1])
     return Rows(
         x_m=x,
         radius_m=r,
-        opening_deg=_mean_by(bag.mesh_row[own], meshes.opening_deg[own], bag.bands + 1),
+        opening_deg=mean_by(bag.mesh_row[own], meshes.opening_deg[own], bag.bands + 1),
         bar_tension_n=tension,
-        opening_force_n=_mean_by(bag.mesh_row[own], meshes.opening_force_n[own], bag.bands + 1),
+        opening_force_n=mean_by(bag.mesh_row[own], meshes.opening_force_n[own], bag.bands + 1),
         pressure_pa=filled * (by_water + by_weight),
     )
 
@@ -223,11 +199,7 @@ def current_loads(problem: Problem, solution: Solution) -> tuple[Floats, Floats]
     """Forces on the nodes, N: the current's drag on the twine, and the pressure of the catch, each (n, 3)."""
     position = np.ascontiguousarray(solution.positions)
     on_twine, by_catch = np.zeros_like(position), np.zeros_like(position)
-    structure, loading = problem.structure, problem.loading
-    at_rest = np.zeros((0, 3))
-    drag.add_force(position, at_rest, structure, loading.water, loading.catch, solution.share, on_twine)
-    pressure.add_force(position, structure, loading.catch, solution.share, by_catch)
-    catch_weight.add_force(position, structure, loading.catch, solution.share, by_catch)
+    add_current_loads(position, problem.structure, problem.loading, solution.share, on_twine, by_catch)
     return on_twine, by_catch
 
 
@@ -238,8 +210,6 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows, meshes: 
     twine_load, catch_load = current_loads(problem, solution)
     load, support = loads_and_supports(problem, solution)
 
-    area, moment = np.empty(bag.bands), np.empty(bag.bands)
-    band_geometry(position, structure, loading.catch, area, moment)
     front = solution.front_row
     front_x = float(np.interp(front, np.arange(bag.bands + 1), rows.x_m))
     ahead = opening_rows_ahead(bag, share)
@@ -251,10 +221,10 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows, meshes: 
     )
     return Measures(
         filled_meshes=float(share @ bag.band_meshes),
-        catch_volume_m3=enclosed_volume(rows.x_m, area, moment, share),
+        catch_volume_m3=catch_volume(position, structure, loading.catch, share),
         front_radius_m=float(np.interp(front, np.arange(bag.bands + 1), rows.radius_m)),
         front_from_codline_m=float(rows.x_m[-1] - front_x),
-        max_radius_m=float(ring_radii(bag, position).max()),
+        max_radius_m=_largest_radius(bag, position),
         length_m=float(rows.x_m[-1] - rows.x_m[0]),
         drag_n=float((twine_load + catch_load)[:, 0].sum() * net.order),
         catch_drag_n=float(catch_load[:, 0].sum() * net.order),
@@ -263,10 +233,10 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows, meshes: 
         opening_ahead_deg=float(np.mean(openings)) if len(ahead) else float("nan"),
         opening_force_ahead_n=float(np.mean(forces)) if len(ahead) else float("nan"),
         **_spread_ahead(bag, meshes, ahead),
-        max_bar_tension_n=float(np.delete(tension, np.append(straps, bag.ropes)).max()),
+        max_bar_tension_n=float(tension[bag.netting].max()),
         max_strap_tension_n=float(tension[straps].max()) if len(straps) else float("nan"),
         max_rope_tension_n=float(tension[bag.ropes].max()) if len(bag.ropes) else float("nan"),
-        folded_share=folded_share(bag, position, rows, share),
+        folded_share=inward_share(position, structure, loading.catch, share, rows.x_m),
         turn_deg=float(np.degrees(band_turns(position, structure, loading.catch, problem.rings)[0].sum())),
         sideways_imbalance=sideways_imbalance(bag, position, load, support),
     )
@@ -282,28 +252,28 @@ def _spread_ahead(bag: Bag, meshes: Meshes, ahead: Floats) -> dict[str, float]:
     if len(ahead) == 0 or not found.any() or (len(bag.ropes) and bag.rope_share.min() != 1.0):
         return dict.fromkeys(names, float("nan"))
     openings, row = meshes.opening_deg[found], bag.mesh_row[found]
-    about = openings - _mean_by(row, openings, bag.bands + 1)[row]
+    about = openings - mean_by(row, openings, bag.bands + 1)[row]
     return dict(zip(names, map(float, (np.sqrt(np.mean(about**2)), openings.min(), openings.max())), strict=True))
 
 
 def measure_briefly(bag: Bag, problem: Problem, solution: Solution) -> tuple[float, float, float, float]:
     """Of ``measure`` the drag, the catch's volume, the largest radius and the opening ahead, as it has them."""
     position, share = np.ascontiguousarray(solution.positions), solution.share
-    area, moment = np.empty(bag.bands), np.empty(bag.bands)
-    band_geometry(position, problem.structure, problem.loading.catch, area, moment)
-    ring = np.flatnonzero(bag.node_row >= 0)
-    x = _mean_by(bag.node_row[ring], position[ring, 0], bag.bands + 1)
     own, openings = bag.mesh_of_section, mesh_openings(bag, mesh_corners(bag, position))[0]
-    by_row = _mean_by(bag.mesh_row[own], openings[own], bag.bands + 1)
+    by_row = mean_by(bag.mesh_row[own], openings[own], bag.bands + 1)
     has_mesh = np.flatnonzero(np.isfinite(by_row))
     ahead = opening_rows_ahead(bag, share)
     middles = np.interp(ahead, bag.mesh_place[has_mesh], by_row[has_mesh])
     return (
         drag_of(problem, solution),
-        enclosed_volume(x, area, moment, share),
-        float(ring_radii(bag, position).max()),
+        catch_volume(position, problem.structure, problem.loading.catch, share),
+        _largest_radius(bag, position),
         float(np.mean(middles)) if len(ahead) else float("nan"),
     )
+
+
+def _largest_radius(bag: Bag, positions: Floats) -> float:
+    return float(ring_radii(bag, positions)[bag.node_row >= 0].max())
 
 
 def drag_of(problem: Problem, solution: Solution) -> float:
@@ -321,21 +291,7 @@ def measure_all(bag: Bag, problem: Problem, solution: Solution) -> tuple[Meshes,
 
 def opening_rows_ahead(bag: Bag, share: Floats) -> Floats:
     """Middles of the five real mesh rows just ahead of the front, or as many as there are, in meshes from the entry."""
-    end = float((1.0 - share) @ bag.band_meshes)
-    # rows are half a mesh apart, in square mesh a whole one
-    row_place, step = bag.row_place, bag.band_meshes / bag.globalisation
-    middles: list[float] = []
-    while len(middles) < ROWS_AHEAD and end >= 1.0 - 1e-9:
-        middles.append(end - 0.5)
-        end -= float(step[max(int(np.searchsorted(row_place, end - 1e-9)) - 1, 0)])
-    return np.array(middles)
-
-
-def _pressure_at(problem: Problem, x: Floats, across: Floats) -> Floats:
-    """Net pressure of the water in the catch, Pa, where the normals have ``x`` along the flow and ``across`` it."""
-    catch = problem.loading.catch
-    law = PressureLaw("", catch.angles, catch.coefficients)
-    return np.asarray(catch.stagnation_pressure * law(np.arctan2(across, -x)))
+    return rows_ahead(share, bag.band_meshes, bag.globalisation, ROWS_AHEAD)
 
 
 def _pressure_by_weight(problem: Problem, solution: Solution, height: Floats) -> Floats:
@@ -343,15 +299,3 @@ def _pressure_by_weight(problem: Problem, solution: Solution, height: Floats) ->
     catch = problem.loading.catch
     front = catch_weight.front_height(np.ascontiguousarray(solution.positions), catch, solution.share)
     return catch.weight_density * (front - height)
-
-
-def _mean_over(values: Floats, index: np.ndarray) -> Floats:
-    """Mean of the values at each row of indices, -1 left out."""
-    there = index >= 0
-    return np.asarray((values[index] * there).sum(axis=1) / there.sum(axis=1))
-
-
-def _mean_by(group: np.ndarray, values: Floats, groups: int) -> Floats:
-    count = np.bincount(group, minlength=groups)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.asarray(np.bincount(group, weights=values, minlength=groups) / count)

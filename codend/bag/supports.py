@@ -7,6 +7,7 @@ shows in the balance of the whole bag, which counts the reactions of the entry a
 import numpy as np
 from numpy.typing import NDArray
 
+from codend.bag import measure_kernels
 from codend.bag.bag import Bag
 from codend.net.net import Floats
 
@@ -24,15 +25,5 @@ def sideways_imbalance(bag: Bag, positions: Floats, load: Floats, support: Float
     The larger of the force across the axis over the resultant load, and of the moment about the middle of the entry
     over that times the bag's reach from there. Over the images of a sector all cancel but the moment about the axis.
     """
-    order, entry = bag.net.order, held_by_the_entry(bag)
-    outer = load + np.where(entry[:, None], support, 0.0)
-    middle = positions[entry].mean(axis=0)
-    if order > 1:
-        middle[1:] = 0.0
-    arm = positions - middle
-    force, moment, resultant = (v.sum(axis=0) for v in (outer, np.cross(arm, outer), load))
-    if order > 1:
-        force[1:] = moment[1:] = resultant[1:] = 0.0
-    reach = np.linalg.norm(arm, axis=1).max()
-    over = max(np.linalg.norm(force[1:]), np.linalg.norm(moment) / reach)
-    return float(over / np.linalg.norm(resultant))
+    entry = held_by_the_entry(bag)
+    return float(measure_kernels.sideways_imbalance(positions, load, support, entry, float(bag.net.order)))

@@ -155,6 +155,7 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     from codend.report.html import cautions, sea_water
     from codend.report.page import files_of, write_report
     from codend.report.size_words import derived_sizes
+    from codend.report.style import load_quickly
     from codend.studies.kept_cases import KeptCases
     from codend.studies.run_record import unfinished
     from codend.studies.study import solve
@@ -175,6 +176,7 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     with shown_progress() as progress, written_into(folder), KeptCases(checked, choice, folder) as kept:
         with _told_what_is_kept(kept, len(checked.cases()), folder / "results.csv"):
             study = solve(checked, progress, choice, kept.add)
+        load_quickly()
         written = write_report(study, folder, progress)
     click.echo(text_table(list(TABLE_COLUMNS.values()), study.table[list(TABLE_COLUMNS)].itertuples(index=False)))
     click.echo(f"{len(written)} files written into {folder}; see {folder / 'report.html'}")

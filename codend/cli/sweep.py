@@ -1,6 +1,7 @@
 """The command ``codend sweep``: studies over many plans."""
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -70,9 +71,16 @@ def sweep(
     A sweep that was interrupted goes on where it stopped: what DIR holds already is not solved again, unless the
     program, the study, a file that it names or what was written has changed.
     """
-    from codend.studies.workers import cores
+    from codend.studies.workers import cores, one_thread_each
 
     many = workers or cores()
+    with one_thread_each() if many > 1 else nullcontext():
+        return _sweep(study, folder, vary, changes, many, scheduler)
+
+
+def _sweep(
+    study: str, folder: Path, vary: Sequence[str], changes: Sequence[str], many: int, scheduler: str | None
+) -> int:
     if vary:
         if scheduler is not None:
             raise InputError(OPTIONS, "--scheduler", scheduler, "with a STUDY.toml, without --vary")

@@ -1,5 +1,6 @@
 """A bag as it is modelled, ready to be solved again and again."""
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -7,9 +8,10 @@ from codend.bag.bag import Bag
 from codend.bag.build import build_bag
 from codend.bag.near_ratio import NearRatio
 from codend.errors import InputError
-from codend.mechanics.structure import structure_of
+from codend.mechanics.structure import Structure, structure_of
+from codend.net.last_made import LastMade
 from codend.plan.plan import Plan
-from codend.solvers import newton
+from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.ring import Ring
 
 
@@ -28,20 +30,48 @@ class BagModel:
     """Nearly the ratio of the sections' counts, where a sector of it is modelled."""
 
     @cached_property
-    def prepared(self) -> newton.Prepared:
-        """The unknowns numbered, and room for Newton's method to work in; made when first asked for."""
-        return newton.prepare(structure_of(self.bag.net), self.bag.bands)
+    def prepared(self) -> Prepared:
+        """The unknowns numbered, and room for Newton's method to work in; made when first asked for.
+
+        The numbering is that of the last model of the same joints.
+        """
+        structure, bands = structure_of(self.bag.net), self.bag.bands
+        if len(structure.free) > MOST_NODES:
+            return prepare(structure, bands)
+        like = _prepared.of(_joints(structure, bands), lambda: prepare(structure, bands))
+        return prepare(structure, bands, like)
 
     @cached_property
     def ring(self) -> Ring:
-        """The net as a sector of a ring, and room to ask its harmonics; made when first asked for."""
-        return Ring(structure_of(self.bag.net), self.bag.bands)
+        """The net as a sector of a ring, and room to ask its harmonics; numbered as the last of its joints."""
+        structure, bands = structure_of(self.bag.net), self.bag.bands
+        if len(structure.free) > MOST_NODES:
+            return Ring(structure, bands)
+        key = (structure.order == 2.0, *_joints(structure, bands))
+        return _rings.of(key, lambda: Ring(structure, bands)).beside(structure, bands)
+
+
+MOST_NODES = 3000
+"""Of nets whose numbered unknowns are kept for others of the same bars."""
+_prepared: LastMade[Prepared] = LastMade(2)
+_rings: LastMade[Ring] = LastMade(1)
+
+
+def _joints(structure: Structure, bands: int) -> tuple[Hashable, ...]:
+    """All that the numbering of a net's unknowns depends on: what is joined, what is held, and the bands of a catch."""
+    s = structure
+    joined = (s.first, s.second, s.image, s.facets, s.facet_image, s.corners, s.corner_image, s.free)
+    return (bands, *(array.tobytes() for array in joined))
 
 
 @lru_cache(maxsize=1)
+def _bag_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool) -> Bag:
+    return build_bag(plan, globalisation=globalisation, sectors=sectors, smeared=smeared)
+
+
 def bag_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool = False) -> Bag:
     """The bag of a plan; the last one is kept, for what chooses a model builds the one that is mostly chosen."""
-    return build_bag(plan, globalisation=globalisation, sectors=sectors, smeared=smeared)
+    return _bag_of(plan, globalisation, sectors, smeared)
 
 
 def model_of(

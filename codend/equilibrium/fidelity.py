@@ -154,6 +154,9 @@ def choose(plan: Plan) -> Choice:
     if plan.tapers and asked == "smeared":
         allowed = '"auto", "sector", "full" or "globalised": ropes are not smeared over netting that tapers'
         raise InputError(plan.source, "model.fidelity", asked, allowed)
+    if plan.layer and asked == "auto":
+        # layers meet all round alike, or not at all in this model
+        return by_sector
     match asked:
         case "sector":
             return replace(by_sector, reason=Reason.ASKED)
@@ -169,7 +172,9 @@ def choose(plan: Plan) -> Choice:
     if plan.window and not by_sector.weight_matters:
         globalisation, error = _largest_globalisation(plan)
         return all_round(globalisation, Reason.WINDOW, error)
-    if not by_sector.weight_matters:
+    # netting that folds over under its weight has no estimate of what is left out of a sector
+    folds_over_from = min(part.kind.folds_over_from for part in plan.netting)
+    if not by_sector.weight_matters and by_sector.weight_over_drag <= folds_over_from:
         asked_deg = plan.model.opening_accuracy_deg
         if plan.ropes and not plan.tapers and asked_deg is not None and smeared_errors(plan)[3] <= asked_deg:
             return replace(
@@ -177,7 +182,7 @@ def choose(plan: Plan) -> Choice:
             )
         near = near_enough(plan)
         return by_sector if near is None else _in_its_place(by_sector, plan, near, (weight + of_catch) / drag)
-    if by_sector.weight_over_drag <= min(HEAVIEST_GLOBALISED, *(part.kind.folds_over_from for part in plan.netting)):
+    if by_sector.weight_over_drag <= min(HEAVIEST_GLOBALISED, folds_over_from):
         globalisation, error = _largest_globalisation(plan)
         return all_round(globalisation, Reason.WEIGHT, error)
     return all_round(1, Reason.TOO_HEAVY_TO_GLOBALISE, 0.0)

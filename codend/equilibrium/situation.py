@@ -4,8 +4,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+from codend.bag.near_ratio import SLOW_MESHES, near_ratios
 from codend.equilibrium.bag_model import BagModel, model_of
-from codend.equilibrium.start_shapes import all_round_start, windowed_start
+from codend.equilibrium.start_shapes import all_round_start, along_the_rows, windowed_start
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
 from codend.solvers import dynamic_relaxation, interior_point, newton
@@ -19,6 +20,9 @@ BRIEF = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=10)
 
 FARTHEST_PREDICTION = 1.5
 """How far beyond the last catch the next one is predicted, over the distance between the last two."""
+
+NEARLY = 0.12
+"""Mismatch of the counts up to which a narrow sector's rows are near a wide one's."""
 
 Known = Sequence[tuple[Case, Solution]]
 """Equilibria of other cases of the same model."""
@@ -104,6 +108,34 @@ class Situation:
         sectors = sector.bag.net.sectors // self.model.bag.net.sectors
         start = all_round_start(sector.bag, found.positions, found.bar_tension, sectors, self.model.bag)
         return replace(start, report=found.report)
+
+    @property
+    def wide(self) -> bool:
+        """Whether joined sections make the model so wide that a sector of nearly their ratio costs nothing beside."""
+        joined = len({section.meshes_round for section in self.plan.netting}) > 1
+        return joined and not self.plan.rope and self.plan.model.bars_per_side == 1 and self._width >= SLOW_MESHES
+
+    @property
+    def _width(self) -> float:
+        """Knots of the widest ring."""
+        return float(self.problem.loading.catch.row_size.max())
+
+    @cached_property
+    def along_the_rows(self) -> Solution | None:
+        """The rows of the narrowest sector of nearly the ratio that is solved, laid out; None where none is."""
+        spent_ms = 0.0
+        for near in near_ratios(self.plan):
+            if 2 * max(near.columns) > self._width:
+                return None
+            if near.largest > NEARLY:
+                continue
+            narrow = model_of(self.plan, 1, 1, near=near)
+            found = self.solve(narrow, self.case)
+            spent_ms += found.report.solve_ms
+            if found.report.outcome.converged:
+                start = along_the_rows(narrow.bag, found, self.model)
+                return replace(start, report=replace(found.report, solve_ms=spent_ms))
+        return None
 
     @property
     def first_settings(self) -> NewtonSettings:

@@ -6,6 +6,7 @@ import numpy as np
 
 from codend.bag.bag import Bag
 from codend.bag.build import build_bag
+from codend.bag.measures import mean_by, ring_radii
 from codend.bag.meridian.plan_case import tensions_on
 from codend.bag.meridian.problem import MeridianShape
 from codend.equilibrium.bag_model import BagModel
@@ -86,6 +87,27 @@ def set_round(sector: Bag, whole: Bag, solution: Solution) -> Solution:
     codline = solution.positions[anchors - 1 : anchors]
     positions = np.concatenate([turned, codline, held])
     return replace(solution, positions=positions, bar_tension=np.concatenate(pulls))
+
+
+def along_the_rows(narrow: Bag, solution: Solution, model: BagModel) -> Solution:
+    """A start for a wide sector or a full net of joined sections: the rows and tensions of one of nearly their ratio.
+
+    Every ring is a circle at the mean place of the narrow one's knots, every twine and knot of a band pulls as the mean
+    of its own do.
+    """
+    rings, g = np.flatnonzero(narrow.node_row >= 0), model.globalisation
+    rows = narrow.bands + 1
+    x = mean_by(narrow.node_row[rings], solution.positions[rings, 0], rows)
+    radius = mean_by(narrow.node_row[rings], ring_radii(narrow, solution.positions), rows)
+    bag = build_bag(model.plan, globalisation=g, sectors=model.sectors, rows=(x[::g], radius[::g]), near=model.near)
+    twine = narrow.bar_is_twine
+    of_twine, of_knots = (
+        mean_by(narrow.bar_band[which], solution.bar_tension[which], narrow.bands)[::g] for which in (twine, ~twine)
+    )
+    # straps begin slack
+    pulls = np.nan_to_num(np.where(bag.bar_is_twine, of_twine[bag.bar_band], of_knots[bag.bar_band]))
+    pulls[bag.straps] = 0.0
+    return Solution(bag.net.positions, g * pulls, np.zeros(bag.bands), START)
 
 
 def laid_out(model: BagModel, shape: MeridianShape) -> Solution:

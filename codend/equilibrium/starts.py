@@ -55,6 +55,12 @@ def _from_a_sector_through_the_interior(s: Situation) -> Solution | None:
     return s.through_the_interior(s.problem, s.sector_all_round)
 
 
+def _along_the_rows(s: Situation) -> Solution | None:
+    if s.along_the_rows is None:
+        return None
+    return _later(s.through_the_interior(s.problem, s.along_the_rows), s.along_the_rows.report.solve_ms)
+
+
 def _relaxed_from_a_sector(s: Situation) -> Solution | None:
     if s.sector_all_round is None:
         return None
@@ -127,13 +133,19 @@ A_SECTOR = Start(
 )
 """Not where ropes are shorter than the netting: there it led nowhere, at a quarter of the cost of the way through the
 interior. Led to all of 418 full nets, in 14 ms with the sector's own equilibrium."""
-SMEARED = Start(
+THROUGH = Start(
     "the equilibrium of a sector, through the interior",
-    lambda s: s.has_sector and (len(s.plan.ropes) > 0 or len(s.plan.window) > 0),
+    lambda s: s.has_sector,
     _from_a_sector_through_the_interior,
 )
-"""Ropes draw in the columns that they are laced to, and those alone: many of the bars beside them go slack. So do bars
-beside a window, which is stiffer or shorter than what it takes the place of."""
+"""Weight lets many bars go slack, and so do windows, and ropes beside the columns that they are laced to and alone draw
+in. A crude bag with weight may lead to another shape than the one that hangs from the sector's."""
+ROWS = Start(
+    "the rows of a sector of nearly the ratio, through the interior",
+    lambda s: s.wide,
+    _along_the_rows,
+)
+"""Ahead of a joint much netting is slack, which no crude bag tells."""
 CRUDE = Start(
     "a crude bag",
     lambda s: True,
@@ -142,7 +154,7 @@ CRUDE = Start(
 """Led to 3181 of 3547 nets that nothing known led to."""
 MERIDIAN = Start(
     "the meridian method's shape",
-    lambda s: s.by_meshes and s.plan.model.bars_per_side == 1 and not s.model.bag.windows,
+    lambda s: s.by_meshes and s.plan.model.bars_per_side == 1 and not s.plan.layer and not s.model.bag.windows,
     _from_the_meridian,
 )
 """Led to 45 of 51 nets of one section that a crude bag had not led to, most of them of stiff twine with small catches.
@@ -187,7 +199,7 @@ RIGID_SLACK = Start(
 )
 """Led to bags of square mesh, whose rings go slack, where bars that push had not."""
 
-_BY_NEWTON = (LED, A_SECTOR, SMEARED, CRUDE, MERIDIAN, STEPS, CRUDE_RELAXED, HALF_A_BAG)
+_BY_NEWTON = (LED, A_SECTOR, THROUGH, ROWS, CRUDE, MERIDIAN, STEPS, CRUDE_RELAXED, HALF_A_BAG)
 _BY_RELAXATION = (A_SECTOR_RELAXED, RELAXED_TO_THE_END)
 
 STARTS: Final[dict[str, tuple[Start, ...]]] = {

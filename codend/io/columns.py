@@ -63,6 +63,13 @@ OF_ROPES = [
 ]
 """Columns of ``ropes.csv``."""
 
+LAYER_COLUMNS = ["layer_hoop_share", "max_layer_tension_n", "layer_opening_deg"]
+"""Further columns of plans with second layers: share of the hoop load on the catch that they carry, largest tension of
+their bars, mean opening of their meshes over the catch."""
+OF_LAYERS = ["case", "layer", "row", "meshes_from_entry", "x_m", "radius_m", "opening_deg", "opening_below_deg"]
+OF_LAYERS += ["bar_tension_n", "hoop_share", "axial_share"]
+"""Columns of ``layers.csv``."""
+
 REASON = "reason"
 """Column of a study's table that says why a case was not solved."""
 TEXT_COLUMNS = ("design", "fidelity", "method", "stable", "growing_harmonics", "wrinkles", REASON)

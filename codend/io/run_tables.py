@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from codend.errors import InputError
-from codend.io.columns import MESH_COLUMNS, PLACE, PROFILE_COLUMNS, RESULT_COLUMNS, ROPE_COLUMNS, SECTION, STRAP_COLUMNS
+from codend.io.columns import (
+    LAYER_COLUMNS,
+    MESH_COLUMNS,
+    PANEL,
+    PLACE,
+    PROFILE_COLUMNS,
+    RESULT_COLUMNS,
+    ROPE_COLUMNS,
+    SECTION,
+    STRAP_COLUMNS,
+)
 from codend.io.files import as_named
 from codend.io.input_table import InputTable, read_table
 
@@ -25,8 +35,9 @@ WORDS: Final[dict[str, dict[str, object]]] = {
     "folds": {name: name for name in ("yes", "no")},
 }
 """Columns of words, and what the words stand for, as spreadsheets may have spelled them."""
-TEXTS: Final = {"method", "growing_harmonics", "wrinkles", SECTION}
-NUMBERS: Final = {*RESULT_COLUMNS, *STRAP_COLUMNS, *ROPE_COLUMNS, *PROFILE_COLUMNS, *MESH_COLUMNS} - {*WORDS, *TEXTS}
+TEXTS: Final = {"method", "growing_harmonics", "wrinkles", SECTION, PANEL}
+_OF_PARTS = {*STRAP_COLUMNS, *ROPE_COLUMNS, *LAYER_COLUMNS}
+NUMBERS: Final = {*RESULT_COLUMNS, *_OF_PARTS, *PROFILE_COLUMNS, *MESH_COLUMNS} - {*WORDS, *TEXTS}
 """Columns of numbers; what users have added may be any text."""
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.compiled import njit
+from codend.mechanics.lanes import LANES, take_conjugate_product
 from codend.net.net import Floats, Ints
 
 Complex = NDArray[np.complex128]
@@ -57,54 +58,70 @@ def negative_pivots_side_by_side(
         negative: the counts are written, (harmonics,).
     """
     turns, unknowns, width = even.shape
-    rows, lanes = len(depth), len(shift)
-    # rows j to j + width - 1, real and imaginary parts, each at its number modulo width
-    window = np.empty((width, width, 2, lanes))
-    scaled = np.empty((width, 2, lanes))
+    rows, count = len(depth), len(shift)
+    # whole vectors of lanes; those to spare hold ones
+    lanes = (count + LANES - 1) // LANES * LANES
+    wave = np.ones((2, turns, lanes))
+    wave[:, :, :count] = turn
+    # rows j to j + width - 1, each at its number modulo width: its places, real and imaginary parts
+    window, scaled = np.ones(width * width * 2 * lanes), np.empty(width * 2 * lanes)
     negative[:] = 0
     ready = 0
     for j in range(rows):
         while ready < min(j + width, rows):
-            row = window[ready % width]
+            start = ready % width * width * 2 * lanes
             for d in range(depth[ready] + 1):
-                real, imaginary = row[d, 0], row[d, 1]
+                entry = window[start + 2 * d * lanes :][: 2 * lanes]
                 if ready >= unknowns:
-                    real[:] = tail[ready - unknowns, d, 0]
-                    imaginary[:] = tail[ready - unknowns, d, 1]
+                    entry[:count], entry[lanes : lanes + count] = (
+                        tail[ready - unknowns, d, 0],
+                        tail[ready - unknowns, d, 1],
+                    )
                     continue
-                real[:] = even[0, ready, d]
-                imaginary[:] = 0.0
+                entry[:lanes] = even[0, ready, d]
+                entry[lanes:] = 0.0
                 for m in range(1, turns):
                     c, s = even[m, ready, d], odd[m, ready, d]
-                    if c != 0.0 or s != 0.0:
+                    if c != 0.0:
                         for lane in range(lanes):
-                            real[lane] += c * turn[0, m, lane]
-                            imaginary[lane] += s * turn[1, m, lane]
-            real = row[0, 0]
-            for lane in range(lanes):
-                real[lane] += shift[lane]
+                            entry[lane] += c * wave[0, m, lane]
+                    if s != 0.0:
+                        for lane in range(lanes):
+                            entry[lanes + lane] += s * wave[1, m, lane]
+            for lane in range(count):
+                window[start + lane] += shift[lane]
             ready += 1
-        pivot = window[j % width, 0, 0]
-        for lane in range(lanes):
+        pivot = window[j % width * width * 2 * lanes :][:lanes]
+        for lane in range(count):
             negative[lane] += 0 if pivot[lane] > 0.0 else 1
+        for lane in range(lanes):
             pivot[lane] = 1.0 / pivot[lane]
         for d in range(1, min(width, rows - j)):
             if depth[j + d] < d:
                 continue
-            row = window[(j + d) % width]
-            x, y, by_pivot = row[d, 0], row[d, 1], scaled[d]
+            row = (j + d) % width * width * 2 * lanes
+            x = row + 2 * d * lanes
+            by_pivot, entry = scaled[2 * d * lanes : 2 * (d + 1) * lanes], window[x : x + 2 * lanes]
             for lane in range(lanes):
-                by_pivot[0, lane] = x[lane] * pivot[lane]
-                by_pivot[1, lane] = y[lane] * pivot[lane]
+                by_pivot[lane] = entry[lane] * pivot[lane]
+            for lane in range(lanes):
+                by_pivot[lanes + lane] = entry[lanes + lane] * pivot[lane]
             # row j + d less its entry in column j times, over the pivot and conjugate, those of rows j + 1 to j + d
             for e in range(1, d + 1):
                 if depth[j + e] < e:
                     continue
-                u, v = scaled[e, 0], scaled[e, 1]
-                real, imaginary = row[d - e, 0], row[d - e, 1]
-                for lane in range(lanes):
-                    real[lane] -= x[lane] * u[lane] + y[lane] * v[lane]
-                    imaginary[lane] -= y[lane] * u[lane] - x[lane] * v[lane]
+                real_at, u = row + 2 * (d - e) * lanes, 2 * e * lanes
+                for lane in range(0, lanes, LANES):
+                    take_conjugate_product(
+                        window,
+                        scaled,
+                        real_at + lane,
+                        real_at + lanes + lane,
+                        x + lane,
+                        x + lanes + lane,
+                        u + lane,
+                        u + lanes + lane,
+                    )
 
 
 @njit(cache=True, error_model="numpy")

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics import bending, catch_weight, contact, drag, points, pressure, seabed
+from codend.mechanics import bending, catch_weight, contact, drag, points, pressure, seabed, wrap
 from codend.mechanics.contact import Contact
 from codend.mechanics.points import Points
 from codend.mechanics.pressure import Catch
@@ -54,6 +54,7 @@ def add_moving_force(
     catch_weight.add_force(position, structure, loading.catch, share, force)
     seabed.add_force(position, loading.seabed, force)
     contact.add_force(position, loading.contact, force)
+    wrap.add_force(position, structure, force)
 
 
 @njit(cache=True)
@@ -68,6 +69,7 @@ def add_tangent(
     catch_weight.add_tangent(position, structure, loading.catch, pattern, share, blocks)
     seabed.add_tangent(position, loading.seabed, pattern, blocks)
     contact.add_tangent(position, loading.contact, pattern, blocks)
+    wrap.add_tangent(position, structure, pattern, blocks)
 
 
 @njit(cache=True)
@@ -81,3 +83,4 @@ def add_bound(position: Floats, structure: Structure, loading: Loading, share: F
     catch_weight.add_bound(position, structure, loading.catch, share, bound)
     seabed.add_bound(position, loading.seabed, bound)
     contact.add_bound(position, loading.contact, bound)
+    wrap.add_bound(position, structure, bound)

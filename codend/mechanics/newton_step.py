@@ -86,6 +86,38 @@ def right_side(structure: Structure, here: State, there: State, step: Step) -> N
 
 
 @njit(cache=True, error_model="numpy")
+def right_sides(
+    structure: Structure, loading: Loading, tension: float, barrier: float, state: State, step: Step
+) -> int:
+    """Write the right sides at a state, and how the bars there harden: all of ``linearise`` but the tangent.
+
+    Returns:
+        the number of right sides: one more where the front's share follows the net, one where its height counts.
+    """
+    flexibilities, position = structure.flexibility, state.position
+    density, gaps, lengths, hardening = state.density, state.gap, state.length, step.hardening
+    for bar in range(len(density)):
+        hardening[bar] = 0.0
+        if density[bar] != 0.0 or gaps[bar] != 0.0 or structure.is_strut[bar]:
+            compliance = max(flexibilities[bar], 1.0 / (STIFFEST * tension))
+            if barrier > 0.0 and not structure.is_strut[bar]:
+                compliance += barrier / density[bar] ** 2
+            hardening[bar] = 1.0 / (compliance * lengths[bar] ** 3)
+    right_side(structure, state, state, step)
+    catch, share, sides = loading.catch, state.share, 1
+    band = front_band(catch, share)
+    if band >= 0:
+        share_gradient(position, structure, catch, share, band, step.gradient[0])
+        load_by_share(position, structure, loading.water, catch, share, band, step.right[1])
+        sides = 2
+    if catch.weight_density != 0.0:
+        height_gradient(catch, share, step.gradient[sides - 1])
+        force_by_height(position, structure, catch, share, step.right[sides])
+        sides += 1
+    return sides
+
+
+@njit(cache=True, error_model="numpy")
 def linearise(
     structure: Structure,
     loading: Loading,
@@ -99,21 +131,13 @@ def linearise(
     """Write tangent and right sides at a state, shifted by ``shift`` times a bound on the taut net's own stiffness.
 
     Returns:
-        the number of right sides: one more where the front's share follows the net, one where its height counts.
+        the number of right sides, as ``right_sides`` has it.
     """
-    firsts, seconds, rests, flexibilities = structure.first, structure.second, structure.length, structure.flexibility
-    position, density, gaps, lengths = state.position, state.density, state.gap, state.length
-    blocks, hardening, diagonal = step.blocks, step.hardening, pattern.diagonal
+    firsts, seconds, rests = structure.first, structure.second, structure.length
+    position, density, blocks, diagonal = state.position, state.density, step.blocks, pattern.diagonal
+    sides = right_sides(structure, loading, tension, barrier, state, step)
     blocks[:] = 0.0
-    for bar in range(len(density)):
-        hardening[bar] = 0.0
-        if density[bar] != 0.0 or gaps[bar] != 0.0 or structure.is_strut[bar]:
-            compliance = max(flexibilities[bar], 1.0 / (STIFFEST * tension))
-            if barrier > 0.0 and not structure.is_strut[bar]:
-                compliance += barrier / density[bar] ** 2
-            hardening[bar] = 1.0 / (compliance * lengths[bar] ** 3)
-    right_side(structure, state, state, step)
-    add_bar_tangent(position, structure, pattern, density, hardening, blocks)
+    add_bar_tangent(position, structure, pattern, density, step.hardening, blocks)
     add_tangent(position, structure, loading, pattern, state.share, blocks)
     if shift > 0.0:
         for bar in range(len(density)):
@@ -121,16 +145,6 @@ def linearise(
             for i in range(3):
                 blocks[diagonal[firsts[bar]], i, i] += stiffness
                 blocks[diagonal[seconds[bar]], i, i] += stiffness
-    catch, share, sides = loading.catch, state.share, 1
-    band = front_band(catch, share)
-    if band >= 0:
-        share_gradient(position, structure, catch, share, band, step.gradient[0])
-        load_by_share(position, structure, loading.water, catch, share, band, step.right[1])
-        sides = 2
-    if catch.weight_density != 0.0:
-        height_gradient(catch, share, step.gradient[sides - 1])
-        force_by_height(position, structure, catch, share, step.right[sides])
-        sides += 1
     return sides
 
 

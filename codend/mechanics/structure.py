@@ -34,6 +34,8 @@ class Structure(NamedTuple):
     corner_image: Ints
     corner_stiffness: Floats
     corner_rest: Floats
+    wrap_ring: Ints
+    wrap_law: Floats
     free: Floats
     """1 for coordinates that move, 0 for held ones, (n, 3)."""
     order: float
@@ -69,6 +71,8 @@ def structure_of(net: Net) -> Structure:
         corner_image=net.corner_image,
         corner_stiffness=net.corner_stiffness,
         corner_rest=net.corner_rest,
+        wrap_ring=net.wrap_ring,
+        wrap_law=net.wrap_law,
         free=(~net.fixed).astype(np.float64),
         order=float(net.order),
     )

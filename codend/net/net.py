@@ -5,7 +5,7 @@ facet then names a node and the *image* it sits in, the number of sectors by whi
 A full net is the same thing with one sector and image 0 everywhere.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -81,6 +81,11 @@ class Net:
     """Lift area Cl A, m2, (p,)."""
     point_lift_towards: Floats
     """Direction of its lift, of which the part across the flow counts, (p, 3)."""
+
+    wrap_ring: Ints = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int32))
+    """Two nodes each of two rings that follow one another, between which netting lies over the net, (w, 4)."""
+    wrap_law: Floats = field(default_factory=lambda: np.zeros((0, 8)))
+    """What that netting is made of, see ``mechanics.wrap``, (w, 8)."""
 
     @property
     def sectors(self) -> int:
@@ -179,7 +184,7 @@ NO_POINTS: dict[str, Any] = {
     "point_lift_area": np.zeros(0),
     "point_lift_towards": np.zeros((0, 3)),
 }
-BAR_ARRAYS = [field.name for field in fields(Net) if field.name.startswith("bar")]
+BAR_ARRAYS = [own.name for own in fields(Net) if own.name.startswith("bar")]
 """Fields of a net that have a row a bar."""
 
 

@@ -74,8 +74,8 @@ def knots_of(lattice: Lattice) -> Knots:
     the codline gathers those. Where the counts of two sections differ, or square mesh follows, the row is laced at
     points: its knots cannot lie across.
     """
-    along = np.array([False, *(s.knot_along_m > 0.0 for s in lattice.sections)])
-    lie_across = np.array([s.knot_across_m > 0.0 for s in lattice.sections])
+    along = np.append(False, lattice.of_bands(lambda section: section.knot_along_m > 0.0))
+    lie_across = lattice.of_bands(lambda section: section.knot_across_m > 0.0)
     plain = (lattice.columns[:-1] == lattice.columns[1:]) & lattice.staggered[1:]
     across = np.concatenate([lie_across[:1], lie_across[:-1] & plain, [False]])
     fore_nodes = along * np.concatenate([[0], lattice.columns])
@@ -89,7 +89,7 @@ def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
     lattice = knots.lattice
     positions = np.empty((knots.codline + 1, 3))
     node_row = np.full(knots.codline + 1, -1, dtype=np.int32)
-    knot_m = lattice.globalisation * np.array([s.knot_m for s in lattice.sections])
+    knot_m = lattice.globalisation * lattice.of_bands(lambda section: section.knot_m)
     # a knot keeps its length, however far the rows have closed up
     knot_share = np.minimum(knot_m / np.hypot(np.diff(shape.x), np.diff(shape.radius)), 0.9)
 

@@ -1,13 +1,14 @@
 """Parts of a net while it is written: its lattice, bars, facets, meshes and corners."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.net.net import Floats
+from codend.net.net import Floats, Ints
 from codend.plan.plan import Netting
 
 Counts = NDArray[np.int64]
@@ -34,9 +35,21 @@ class Lattice:
         return len(self.sections)
 
     @cached_property
+    def _numbered_sections(self) -> tuple[list[Netting], Counts]:
+        """Every section once, and its number of each band, (bands,)."""
+        distinct = {id(section): section for section in self.sections}
+        number = {key: i for i, key in enumerate(distinct)}
+        return list(distinct.values()), np.array([number[id(section)] for section in self.sections])
+
+    def of_bands(self, value: Callable[[Netting], float | bool | str]) -> NDArray:
+        """A value of every band's section, (bands,)."""
+        sections, number = self._numbered_sections
+        return np.array([value(section) for section in sections])[number]
+
+    @cached_property
     def staggered(self) -> NDArray[np.bool_]:
         """Whether the rows at either end of a band are turned against each other by half a mesh, (bands,)."""
-        return np.array([s.kind.staggered for s in self.sections])
+        return self.of_bands(lambda section: section.kind.staggered)
 
     @cached_property
     def knots(self) -> Counts:
@@ -145,6 +158,15 @@ class Corner:
     image: NDArray[np.integer]
 
 
+class Piece(Protocol):
+    """Netting let into a net while it is written, its parts as those of ``Parts``."""
+
+    bars: list[NDArray]
+    facets: list[NDArray]
+    weights: list[Floats]
+    meshes: list[NDArray]
+
+
 class Parts:
     """Bars, facets and meshes gathered while a net is written."""
 
@@ -177,7 +199,35 @@ class Parts:
         images = [np.where(c.node == self.codline, 0, c.image) for c in (middle, first, second)]
         self.corners.append(np.stack([*nodes, *images, band, np.full_like(band, across)], axis=1))
 
-    def facet_table(self) -> tuple[NDArray, Floats]:
+    def joined(self, pieces: Sequence["Piece"] = ()) -> "Layout":
+        """All of them, with those of pieces of other netting after them."""
+        bars, bar_piece = _numbered([self.bars, *(piece.bars for piece in pieces)])
+        meshes, mesh_piece = _numbered([self.meshes, *(piece.meshes for piece in pieces)])
+        by_row = np.argsort(meshes[:, 16], kind="stable")
+        meshes, mesh_piece = meshes[by_row], mesh_piece[by_row]
+        facets, weight = self._facet_table()
+        for piece in pieces:
+            facets, weight = np.concatenate([facets, *piece.facets]), np.concatenate([weight, *piece.weights])
+        return Layout(
+            codline=self.codline,
+            bars=bars[:, :2].astype(np.int32),
+            bar_image=bars[:, 2].astype(np.int32),
+            bar_band=bars[:, 3].astype(np.int32),
+            bar_is_knot=bars[:, 4].astype(bool),
+            bar_piece=bar_piece,
+            mesh_piece=mesh_piece,
+            facets=facets[:, :3].astype(np.int32),
+            facet_image=facets[:, 3:6].astype(np.int32),
+            facet_band=facets[:, 6].astype(np.int32),
+            facet_weight=weight,
+            mesh_sides=meshes[:, :8].reshape(-1, 4, 2).astype(np.int32),
+            mesh_side_image=meshes[:, 8:16].reshape(-1, 4, 2).astype(np.int32),
+            mesh_bars=_bars_of_sides(bars[:, :3], meshes[:, :8].reshape(-1, 2), meshes[:, 8:16].reshape(-1, 2)),
+            mesh_row=meshes[:, 16].astype(np.int32),
+            corners=np.concatenate(self.corners),
+        )
+
+    def _facet_table(self) -> tuple[NDArray, Floats]:
         """Facets without the empty ones, equal ones merged, and their weights."""
         table = np.concatenate(self.facets)
         nodes, images = table[:, :3], np.where(table[:, :3] == self.codline, 0, table[:, 3:6])
@@ -186,3 +236,61 @@ class Parts:
         unique, count = np.unique(table[~np.any(same, axis=0)], axis=0, return_counts=True)
         by_band = np.argsort(unique[:, -1], kind="stable")
         return unique[by_band], np.asarray(0.5 * count[by_band], dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Which nodes are joined by bars, facets, meshes and corners: what a net's counts and patterns decide alone.
+
+    Fields are as those of ``Net`` and ``Bag`` but for the last.
+    """
+
+    codline: int
+    bars: Ints
+    bar_image: Ints
+    bar_band: Ints
+    bar_is_knot: NDArray[np.bool_]
+    bar_piece: Ints
+    """Number of the piece of other netting that a bar is of; -1: of the section's own."""
+    mesh_piece: Ints
+    """The same of meshes."""
+    facets: Ints
+    facet_image: Ints
+    facet_band: Ints
+    facet_weight: Floats
+    """1, or 1/2 where a quadrangle is covered twice."""
+    mesh_sides: Ints
+    mesh_side_image: Ints
+    mesh_bars: Ints
+    mesh_row: Ints
+    corners: Counts
+    """Middle, first and second node of all corners between two twines, their images, the band, and whether it lies
+    across, (c, 8)."""
+
+
+def _numbered(tables: Sequence[list[NDArray]]) -> tuple[NDArray, Ints]:
+    """Parts of a net and then of its pieces, and the number of the piece that each is of, -1 of the net's own."""
+    counts = [sum(map(len, table)) for table in tables]
+    piece = np.repeat(np.arange(-1, len(tables) - 1, dtype=np.int32), counts)
+    return np.concatenate([part for table in tables for part in table]), piece
+
+
+def _bars_of_sides(bars: NDArray, sides: NDArray, images: NDArray) -> Ints:
+    """Number of the bar on each side of each mesh, -1 where there is none, (meshes, 4)."""
+
+    def key(first: NDArray, second: NDArray, image: NDArray) -> NDArray:
+        swap = first > second
+        low, high = np.where(swap, second, first), np.where(swap, first, second)
+        # the bars to a node's own images on either side are one and the same
+        turned = np.where(first == second, np.abs(image), np.where(swap, -image, image))
+        return (low * (bars[:, :2].max() + 1) + high) * 8 + turned + 4
+
+    bar_keys = key(bars[:, 0], bars[:, 1], bars[:, 2])
+    order = np.argsort(bar_keys, kind="stable")
+    relative = np.where(
+        (sides[:, 0] == bars[:, :2].max()) | (sides[:, 1] == bars[:, :2].max()), 0, images[:, 1] - images[:, 0]
+    )
+    wanted = key(sides[:, 0], sides[:, 1], relative)
+    place = np.minimum(np.searchsorted(bar_keys[order], wanted), len(bars) - 1)
+    found = order[place]
+    return np.where(bar_keys[found] == wanted, found, -1).reshape(-1, 4).astype(np.int32)

@@ -6,8 +6,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from codend.net.last_made import LastMade
 from codend.netting.knots import LEFT, RIGHT, Knots
-from codend.netting.parts import Parts
+from codend.netting.parts import Layout, Parts
 from codend.netting.patterns.rhombs import add_rhombs
 from codend.netting.patterns.squares import add_squares
 
@@ -18,11 +19,28 @@ PATTERNS: Final[dict[str, Callable[[Parts, Knots, NDArray[np.bool_]], None]]] = 
 """Functions that write bars, facets, meshes and corners of the bands for which the last argument, (bands,), is true."""
 
 
+MOST_KNOTS: Final = 10_000
+"""Of nets whose layout is kept for others of the same counts: it takes about a kilobyte a knot."""
+_layouts: LastMade[Layout] = LastMade(4)
+
+
+def layout_of(knots: Knots) -> Layout:
+    """Bars, facets, meshes and corners of all sections; plans that differ in their sizes alone have the same."""
+    pattern = knots.lattice.of_bands(lambda section: section.kind.pattern)
+    if knots.codline > MOST_KNOTS:
+        return parts_of(knots).joined()
+    lattice = knots.lattice
+    arrays = (lattice.columns, lattice.staggered, knots.along, knots.across, lattice.phase, lattice.upward)
+    key = (lattice.abreast, lattice.order == 1, lattice.seamed, *pattern, *(array.tobytes() for array in arrays))
+    return _layouts.of(key, lambda: parts_of(knots).joined())
+
+
 def parts_of(knots: Knots) -> Parts:
-    """Bars, facets, meshes and corners of all sections."""
+    """Bars, facets, meshes and corners of all sections, to be changed before they are joined."""
+    pattern = knots.lattice.of_bands(lambda section: section.kind.pattern)
     parts = Parts(knots.codline)
     for name, add_pattern in PATTERNS.items():
-        add_pattern(parts, knots, np.array([s.kind.pattern == name for s in knots.lattice.sections]))
+        add_pattern(parts, knots, pattern == name)
     _add_knots(parts, knots)
     return parts
 

@@ -17,6 +17,7 @@ from codend.errors import InputError, all_at_once
 from codend.io.names import as_name
 from codend.io.toml import read_toml
 from codend.plan.kinds import kinds_in_words
+from codend.plan.layers import Layer
 from codend.plan.messages import Contradiction
 from codend.plan.mistakes import checked
 from codend.plan.overrides import CatchKind, Overrides, apply_overrides
@@ -69,6 +70,7 @@ class Plan(Table):
     strap: tuple[Strap, ...] = ()
     rope: tuple[Rope, ...] = ()
     window: tuple[Window, ...] = ()
+    layer: tuple[Layer, ...] = ()
     catch: Catch
     drag: Drag = Drag.model_validate({})
     model: Model = Model()
@@ -108,6 +110,7 @@ class Plan(Table):
         yield from self._catches_that_do_not_fit()
         yield from self._straps_out_of_place()
         yield from self._ropes_out_of_place()
+        yield from self._layers_out_of_place()
         astray = list(out_of_place(self.window, self.netting, self.section_names, self.seam_deg))
         yield from astray
         # laid even flat across the entry
@@ -267,6 +270,20 @@ class Plan(Table):
                     yield Contradiction(key, f"at most {meshes_long}, the sum of meshes_long")
                 elif self.rows_to_codline(meshes) is None:
                     yield Contradiction(key, "a row of knots")
+
+    def _layers_out_of_place(self) -> Iterator[Contradiction]:
+        """Layers that begin at no row of knots, and models that have no place for any."""
+        meshes_long = sum(part.meshes_long for part in self.netting)
+        for index, layer in enumerate(self.layer):
+            key, start = f"layer.{index}.meshes_from_codline.1", layer.meshes_from_codline[1]
+            if start > meshes_long:
+                yield Contradiction(key, f"at most {meshes_long}, the sum of meshes_long")
+            elif self.rows_to_codline(start) is None:
+                yield Contradiction(key, "a row of knots")
+        if self.layer and self.model.fidelity not in ("auto", "sector", "smeared"):
+            yield Contradiction("model.fidelity", '"auto", "sector" or, with ropes, "smeared", under a [[layer]]')
+        if self.layer and self.model.method == "rigid-bars":
+            yield Contradiction("model.method", '"auto", "newton" or "dynamic-relaxation", under a [[layer]]')
 
     def rows_to_codline(self, meshes: float) -> int | None:
         """Rows from the codline to a place that many meshes ahead of it; None where no row of knots lies there."""

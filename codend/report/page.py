@@ -86,7 +86,8 @@ def files_of(plan: Plan) -> list[str]:
     """Every file that ``write_report`` may write of a plan, relative to its folder."""
     nets = [f"net_{case.number}.vtu" for case in plan.cases()]
     plots = [f"plots/{plot.name}.png" for plot in PLOTS]
-    tables = [name for name in TABLES if name != "ropes.csv" or plan.ropes]
+    left_out = {"ropes.csv": not plan.ropes, "layers.csv": not plan.layer}
+    tables = [name for name in TABLES if not left_out.get(name, False)]
     return ["plan.toml", *tables, RECORD, *plots, *nets, SERIES, *([TURNING] if can_turn() else []), "report.html"]
 
 

@@ -1,8 +1,10 @@
 """Nets as VTK files (``.vtu``) for ParaView: the only module that knows meshio."""
 
+import zlib
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -15,15 +17,15 @@ from codend.studies.case_result import CaseResult
 if TYPE_CHECKING:
     import meshio
 
+COMPRESSION: Final = 1
+"""Level of zlib: its own default takes three times as long, for files 3 % smaller."""
 CELL_OF_CORNERS = {3: "triangle", 4: "quad"}
 """VTK cells of meshes by their number of corners; all others are polygons."""
 
 
 def write_vtu(result: CaseResult, path: Path) -> None:
     """Write the whole net of a solved case, all round, compressed; see ``net_mesh`` for what is in it."""
-    mesh = net_mesh(result)
-    with whole_file(path) as temporary:
-        mesh.write(temporary, file_format="vtu")
+    _write(net_mesh(result), path)
 
 
 def write_bars(positions: Floats, bars: Ints, path: Path, **of_bars: Floats) -> None:
@@ -31,8 +33,22 @@ def write_bars(positions: Floats, bars: Ints, path: Path, **of_bars: Floats) -> 
     import meshio
 
     mesh = meshio.Mesh(positions, [("line", bars)], cell_data={name: [values] for name, values in of_bars.items()})
+    _write(mesh, path)
+
+
+def _write(mesh: "meshio.Mesh", path: Path) -> None:
+    from meshio.vtu import _vtu
+
+    _vtu.zlib = _Zlib  # meshio asks for the default level, and takes no other
     with whole_file(path) as temporary:
         mesh.write(temporary, file_format="vtu")
+
+
+class _Zlib:
+    """What meshio takes of the module, at a level of our own."""
+
+    compress = staticmethod(partial(zlib.compress, level=COMPRESSION))
+    decompress = staticmethod(zlib.decompress)
 
 
 def write_series(files: Sequence[str], times_s: Sequence[float], path: Path) -> None:

@@ -14,7 +14,7 @@ from codend.compiled import njit
 from codend.mechanics.broyden import MOST_STEPS, correct, keep
 from codend.mechanics.loads import Loading
 from codend.mechanics.newton_state import State
-from codend.mechanics.newton_step import Step, finish_step, linearise, simplified_move, take
+from codend.mechanics.newton_step import Step, finish_step, linearise, right_sides, simplified_move, take
 from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import Pattern
 from codend.net.net import Floats, Ints
@@ -175,7 +175,10 @@ def advance(system: Any, iteration: Iteration, shift: float, fresh: bool) -> tup
     structure, loading, pattern, limits = iteration.structure, iteration.loading, iteration.pattern, iteration.limits
     tension, switch, step = iteration.tension, iteration.switch, iteration.step
     state, first, second = iteration.state, iteration.first, iteration.second
-    sides = linearise(structure, loading, pattern, tension, shift, 0.0, state, step)
+    if fresh:
+        sides = linearise(structure, loading, pattern, tension, shift, 0.0, state, step)
+    else:
+        sides = right_sides(structure, loading, tension, 0.0, state, step)
     right, solved = step.right, step.solved[:sides]
     negative = factorise(system, step.blocks) if fresh else 0
     if negative < 0 or (negative > 0 and state.marks[0]["residual"] > NEARBY):

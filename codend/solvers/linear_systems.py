@@ -7,6 +7,7 @@ and elsewhere the solver adds a shift until it is, as far as it knows: a band LU
 of the others they are asked for at the equilibrium only. They tell whether it is stable.
 """
 
+from copy import copy
 from typing import Protocol
 
 import numpy as np
@@ -116,6 +117,12 @@ class BandedSystem:
         used = (row >= 0) & (column >= 0)
         place = np.where(used, row.astype(np.int64) * width + column - row + half_band, -1).ravel()
         self.arrays = Band(np.zeros((size, width)), place, unknown)
+
+    def beside(self) -> "BandedSystem":
+        """Another system of the same numbering, with room of its own."""
+        other = copy(self)
+        other.arrays = self.arrays._replace(rows=np.zeros_like(self.arrays.rows))
+        return other
 
     @property
     def ready(self) -> bool:

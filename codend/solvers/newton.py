@@ -8,6 +8,7 @@ afterwards (``harmonics``, ``whole_tangent``). Twine that would be compressed go
 twine in compression is refused.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -172,6 +173,20 @@ def solve_nearby(
     return _solve(_Iterations(problem, tangent.prepared, settings, None, takes_factors=True), tolerance, start)
 
 
+def drifted(tangent: TangentAtEquilibrium, tolerance: float) -> Solution | None:
+    """Where the iterations of ``NEARBY`` lead from an equilibrium that they do not bring to a tolerance.
+
+    Netting all but slack moves on and on for next to no force. None where they fail, or do reach it.
+    """
+    problem, start = tangent.problem, tangent.solution
+    run = _Iterations(problem, tangent.prepared, NEARBY, None)
+    if run.to_equilibrium(tolerance, start, NEARBY.switches[0]) is not Outcome.STEPS_SPENT:
+        return None
+    state = run.state
+    tension = carried(problem.structure.is_strut, state.density * state.length)
+    return replace(start, positions=state.position.copy(), bar_tension=tension, share=state.share.copy())
+
+
 class _Iterations:
     """Iterations from a start to wherever they get."""
 
@@ -229,14 +244,14 @@ class _Iterations:
         kept = self.takes_factors and self.prepared.system.ready
         first, last = (self.iterations + n for n in (settings.least_iterations, settings.iterations_allowed))
         while True:
-            (marks,) = self.state.marks
-            error = float(max(marks["residual"], marks["imbalance"]))
-            if not np.isfinite(marks["merit"]) or not np.isfinite(error):
+            merit, residual, imbalance, length_error, fits = self.state.marks[0].item()
+            error = max(residual, imbalance)
+            if not math.isfinite(merit) or not math.isfinite(error):
                 return Outcome.NOT_FINITE
             self.history.append(error)
             if self.progress is not None:
                 self.progress(METHOD, error)
-            if error <= tolerance and marks["length_error"] <= LENGTH_TOLERANCE and self.iterations >= first:
+            if error <= tolerance and length_error <= LENGTH_TOLERANCE and self.iterations >= first:
                 twine = ~self.structure.is_strut
                 lowest = float((self.state.density * self.state.length).min(initial=0.0, where=twine))
                 if lowest < -ROUND_OFF * self.tension:
@@ -249,7 +264,7 @@ class _Iterations:
                     self.refused = refusal(self.problem, self.state.position, self.state.share)
                     if self.refused is not None:
                         return self.refused.outcome
-                return Outcome.CONVERGED if marks["fits"] else Outcome.OVERFULL
+                return Outcome.CONVERGED if fits else Outcome.OVERFULL
             if self.iterations >= last:
                 return Outcome.STEPS_SPENT
             self.iterations += 1

@@ -6,7 +6,7 @@ from codend.mechanics.newton_state import State, empty_state
 from codend.mechanics.newton_step import Step, empty_step
 from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import Pattern, pattern_of
-from codend.solvers.linear_systems import LinearSystem, linear_system
+from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
 
 
 @dataclass(frozen=True)
@@ -19,12 +19,16 @@ class Prepared:
     step: Step
 
 
-def prepare(structure: Structure, bands: int) -> Prepared:
-    """Number the unknowns of a structure, once for all its equilibria with a catch that fills so many bands."""
-    pattern = pattern_of(structure)
+def prepare(structure: Structure, bands: int, like: Prepared | None = None) -> Prepared:
+    """Number the unknowns of a structure, once for all its equilibria with a catch that fills so many bands.
+
+    ``like`` is what was prepared of a net of the same joints: its numbering is taken, and nothing that is written to.
+    """
+    pattern = pattern_of(structure) if like is None else like.pattern
+    numbered = None if like is None else like.system
     return Prepared(
         pattern=pattern,
-        system=linear_system(structure, pattern),
+        system=numbered.beside() if isinstance(numbered, BandedSystem) else linear_system(structure, pattern),
         states=(empty_state(structure, bands), empty_state(structure, bands), empty_state(structure, bands)),
         step=empty_step(structure, pattern),
     )

@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codend.mechanics import possible
 from codend.mechanics.crossing import band_turns
@@ -18,7 +19,8 @@ LARGEST_TURN = 0.5 * math.pi
 """Turn about its axis, from entry to codline, up to which a net is not wrung, rad."""
 GATHERED = 0.25
 """Of the shortest bar: depth up to which the last mesh of a net with ropes touches itself. Ropes shorter than netting
-fold it where the codline gathers it."""
+fold it where the codline gathers it. Of the median bar, in the mesh ahead of a row that takes up
+more than two nodes in one."""
 ROUND_OFF = 1e-9
 """Of the shortest bar."""
 DEEPEST = 0.1
@@ -71,12 +73,27 @@ def passage(problem: Problem, position: Floats, gathered: bool = True) -> Refusa
     if not gathered or not catch.row_size.any():
         return Refusal(Outcome.PASSED_THROUGH, "a bar pierces the netting")
     band, met = catch.bar_band[bar] + 1, catch.facet_band[facet] + 1
+    gathered_bands = _ahead_of_takings_up(problem)
+    if gathered_bands[band - 1] and gathered_bands[met - 1]:
+        deeper = GATHERED * float(np.median(problem.structure.length))
+        elsewhere = first_pierced(position, *_sheet(problem, gathered_bands), touching)[0]
+        if elsewhere < 0 and first_pierced(position, *_sheet(problem), deeper)[0] < 0:
+            return None
     if problem.structure.is_rope.any() and min(band, met) >= problem.bands - 1:
         deeper = GATHERED * float(problem.structure.length.min())
         ahead = first_pierced(position, *_sheet(problem, 2), touching)[0]
         if ahead < 0 and first_pierced(position, *_sheet(problem), deeper)[0] < 0:
             return None
     return Refusal(Outcome.PASSED_THROUGH, f"a bar of band {band} pierces band {met} of {problem.bands}")
+
+
+def _ahead_of_takings_up(problem: Problem) -> NDArray[np.bool_]:
+    """Bands in the mesh ahead of a row that takes up more than two of their nodes in one, (bands,)."""
+    sizes = problem.loading.catch.row_size
+    ahead = np.zeros(problem.bands, dtype=bool)
+    for row in np.flatnonzero(2.0 * sizes[1:-1] < sizes[:-2]) + 1:
+        ahead[max(row - 2, 0) : row] = True
+    return ahead
 
 
 def _through_surface(problem: Problem, position: Floats, sheet: Sheet) -> Refusal | None:
@@ -134,12 +151,13 @@ def told(outcome: Outcome, refused: Refusal | None) -> str:
     return outcome.value if refused is None or refused.outcome is not outcome else f"{outcome.value} ({refused.where})"
 
 
-def _sheet(problem: Problem, left_out: int = 0) -> tuple:
-    """Bars and facets as ``first_pierced`` takes them, without those of the last so many bands before the codline."""
+def _sheet(problem: Problem, left_out: int | NDArray[np.bool_] = 0) -> tuple:
+    """Bars and facets as ``first_pierced`` takes them, without some bands: which, (bands,), or how many at the end."""
     s, catch = problem.structure, problem.loading.catch
-    if left_out == 0:
-        return s.first, s.second, s.image, s.facets, s.facet_image, s.facet_weight, s.order
-    end = problem.bands - left_out
-    bars, facets = np.flatnonzero(catch.bar_band < end), np.flatnonzero(catch.facet_band < end)
+    if isinstance(left_out, int):
+        if left_out == 0:
+            return s.first, s.second, s.image, s.facets, s.facet_image, s.facet_weight, s.order
+        left_out = np.arange(problem.bands) >= problem.bands - left_out
+    bars, facets = np.flatnonzero(~left_out[catch.bar_band]), np.flatnonzero(~left_out[catch.facet_band])
     of_facets = s.facets[facets], s.facet_image[facets], s.facet_weight[facets]
     return s.first[bars], s.second[bars], s.image[bars], *of_facets, s.order

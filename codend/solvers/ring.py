@@ -1,5 +1,6 @@
 """A sector as one of a ring: the tangents that its harmonics see, side by side or one alone. See ``harmonics``."""
 
+from copy import copy
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +25,16 @@ class Entries(NamedTuple):
     column: Places
     source: Places
     weight: Complex
+    """That of a ring of one sector."""
+    image: Places
+    """Sectors by which its column is turned against its row."""
+    on_axis: Places
+    """How many of the two are on the axis, whose moves weigh the more the more sectors there are."""
+
+    def weights(self, harmonic: int, order: float) -> Complex:
+        """Weights in a harmonic of a ring of so many sectors."""
+        turn = np.exp(2j * np.pi * harmonic * self.image / order)
+        return np.asarray(self.weight * turn * np.sqrt(order) ** self.on_axis)
 
 
 class Ring:
@@ -51,6 +62,7 @@ class Ring:
         self._off_axis = np.flatnonzero((row >= 0) & (column >= 0))
         self._row, self._column, self._image = (part[self._off_axis] for part in (row, column, image))
         self._at_axis = self._entries_at_axis(0), self._entries_at_axis(1)
+        self._axis_weights = [entries.weights(k, self.order) for k, entries in enumerate(self._at_axis)]
         tails = max(len(self.axis_moves(k)) for k in (0, 1)) * len(self.on_axis)
         rows = np.concatenate([self._row, *(entries.row for entries in self._at_axis)])
         columns = np.concatenate([self._column, *(entries.column for entries in self._at_axis)])
@@ -69,6 +81,16 @@ class Ring:
         self._weight[self._off_axis, 0] = np.where(off == 0, 1.0, 0.5)
         self._weight[self._off_axis, 1] = 0.5 * np.sign(image) * np.sign(row - column)
 
+    def beside(self, structure: Structure, bands: int) -> "Ring":
+        """A ring of sectors with the same joints, of which neither are two or both, with room of its own."""
+        other = copy(self)
+        order = structure.order
+        other.order = int(order) if order.is_integer() else order
+        other._axis_weights = [entries.weights(k, other.order) for k, entries in enumerate(self._at_axis)]
+        other.state, other.step = empty_state(structure, bands), empty_step(structure, self.pattern)
+        other.even, other.odd = np.zeros_like(self.even), np.zeros_like(self.odd)
+        return other
+
     def gather(self, fronted: bool) -> None:
         """Take over the tangent that was written into ``step``, and whether the catch's front follows the net."""
         self.fronted = fronted
@@ -77,6 +99,10 @@ class Ring:
 
     def axis_moves(self, harmonic: int) -> Complex:
         """Moves of a node on the axis in a harmonic, as a sector sees them and of the size it does, (moves, 3)."""
+        return self._axis_ways(harmonic) * np.sqrt(self.order)
+
+    def _axis_ways(self, harmonic: int) -> Complex:
+        """The same of the size that a ring of one sector would see."""
         moves: Complex = np.zeros((0, 3), dtype=complex)
         if harmonic == 0:
             moves = np.array([[1.0, 0.0, 0.0]], dtype=complex)
@@ -84,11 +110,11 @@ class Ring:
             moves = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], dtype=complex)
         elif harmonic == 1:
             moves = np.sqrt(0.5) * np.array([[0.0, 1.0, 1.0j]])
-        return moves * np.sqrt(self.order)
+        return moves
 
     def _entries_at_axis(self, harmonic: int) -> Entries:
         """Entries of a harmonic in the rows and columns of the nodes on the axis."""
-        moves, pattern = self.axis_moves(harmonic), self.pattern
+        moves, pattern = self._axis_ways(harmonic), self.pattern
         first = np.full(len(self.unknown), -1)
         first[self.on_axis] = self.size + len(moves) * np.arange(len(self.on_axis))
 
@@ -98,21 +124,23 @@ class Ring:
                 return self.unknown[node], np.eye(3, dtype=np.complex128)
             return first[node] + np.arange(len(moves), dtype=np.int32), moves
 
-        found: list[tuple[int, int, int, complex]] = []
+        found: list[tuple[int, int, int, int, int, complex]] = []
         for block in np.flatnonzero((first[pattern.row] >= 0) | (first[pattern.column] >= 0)):
-            turn = np.exp(2j * np.pi * harmonic * pattern.image[block] / self.order)
+            ends = int(first[pattern.row[block]] >= 0) + int(first[pattern.column[block]] >= 0)
             rows, by_row = ways(pattern.row[block], moves.conj())
             columns, by_column = ways(pattern.column[block], moves)
             for a, b, i, j in np.ndindex(len(rows), len(columns), 3, 3):
-                weight = turn * by_row[a, i] * by_column[b, j]
+                weight = by_row[a, i] * by_column[b, j]
                 if weight != 0.0 and rows[a] >= 0 and columns[b] >= 0:
-                    found.append((int(rows[a]), int(columns[b]), int(9 * block + 3 * i + j), complex(weight)))
-        row, column, source = np.array([entry[:3] for entry in found], dtype=np.int64).reshape(-1, 3).T
-        return Entries(row, column, source, np.array([entry[3] for entry in found], dtype=complex))
+                    place = int(rows[a]), int(columns[b]), int(9 * block + 3 * i + j)
+                    found.append((*place, int(pattern.image[block]), ends, complex(weight)))
+        row, column, source, image, on_axis = np.array([e[:5] for e in found], dtype=np.int64).reshape(-1, 5).T
+        return Entries(row, column, source, np.array([e[5] for e in found], dtype=complex), image, on_axis)
 
     def _values_at_axis(self, harmonic: int) -> tuple[Places, Places, Complex]:
-        row, column, source, weight = self._at_axis[harmonic]
-        return row, column, weight * self.step.blocks.reshape(-1)[source]
+        entries = self._at_axis[harmonic]
+        values = self._axis_weights[harmonic] * self.step.blocks.reshape(-1)[entries.source]
+        return entries.row, entries.column, values
 
     def turn_and_tail(self, harmonics: NDArray[np.integer]) -> tuple[Floats, Floats]:
         """What ``negative_pivots_side_by_side`` asks for of some harmonics."""

@@ -14,9 +14,10 @@ from codend.studies.case_result import CaseResult
 from codend.studies.run_record import TABLES, remove_run
 from codend.studies.study import Study
 
-_FREE_S: Final = 0.5
+_PAUSE_S: Final = 0.3
 _SHARE: Final = 0.1
-"""Tables are written after every case, but where that took longer than this and this share of the time."""
+"""Tables are written once so long after they were written last, and longer where that took more than this share of the
+time: what is killed loses no more than a blink of solving."""
 
 
 class KeptCases:
@@ -28,8 +29,10 @@ class KeptCases:
     def __init__(self, plan: Plan, choice: Choice, folder: Path) -> None:
         self.count = 0
         self._plan, self._choice, self._folder = plan, choice, folder
+        self._waiting: list[CaseResult] = []
         self._texts: dict[str, dict[int, str]] = {name: {} for name in TABLES}
-        self._begun, self._spent_s, self._written = monotonic(), 0.0, 0
+        self._begun = self._last = monotonic()
+        self._spent_s, self._removed = 0.0, False
 
     def add(self, result: CaseResult) -> None:
         """Keep one more case.
@@ -37,23 +40,28 @@ class KeptCases:
         Raises:
             OSError: it cannot be written; those before it are kept.
         """
-        before = monotonic()
-        for name, table in Study(self._plan, self._choice, (result,)).tables.items():
-            self._texts[name][result.case.number] = table_text(table)
         self.count += 1
-        if self._spent_s < _FREE_S + _SHARE * (before - self._begun):
+        self._waiting.append(result)
+        if not self._removed:
+            remove_run(self._folder)
+            self._removed = True
+        now = monotonic()
+        if now - self._last > _PAUSE_S and self._spent_s < _SHARE * (now - self._begun):
             self._write()
-        self._spent_s += monotonic() - before
 
     def _write(self) -> None:
-        if self._written == 0:
-            remove_run(self._folder)
-            write_text(plan_toml(self._plan), self._folder / "plan.toml")
+        before = monotonic()
+        for result in self._waiting:
+            for name, table in Study(self._plan, self._choice, (result,)).tables.items():
+                self._texts[name][result.case.number] = table_text(table)
+        self._waiting.clear()
+        write_text(plan_toml(self._plan), self._folder / "plan.toml")
         for name, texts in self._texts.items():
             if texts:
                 ordered = [texts[number] for number in sorted(texts)]
                 write_text(ordered[0] + "".join(text.partition("\n")[2] for text in ordered[1:]), self._folder / name)
-        self._written = self.count
+        self._last = monotonic()
+        self._spent_s += self._last - before
 
     def __enter__(self) -> Self:
         return self
@@ -61,6 +69,6 @@ class KeptCases:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if kind is not None and self._written < self.count:
+        if kind is not None and self._waiting:
             with suppress(OSError):  # the disk may be what ended the run
                 self._write()

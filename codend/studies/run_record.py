@@ -20,7 +20,7 @@ from codend.plan.copy import plan_toml
 from codend.plan.plan import Plan
 
 RECORD: Final = "run.json"
-TABLES: Final = ("results.csv", "profile.csv", "meshes.csv", "ropes.csv")
+TABLES: Final = ("results.csv", "profile.csv", "meshes.csv", "ropes.csv", "layers.csv")
 """Of a run; the last one for nets without symmetry."""
 _NAME_DIGITS: Final = 12
 

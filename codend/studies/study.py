@@ -32,8 +32,8 @@ from codend.studies.case_result import CaseResult
 if TYPE_CHECKING:
     import pandas as pd
 
-OPTIONAL_TABLES = ("meshes.csv", "ropes.csv")
-"""Of models one mesh wide, and of plans without ropes, there is none."""
+OPTIONAL_TABLES = ("meshes.csv", "ropes.csv", "layers.csv")
+"""Of models one mesh wide, and of plans without ropes or second layers, there is none."""
 
 StudyProgress = Callable[[int, int, str], None]
 """Told how many cases are done, of how many, and what is being done."""
@@ -80,6 +80,13 @@ class Study:
 
         return tables.rope_table(self.plan, self.cases)
 
+    @cached_property
+    def layers(self) -> "pd.DataFrame":
+        """``layers.csv``: a row a band under a second layer of a case; empty of plans without."""
+        from codend.studies import tables
+
+        return tables.layer_table(self.plan, self.cases)
+
     @property
     def tables(self) -> "dict[str, pd.DataFrame]":
         """Its tables by the names of their files; without those of meshes and of ropes where there are none."""
@@ -88,6 +95,7 @@ class Study:
             "profile.csv": self.profile,
             "meshes.csv": self.meshes,
             "ropes.csv": self.ropes,
+            "layers.csv": self.layers,
         }
         return {name: table for name, table in found.items() if name not in OPTIONAL_TABLES or not table.empty}
 

@@ -8,11 +8,14 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from codend.bag.bag import Bag, mesh_corners
+from codend.bag.layer_measures import measure_layers, of_the_catch
 from codend.equilibrium.following import meshes_wide
 from codend.equilibrium.stability import ranges_text
 from codend.io.columns import (
     ALL_PANELS,
+    LAYER_COLUMNS,
     MESH_COLUMNS,
+    OF_LAYERS,
     OF_MESHES,
     OF_ROPES,
     OPENING_FORCE_COLUMNS,
@@ -43,7 +46,8 @@ def results_table(plan: Plan, fidelity: str, cases: Sequence[CaseResult]) -> pd.
 
 def result_columns(plan: Plan) -> list[str]:
     """Columns of ``results.csv`` of a plan."""
-    return RESULT_COLUMNS + (STRAP_COLUMNS if plan.strap else []) + (ROPE_COLUMNS if plan.ropes else [])
+    ropes = (STRAP_COLUMNS if plan.strap else []) + (ROPE_COLUMNS if plan.ropes else [])
+    return RESULT_COLUMNS + ropes + (LAYER_COLUMNS if plan.layer else [])
 
 
 def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, object]:
@@ -74,7 +78,40 @@ def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, objec
         "folds": "yes" if result.followed.folds else "no",
         "wrinkles": result.followed.reason or float("nan"),
         **_sizes_ahead(plan, float(measures["filled_meshes"])),
+        **_of_layers(result),
     }
+
+
+def _of_layers(result: CaseResult) -> dict[str, float]:
+    """Columns of second layers, none where there are none."""
+    if not result.bag.layer_bands:
+        return {}
+    values = of_the_catch(result.bag, result.problem, result.solution) if result.converged else [float("nan")] * 3
+    return dict(zip(LAYER_COLUMNS, values, strict=True))
+
+
+def layer_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
+    """``layers.csv``: a row a band of netting under a second layer of a solved case."""
+    parts = []
+    for result in cases:
+        if result.rows is None:
+            continue
+        bag = result.bag
+        for number, rows in enumerate(measure_layers(bag, result.problem, result.solution), start=1):
+            band = rows.band.astype(int)
+            place = bag.row_place[band] + 0.5 * bag.band_meshes[band]
+            known = np.flatnonzero(np.isfinite(result.rows.opening_deg))
+            below = np.interp(place, bag.mesh_place[known], result.rows.opening_deg[known])
+            columns = {
+                "case": result.case.number,
+                "layer": plan.layer[number - 1].name or str(number),
+                "row": band,
+                "meshes_from_entry": place,
+                "opening_below_deg": below,
+                **{name: value for name, value in asdict(rows).items() if name != "band"},
+            }
+            parts.append(pd.DataFrame(columns))
+    return pd.concat(parts, ignore_index=True)[OF_LAYERS] if parts else pd.DataFrame(columns=OF_LAYERS)
 
 
 def _fidelity_of(bag: Bag) -> str:

@@ -20,6 +20,9 @@ THREADS: Final = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"
 WAITING: Final = 3
 """Jobs handed out for each worker at a time, so that none waits for the next and millions are not made ahead."""
 
+WAITED_FOR_S = 0.0
+"""How long this process waits for the others before it takes a job itself; tests do, to have them all at work."""
+
 
 def cores() -> int:
     """Cores that this process may use."""
@@ -34,7 +37,7 @@ def done_by_workers(
     Args:
         function: of one job; it and the jobs can be pickled.
         jobs: what to do, made as they are needed.
-        workers: processes; none or 1: this one.
+        workers: processes, this one among them; none or 1: this one alone.
         scheduler: address of a Dask scheduler, whose workers do the jobs instead.
 
     Raises:
@@ -51,23 +54,42 @@ def done_by_workers(
 
 
 def _in_processes(function: Callable[[J], R], jobs: Iterable[J], workers: int) -> Iterator[tuple[J, R]]:
-    others = set(active_children())
-    with _one_thread_each(), ProcessPoolExecutor(workers, get_context("spawn"), end_with_parent) as pool:
-        left = iter(jobs)
-        handed: dict[Future[R], J] = {pool.submit(function, job): job for job in islice(left, WAITING * workers)}
+    """Jobs done by this process and, once they are ready, which takes a second, by others beside it."""
+    before = set(active_children())
+    left, handed, room = iter(jobs), dict[Future[R], J](), 0
+    with one_thread_each(), ProcessPoolExecutor(workers - 1, get_context("spawn"), end_with_parent) as pool:
+        starting = [pool.submit(_ready, function) for _ in range(workers - 1)]
+        wait(starting, timeout=WAITED_FOR_S)
         try:
-            while handed:
-                done, _ = wait(handed, return_when=FIRST_COMPLETED)
+            while True:
+                for started in [started for started in starting if started.done()]:
+                    starting.remove(started)
+                    room += WAITING * started.result()
+                done = [future for future in handed if future.done()]
+                for job in islice(left, room + len(done)):
+                    handed[pool.submit(function, job)] = job
+                room = 0
                 for future in done:
-                    for job in islice(left, 1):
-                        handed[pool.submit(function, job)] = job
                     yield handed.pop(future), future.result()
-        except BaseException:  # what the workers still do is of no use to anyone
+                if done:
+                    continue
+                own = list(islice(left, 1))
+                for job in own:
+                    yield job, function(job)
+                if not own and not handed:
+                    return
+                if not own:
+                    wait(handed, return_when=FIRST_COMPLETED)
+        finally:  # what workers still do is of no use to anyone
             for future in handed:
                 future.cancel()
-            for worker in set(active_children()) - others:
+            for worker in set(active_children()) - before:
                 worker.terminate()
-            raise
+
+
+def _ready(function: Callable[[J], R]) -> int:
+    """Told by a worker that has imported what its jobs need."""
+    return 1
 
 
 def _on_a_cluster(function: Callable[[J], R], jobs: Iterable[J], address: str) -> Iterator[tuple[J, R]]:
@@ -95,8 +117,11 @@ def _on_a_cluster(function: Callable[[J], R], jobs: Iterable[J], address: str) -
 
 
 @contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Have processes started in the block compute in one thread each: there are as many of them as cores."""
+def one_thread_each() -> Iterator[None]:
+    """Have processes started in the block compute in one thread each, and libraries loaded in it do so here.
+
+    There are as many processes as cores, of which this is one.
+    """
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:

@@ -6,8 +6,9 @@ from click.testing import CliRunner
 
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
-from codend.bag.measures import folded_share, measure_meshes, measure_rows
+from codend.bag.measures import measure_meshes, measure_rows
 from codend.cli.main import main
+from codend.mechanics.possible import inward_share
 from codend.solvers import newton
 from codend.solvers.outcome import Outcome
 from codend.studies.study import solve
@@ -67,7 +68,7 @@ def test_two_knots_of_a_ring_that_change_places_lay_their_meshes_in_folds(mesh, 
     rows = measure_rows(bag, problem, solution, measure_meshes(bag, problem, solution))
 
     def folded(positions):
-        return folded_share(bag, positions, rows, solution.share)
+        return inward_share(positions, problem.structure, problem.loading.catch, solution.share, rows.x_m)
 
     assert folded(solution.positions) == 0.0
     for row in (bag.bands - 2, 2):

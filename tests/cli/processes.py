@@ -4,7 +4,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,9 @@ from tests import ROOT
 
 COMMAND = (sys.executable, "-c", "from codend.cli.main import main; main(prog_name='codend')")
 
+WITH_WORKERS = (sys.executable, "-c", f"from codend.studies import workers; workers.WAITED_FOR_S = 600; {COMMAND[-1]}")
+"""The same, its workers at work before it begins itself."""
+
 
 def environment(changes: Mapping[str, str | None] | None = None, package: Path = ROOT) -> dict[str, str]:
     """That of this process with changes, None for a variable that is to be missing."""
@@ -22,10 +25,12 @@ def environment(changes: Mapping[str, str | None] | None = None, package: Path =
     return {name: value for name, value in changed.items() if value is not None}
 
 
-def start(*words: object, env: Mapping[str, str] | None = None, **options: Any) -> subprocess.Popen[bytes]:
+def start(
+    *words: object, env: Mapping[str, str] | None = None, command: Sequence[str] = COMMAND, **options: Any
+) -> subprocess.Popen[bytes]:
     """Start ``codend WORDS``."""
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "cwd": "/"} | options
-    return subprocess.Popen([*COMMAND, *(os.fsencode(str(word)) for word in words)], env=env or environment(), **pipes)
+    return subprocess.Popen([*command, *(os.fsencode(str(word)) for word in words)], env=env or environment(), **pipes)
 
 
 def run(*words: object, **options: Any) -> subprocess.CompletedProcess[str]:

@@ -15,7 +15,7 @@ import pandas as pd
 import pytest
 
 import codend.studies.study
-from tests.cli.processes import assert_page_is_of_its_tables, numbers, run, start
+from tests.cli.processes import WITH_WORKERS, assert_page_is_of_its_tables, numbers, run, start
 from tests.cli.test_cli import TINY_PLAN, assert_refused, codend_cli
 
 KILLS = int(os.environ.get("CODEND_KILLS", "4"))
@@ -86,12 +86,12 @@ def test_sweeps_killed_at_random_moments_end_as_an_undisturbed_one(processes: in
     vary = ["--vary", "netting.0.bar_mm=[38,40,42,44,46]", "--processes", processes]
     words = ["sweep", home / "first.toml", *vary, "--out"]
     begun = monotonic()
-    assert run(*words, whole).returncode == 0
+    assert run(*words, whole, command=WITH_WORKERS).returncode == 0
     takes_s = monotonic() - begun
     for kill in range(KILLS):
         if kill % 3 == 0:
             shutil.rmtree(out, ignore_errors=True)
-        kill_at_some_moment(start(*words, out), dice.uniform(0.3, 1.0) * takes_s)
+        kill_at_some_moment(start(*words, out, command=WITH_WORKERS), dice.uniform(0.3, 1.0) * takes_s)
         for record in out.glob("runs/*/run.json"):
             for name in ("results.csv", "profile.csv"):
                 same = whole / record.parent.relative_to(out) / name
@@ -109,12 +109,12 @@ def test_studies_killed_at_random_moments_end_as_an_undisturbed_one(workers: int
     study.write_text(text, encoding="utf-8")
     words = ["sweep", study, "--workers", workers, "--out"]
     begun = monotonic()
-    assert run(*words, whole).returncode == 0
+    assert run(*words, whole, command=WITH_WORKERS).returncode == 0
     takes_s = monotonic() - begun
     for kill in range(STUDY_KILLS):
         if kill % 3 == 0:
             shutil.rmtree(out, ignore_errors=True)
-        kill_at_some_moment(start(*words, out), dice.uniform(0.3, 1.0) * takes_s)
+        kill_at_some_moment(start(*words, out, command=WITH_WORKERS), dice.uniform(0.3, 1.0) * takes_s)
         for part in out.glob("parts/*.parquet"):
             pd.testing.assert_frame_equal(rows_of(part), rows_of(whole / "parts" / part.name))
     kept = {part: part.stat().st_mtime_ns for part in out.glob("parts/*.parquet")}

@@ -15,7 +15,7 @@ from codend.solvers.gentle import End
 from codend.studies.case_result import CaseResult
 from codend.studies.study import solve
 from tests.plans import make_plan
-from validation.shaken import QUANTITIES, row_of, shaken
+from validation.shaken import QUANTITIES, row_of, row_of_random, shaken
 from validation.wrinkles.matrix import commercial
 
 
@@ -35,6 +35,10 @@ def small(mesh: str, bar_mm: float, entry: float, filled: float, model: dict, **
 
 @cache
 def stiff_t0(**model: object) -> CaseResult:
+    return stiff_t0_anew(**model)
+
+
+def stiff_t0_anew(**model: object) -> CaseResult:
     """t0_stiff_several_shapes: shaken it ended at 7.37 to 7.65 N, its opening at 19.98 degrees in all shapes."""
     stiff = {"knot_mm": 5.0, "axial_stiffness_n": 5000.0, "bending_stiffness_n_m2": 1e-3, "twine_mm": 1.0, "twines": 2}
     return solve(small("diamond", 25.0, 0.07, 6.0, model, **stiff)).cases[0]
@@ -73,6 +77,30 @@ def test_followed_it_lies_in_waves_that_last_in_the_narrowest_sector_that_its_ha
     assert result.measures.drag_n == pytest.approx(28.124, abs=1e-3)
     assert 0.0 < result.followed.drag_spread_n < result.errors.drag_error_n < t90().errors.drag_error_n
     assert result.errors.drag_error_n > 28.1625 - result.measures.drag_n  # the farthest of six shaken shapes
+
+
+def test_where_wider_sectors_have_too_many_knots_a_merged_net_is_followed_and_says_so(monkeypatch):
+    monkeypatch.setattr(following, "MOST_KNOTS", 90)
+    result = stiff_t0_anew(wrinkles=True)
+    assert (result.bag.globalisation, result.net.order, result.followed.shape.meshes) == (2, 6, 4)
+    assert result.followed.reason == (
+        "followed in a sector 4 meshes wide, 2 x 2 meshes merged into one, for the whole net has more than 90 knots, "
+        "the narrowest that harmonic 6 fits, which grows"
+    )
+    assert result.stability.stable == "yes"
+    drag, error = result.measures.drag_n, result.errors.drag_error_n
+    assert drag - error < 7.37
+    assert drag + error > 7.65
+    assert abs(result.measures.opening_ahead_deg - 19.98) < result.errors.opening_ahead_error_deg
+
+
+def test_where_merged_nets_have_too_many_as_well_the_symmetric_row_stands(monkeypatch):
+    monkeypatch.setattr(following, "MOST_KNOTS", 60)
+    result = stiff_t0_anew(wrinkles=True)
+    assert result.followed.shape is None
+    assert result.followed.reason == "not followed: the sector that a growing harmonic fits has more than 60 knots"
+    assert (result.stability.stable, result.net.order) == ("no", 24)
+    assert result.errors.drag_error_n == pytest.approx(stiff_t0(wrinkles=False).errors.drag_error_n)
 
 
 def test_an_accuracy_of_openings_that_wrinkles_may_exceed_has_them_followed():
@@ -118,6 +146,15 @@ def test_a_stable_net_comes_back_when_shaken():
             assert end is End.SETTLED
             assert measures.drag_n == pytest.approx(result.measures.drag_n, rel=1e-5)
             assert measures.opening_ahead_deg == pytest.approx(result.measures.opening_ahead_deg, abs=1e-3)
+
+
+@pytest.mark.parametrize(("number", "stable"), [(1, "yes"), (7, "no"), (8, "yes")])
+def test_random_plans_come_back_when_shaken_or_lie_within_their_errors(number, stable):
+    """A small part of ``python -m validation.shaken --random``."""
+    row = row_of_random(number, shakes=1)
+    assert (row["stable"], row["ends"]) == (stable, "settled")
+    assert row.get("comes back", "yes") == "yes"
+    assert max(value for name, value in row.items() if name.endswith("over its error")) <= 1.0
 
 
 @pytest.mark.parametrize("seed", [1013, 1033])

@@ -11,6 +11,7 @@ from codend.bag.build import build_bag
 from codend.bag.measures import Measures, measure_all, opening_rows_ahead
 from codend.equilibrium import fidelity
 from codend.equilibrium.bag_model import model_of
+from codend.equilibrium.situation import Situation
 from codend.equilibrium.solve import solve as solve_case
 from codend.net.net import facet_corners
 from codend.netting.parts import taken_up
@@ -245,6 +246,17 @@ def test_counts_without_a_common_divisor_make_one_sector_of_the_whole_net():
     plan = joined_plan(("diamond", 9, 4, 40.0, {}), ("diamond", 7, 6, 40.0, {}), catch={"filled_meshes": 4.0})
     assert build_bag(plan, sectors=1).net.order == 1
     check(solve(plan).cases[0], 1e-6)
+
+
+def test_counts_that_share_little_start_from_a_narrow_sector_of_nearly_their_ratio(monkeypatch):
+    plan = joined_plan(("t90", 31, 10, 30.0, {"knot_mm": 3.0}), ("diamond", 19, 6, 40.0, {}))
+    found = solve(plan).cases[0]
+    check(found, 1e-6)
+    assert found.report.attempts[0].startswith("from the rows of a sector of nearly the ratio")
+    monkeypatch.setattr(Situation, "wide", False)
+    crude = solve(plan).cases[0]
+    assert crude.report.attempts[0].startswith("from a crude bag")
+    assert found.measures.drag_n == pytest.approx(crude.measures.drag_n, rel=1e-6)
 
 
 def test_a_path_from_half_a_bag_leads_to_the_small_catch_that_no_crude_bag_led_to(monkeypatch):

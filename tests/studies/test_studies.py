@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 import codend
+import codend.studies.workers
 from codend.errors import InputError
 from codend.plan.plan import load_plan
 from codend.selectivity.escape.catches import run_of
@@ -156,7 +157,8 @@ def test_species_give_l50_and_sr_of_every_case(home):
     assert table["sr_cm"].to_numpy() == pytest.approx(found["sr_cm"][:-1].to_numpy(float))
 
 
-def test_two_processes_and_a_cluster_find_what_one_does(home):
+def test_two_processes_and_a_cluster_find_what_one_does(home, monkeypatch):
+    monkeypatch.setattr(codend.studies.workers, "WAITED_FOR_S", 600)
     one = codend.sweep(home / "study.toml", home / "one")
     same(one, codend.sweep(home / "study.toml", home / "two", workers=2))
     distributed = pytest.importorskip("distributed")

@@ -8,6 +8,7 @@ import pytest
 
 import codend.studies.run_record
 import codend.studies.sweep
+import codend.studies.workers
 from codend.errors import InputError
 from codend.plan.copy import plan_toml
 from codend.plan.plan import load_plan
@@ -38,7 +39,8 @@ def test_every_combination_is_run_and_has_the_numbers_of_a_run_by_itself(plan, t
         assert last[quantity].to_numpy() == pytest.approx(alone[quantity].to_numpy(), rel=1e-6)
 
 
-def test_two_processes_find_what_one_does(plan, tmp_path):
+def test_two_processes_find_what_one_does(plan, tmp_path, monkeypatch):
+    monkeypatch.setattr(codend.studies.workers, "WAITED_FOR_S", 600)
     runs = runs_of(plan, VARY[:1])
     one, two = (solve_runs(runs, tmp_path / str(count), count) for count in (1, 2))
     pd.testing.assert_frame_equal(one.drop(columns="solve_ms"), two.drop(columns="solve_ms"))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.errors import InputError
-from codend.io.columns import ALL_PANELS, PLACE
+from codend.io.columns import ALL_PANELS, OF_LAYERS, PLACE
 from codend.io.input_table import InputTable
 from codend.io.run_tables import read_run_table, solved_cases
 from codend.plan.plan import Netting, Plan, load_plan
@@ -50,6 +50,10 @@ class Solved(Protocol):
     def meshes(self) -> pd.DataFrame:
         """``meshes.csv``."""
 
+    @property
+    def layers(self) -> pd.DataFrame:
+        """``layers.csv``."""
+
 
 @dataclass(frozen=True)
 class Run:
@@ -61,6 +65,8 @@ class Run:
     profile: pd.DataFrame
     meshes: pd.DataFrame
     """Empty where the model is one mesh wide."""
+    layers: pd.DataFrame | None = None
+    """Bands under second layers; None without."""
 
 
 class Part(NamedTuple):
@@ -92,7 +98,7 @@ class Catch:
 
 def run_of(study: Solved) -> Run:
     """A study that is still in memory."""
-    return Run(str(study.plan.source), study.plan, study.table, study.profile, study.meshes)
+    return Run(str(study.plan.source), study.plan, study.table, study.profile, study.meshes, study.layers)
 
 
 def read_run(folder: str | Path) -> Run:
@@ -113,6 +119,7 @@ def read_run(folder: str | Path) -> Run:
         read_run_table(folder / "results.csv"),
         read_run_table(folder / "profile.csv", OF_ROWS),
         read_run_table(meshes, OF_MESHES) if meshes.exists() else pd.DataFrame(columns=list(OF_MESHES)),
+        read_run_table(folder / "layers.csv", OF_LAYERS[:4]) if (folder / "layers.csv").exists() else None,
     )
 
 
@@ -130,12 +137,12 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
     solved = solved_cases(run.results, results.source, ("case", "speed_m_s", "filled_meshes", "catch_volume_m3"))
     InputTable(results.source, solved).check("case", ~solved["case"].duplicated().to_numpy(), "each case once")
     names_of = (*run.plan.section_names, *run.plan.window_names)
-    netting = dict(zip(names_of, (*run.plan.netting, *run.plan.window), strict=True))
+    section_of = dict(zip(names_of, (*run.plan.netting, *run.plan.window), strict=True))
     found = []
     for result in solved.to_dict("records"):
         profile, merged = _profile_of(run, result)
         meshes = _meshes_of(run, result, profile, merged)
-        sections = [netting[name] for name in meshes["section"]]
+        sections = [section_of[name] for name in meshes["section"]]
         place, row = profile["meshes_from_entry"].to_numpy(), meshes["row"].to_numpy(dtype=int)
         front_row = np.interp(place[-1] - result["filled_meshes"], place, merged * np.arange(len(place)))
         # a merged row stands for real rows about it, of square mesh for those behind it
@@ -154,7 +161,13 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
                 speed_m_s=float(result["speed_m_s"]),
                 volume_m3=float(result["catch_volume_m3"]),
                 opening_ahead_deg=float(result["opening_ahead_deg"]),
-                holes=_holes([sections[i] for i in which], meshes.iloc[which], profile["radius_m"].to_numpy()),
+                holes=_of_all_layers(
+                    run,
+                    result,
+                    _holes([sections[i] for i in which], meshes.iloc[which], profile["radius_m"].to_numpy()),
+                    meshes["row"].to_numpy(dtype=int)[which],
+                    profile["radius_m"].to_numpy(),
+                ),
                 rows_ahead=ahead[near],
                 share=share[which],
                 parts=tuple(Part(str(names[i]), str(panels[i])) for i in which),
@@ -254,3 +267,35 @@ def _holes(sections: list[Netting], meshes: pd.DataFrame, radius_m: Floats) -> H
         shape == SHAPES["rhombus, knots across"],
     )
     return Holes(shape, bar, knot, half, across, load, bending, rest, *held)
+
+
+def _of_all_layers(run: Run, result: dict[Hashable, Any], holes: Holes, row: Counts, radius_m: Floats) -> Holes:
+    """The holes that fish have to pass: under a second layer the tighter of both meshes.
+
+    Tighter is the one that a fish of round section cannot pass first. Layers lie on the netting, so that a fish which
+    has passed one mesh meets the other at once.
+    """
+    if run.layers is None or not run.plan.layer:
+        return holes
+    layers = run.layers[run.layers["case"] == result["case"]]
+    for number, layer in enumerate(run.plan.layer, start=1):
+        own = layers[layers["layer"].astype(str) == (layer.name or str(number))].set_index("row")
+        over = np.flatnonzero(np.isin(row, own.index))
+        if len(over) == 0:
+            continue
+        meshes = own.loc[row[over]].reset_index()[["row", "opening_deg", "bar_tension_n"]]
+        mine = _holes([layer] * len(over), meshes, radius_m)
+        tighter = _widest_round(mine) < _widest_round(holes)[over]
+        chosen = {}
+        for field in fields(Holes):
+            values = getattr(holes, field.name).copy()
+            values[over[tighter]] = getattr(mine, field.name)[tighter]
+            chosen[field.name] = values
+        holes = Holes(**chosen)
+    return holes
+
+
+def _widest_round(holes: Holes) -> Floats:
+    """Radius of the largest round section that passes a rhombus of these bars, or half a rectangle's shorter side."""
+    by_rhombus = holes.bar_m * np.sin(holes.half_angle_rad) * np.cos(holes.half_angle_rad)
+    return np.where(holes.shape == SHAPES["rectangle"], 0.5 * np.minimum(holes.across_m, holes.bar_m), by_rhombus)
