@@ -44,6 +44,7 @@ __all__ = [
     "load_plan",
     "loads_and_supports",
     "pull_mesh",
+    "sensitivities",
     "solve",
     "sweep",
 ]
@@ -60,6 +61,7 @@ _HOME = {
     "load_plan": "codend.plan.plan",
     "loads_and_supports": "codend.solvers.reactions",
     "pull_mesh": "codend.studies.opening_force",
+    "sensitivities": "codend.studies.sensitivity.table",
     "solve": "codend.public",
     "sweep": "codend.studies.many",
 }

@@ -21,7 +21,7 @@ import numpy as np
 from catch_models.fish import Species
 from codend.equilibrium.fidelity import choose
 from codend.errors import InputError
-from codend.plan.numbers import alone, changed
+from codend.plan.numbers import alone, changed, numbers_of
 from codend.plan.plan import Plan, plan_from_dict
 from codend.selectivity.escape.species import example_species_path, load_species
 from codend.studies.sensitivity.derivatives import Derivatives, sensitivity_of
@@ -106,13 +106,12 @@ def random_plan(kind: str, rng: np.random.Generator) -> Plan:
 def compared(kind: str, plan: Plan, species: Species) -> Iterator[Compared]:
     """Every derivative by a real number beside a difference of five points; nothing where a plan is not solved."""
     choice, (case,) = choose(plan), plan.cases()
-    found = sensitivity_of(plan, case, [species], choice=choice)
+    keys = [one.key for one in numbers_of(plan, case) if not one.counted and one.value != 0.0]
+    found = sensitivity_of(plan, case, [species], keys, choice)
     base = solved_case(alone(plan, case), choice)
     if found is None or base is None:
         return
     for one in found.numbers:
-        if one.number.counted or one.number.value == 0.0:
-            continue
         value, size = one.number.value, abs(one.number.value)
         kink = min(value - one.kink_below, one.kink_above - value) < 3.0 * STEPS[0] * size
         wide, narrow = _differences(base, one, species, STEPS[0]), None

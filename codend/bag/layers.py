@@ -18,7 +18,7 @@ from codend.plan.layers import Layer
 from codend.plan.plan import Plan
 from codend.plan.tables import Netting
 
-GREATEST_STRAIN = 2e-4
+GREATEST_STRAIN = 5e-3
 """Of a layer whose twine does not stretch, under twice the dynamic pressure on the mesh of its own bars."""
 
 

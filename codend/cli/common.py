@@ -58,6 +58,28 @@ set_option = click.option(
 )
 
 
+def spreadsheet_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Options for those who want tables once more as a spreadsheet takes them; a command writes them as it ends."""
+
+    @click.option("--xlsx", is_flag=True, help="Write the tables as one workbook, tables.xlsx, too.")
+    @click.option("--semicolons", is_flag=True, help="Write them with semicolons and decimal commas too.")
+    @wraps(command)
+    def with_spreadsheets(*args: Any, xlsx: bool, semicolons: bool, **rest: Any) -> Any:
+        from codend.io.spreadsheet import check_workbooks, write_spreadsheets
+
+        if xlsx:
+            check_workbooks()
+        status = command(*args, **rest)
+        if xlsx or semicolons:
+            folder = rest["folder"]
+            with written_into(folder):
+                for path in write_spreadsheets(folder, xlsx, semicolons):
+                    click.echo(f"the tables are in {path} too")
+        return status
+
+    return with_spreadsheets
+
+
 def table_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Options that say how a table is laid out; the command gets them as ``form``, a ``TableForm``."""
 

@@ -23,6 +23,7 @@ from codend.cli.common import (
     check_writable,
     out_option,
     set_option,
+    spreadsheet_options,
     written_into,
 )
 from codend.cli.compare import compare
@@ -37,6 +38,7 @@ from codend.cli.selectivity import selectivity, species
 from codend.cli.sensitivities import sensitivities
 from codend.cli.streams import Terminated, end_on_signals, give_up_output, say, take_any_text
 from codend.cli.sweep import sweep
+from codend.cli.tables import tables
 from codend.errors import InputError, TooLittleMemory
 
 if TYPE_CHECKING:
@@ -140,6 +142,7 @@ def main(ctx: click.Context) -> None:
 @click.argument("plan", metavar="PLAN.toml")
 @out_option
 @set_option
+@spreadsheet_options
 def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     """Solve every case of a plan; write tables, plots, VTK files and a report into DIR.
 
@@ -246,6 +249,7 @@ for _command in (
     sweep,
     search,
     sensitivities,
+    tables,
     compare,
     chart,
     force,

@@ -10,8 +10,8 @@ from codend.cli.console import shown_progress, text_table
 from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
+    from codend.net.net import Floats
     from codend.scenes.build import BuiltScene
-    from codend.scenes.measures import SceneResult
 
 TABLES = ("results.csv", "ropes.csv", "netting.csv", "points.csv")
 FILES = (*TABLES, "scene.png", "report.html", "motion.png", "motion.gif", "net.pvd")
@@ -75,16 +75,22 @@ def scene(scene: str, folder: Path, changes: tuple[str, ...], files: tuple[str, 
     from codend.report.vtk import write_bars, write_series
     from codend.scenes.build import build
     from codend.scenes.follow import outputs
-    from codend.scenes.measures import cautions, point_rows, result_row, rope_rows, solve_scene
+    from codend.scenes.measures import cautions, point_rows, result_row, rope_rows, settled, solve_scene
     from codend.scenes.netting_measures import netting_rows
 
     built = build(checked)
-    found = solve_scene(built)
-    ropes, notes = pd.DataFrame(rope_rows(found)), cautions(found)
+    placed = checked.time is not None and checked.time.start == "placed"
+    # netting placed anyhow is led to its rest by its motion
+    found = None if placed and checked.netting else solve_scene(built)
     with written_into(folder, FILES), own_look():
-        moved = checked.time is not None and (found.converged or checked.time.start == "placed")
+        moved = found is None or (checked.time is not None and (found.converged or placed))
         if moved:
-            peaks, more = _move(built, found, folder)
+            start = built.problem.net.positions if found is None or placed else found.solution.positions
+            peaks, more, last = _move(built, start, folder)
+            found = settled(built, last.positions, last.bar_tension) if found is None else found
+        assert found is not None
+        ropes, notes = pd.DataFrame(rope_rows(found)), cautions(found)
+        if moved:
             ropes[["peak_tension_n", "peak_time_s", "peak_from_end_m"]] = peaks
             notes += more
         else:
@@ -92,7 +98,10 @@ def scene(scene: str, folder: Path, changes: tuple[str, ...], files: tuple[str, 
             if found.converged:
                 tension = found.solution.bar_tension
                 write_bars(found.solution.positions, built.problem.net.bars, folder / "net_1.vtu", tension_n=tension)
-        netting = netting_rows(built, found.solution.positions, found.solution.bar_tension)
+        shape, pulls = found.solution.positions, found.solution.bar_tension
+        if moved and not found.converged:  # netting is told as it is at the end of the motion
+            shape, pulls = last.positions, last.bar_tension
+        netting = netting_rows(built, shape, pulls)
         tables = {
             "results.csv": pd.DataFrame([result_row(found)]),
             "ropes.csv": ropes,
@@ -126,7 +135,7 @@ def scene(scene: str, folder: Path, changes: tuple[str, ...], files: tuple[str, 
             click.echo(text_table(words, table[shown].itertuples(index=False, name=None)))
     for note in notes:
         click.echo(note)
-    return 0 if found.converged else NOT_CONVERGED
+    return 0 if found.converged or (moved and placed and checked.netting) else NOT_CONVERGED
 
 
 def _clear(folder: Path) -> None:
@@ -135,8 +144,8 @@ def _clear(folder: Path) -> None:
         path.unlink(missing_ok=True)
 
 
-def _move(built: "BuiltScene", found: "SceneResult", folder: Path):  # type: ignore[no-untyped-def]
-    """Follow the motion, a file and some rows an output; the ropes' peaks, (r, 3), and what is to be told of it."""
+def _move(built: "BuiltScene", start: "Floats", folder: Path):  # type: ignore[no-untyped-def]
+    """Follow the motion, a file and some rows an output; the ropes' peaks, (r, 3), what is to be told, the end."""
     import io
 
     import numpy as np
@@ -148,7 +157,6 @@ def _move(built: "BuiltScene", found: "SceneResult", folder: Path):  # type: ign
 
     scene, time = built.scene, built.scene.time
     assert time is not None
-    start = built.problem.net.positions if time.start == "placed" else found.solution.positions
     digest, table, kept = _digest(built), folder / "motion.csv", folder / GOES_ON
     state = _kept_state(kept, table, digest)
     if state is None:
@@ -186,7 +194,7 @@ def _move(built: "BuiltScene", found: "SceneResult", folder: Path):  # type: ign
     if passages := int(frame.passages[0]):
         seen = f"at {passages} of {last} outputs, first at {frame.passages[1]:g} s"
         notes.append(f"Netting has passed through itself or a rope, which nothing in a motion prevents: {seen}.")
-    return frame.peaks, notes
+    return frame.peaks, notes, frame
 
 
 def _digest(built: "BuiltScene") -> str:

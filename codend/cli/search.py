@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from codend.cli.common import NOT_CONVERGED, check_writable, out_option, written_into
+from codend.cli.common import NOT_CONVERGED, check_writable, out_option, spreadsheet_options, written_into
 from codend.cli.console import shown_progress, text_table
 
 FILES = ("plan.toml", "search.csv")
@@ -13,6 +13,7 @@ FILES = ("plan.toml", "search.csv")
 @click.command()
 @click.argument("study", metavar="STUDY.toml")
 @out_option
+@spreadsheet_options
 def search(study: str, folder: Path) -> int:
     """Look for the least change of a plan that reaches a target.
 

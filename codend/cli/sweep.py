@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from codend.cli.common import NOT_CONVERGED, SeveralPairs, check_writable, out_option, set_option, written_into
+from codend.cli.common import (
+    NOT_CONVERGED,
+    SeveralPairs,
+    check_writable,
+    out_option,
+    set_option,
+    spreadsheet_options,
+    written_into,
+)
 from codend.cli.console import shown_progress, text_table
 from codend.errors import OPTIONS, InputError
 
@@ -28,6 +36,8 @@ MOST_PRINTED = 30
 MOST_TOLD = 10
 """Cases not solved that are told each."""
 FILES = ("sweep.csv", "sweep.png")
+OF_UNCERTAIN = ("sensitivities.csv", "intervals.csv")
+"""What a study with a table [uncertain] writes besides."""
 
 
 @click.command(cls=SeveralPairs)
@@ -50,6 +60,7 @@ FILES = ("sweep.csv", "sweep.png")
     help="Processes that solve. Left out: one for every core.",
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster that solves a STUDY instead.")
+@spreadsheet_options
 def sweep(
     study: str,
     folder: Path,
@@ -64,6 +75,9 @@ def sweep(
     L50 and SR become columns. Writes sweep.csv, a row a case, sweep.png, and study.html with responses, maps over two
     numbers and drag against L50 into DIR, plans of the best designs into DIR/best, and DIR/parts, the same table in
     Parquet, part by part as it is solved.
+
+    A table [uncertain] in the study, relative standard deviations of numbers, has intervals of drag, opening and L50 of
+    every design written, and which number to measure better: intervals.csv, from sensitivities.csv.
 
     With --vary, writes sweep.csv and sweep.png into DIR, and every run's plan and tables into DIR/runs/NUMBER, where
     `codend selectivity` and `codend compare` take them; runs that a longer sweep left there are removed.
@@ -92,7 +106,7 @@ def _sweep(
 
 
 def _sweep_of_study(path: str, folder: Path, workers: int, scheduler: str | None) -> int:
-    from codend.io.files import write_bytes
+    from codend.io.files import write_bytes, write_table
     from codend.io.toml import read_toml
     from codend.report.own_look import own_look
     from codend.report.study_page import BEST, FIGURES, PAGE, remove_study, write_study
@@ -100,6 +114,7 @@ def _sweep_of_study(path: str, folder: Path, workers: int, scheduler: str | None
     from codend.report.sweep_plot import MOST_DRAWN, sweep_figure
     from codend.studies.many import solve_parts
     from codend.studies.parts import FOLDER, read_parts, write_csv
+    from codend.studies.sensitivity.of_designs import check_count, of_designs
     from codend.studies.study_file import looks_like_a_plan, study_from_dict
 
     data = read_toml(path, "study file in TOML")
@@ -107,8 +122,12 @@ def _sweep_of_study(path: str, folder: Path, workers: int, scheduler: str | None
         raise InputError(path, "", None, "a study file, or --vary KEY=[VALUE,...] with a plan", "is a plan")
     study = study_from_dict(data, path)
     study.designs.check_any()
-    check_writable(folder, (*FILES, *FIGURES, PAGE, f"{BEST}/run_1.toml", f"{FOLDER}/part-000000.parquet"))
-    with shown_progress() as progress, written_into(folder, FILES):
+    if study.uncertain:
+        check_count(study)
+    check_writable(
+        folder, (*FILES, *OF_UNCERTAIN, *FIGURES, PAGE, f"{BEST}/run_1.toml", f"{FOLDER}/part-000000.parquet")
+    )
+    with shown_progress() as progress, written_into(folder, (*FILES, *OF_UNCERTAIN)):
         remove_study(folder)
         parts = solve_parts(study, folder, workers, scheduler, progress)
         write_csv(parts, folder / "sweep.csv")
@@ -116,14 +135,18 @@ def _sweep_of_study(path: str, folder: Path, workers: int, scheduler: str | None
         runs = study.designs.some(MOST_DRAWN)
         with own_look():
             write_bytes(png(sweep_figure(table, {run.number: run.label for run in runs})), folder / "sweep.png")
+        if study.uncertain:
+            found = of_designs(study, study.species, list(study.uncertain), workers, progress)
+            write_table(found.sensitivities, folder / OF_UNCERTAIN[0])
+            write_table(found.intervals, folder / OF_UNCERTAIN[1])
         title = str(data.get("title", Path(path).stem))
-        pages = write_study(title, table, lambda number: study.designs.run(number).plan(), folder)
+        written = write_study(title, table, lambda number: study.designs.run(number).plan(), folder)
     keys = [name for name in table.columns[: list(table.columns).index("case")] if name != "run"]
     if len(study.designs) <= MOST_PRINTED:
         _print_runs(table, keys)
     else:
         click.echo(text_table(list(SUMMARY), [[table[of].agg(how) for of, how in SUMMARY.values()]]))
-    see = folder / (PAGE if PAGE in pages else "sweep.png")
+    see = folder / (PAGE if PAGE in written else "sweep.png")
     click.echo(f"{len(study.designs)} runs, {len(table)} cases in {folder / 'sweep.csv'}; see {see}")
     failed = table[~table["converged"].astype(bool)]
     for row in failed.head(MOST_TOLD).to_dict("records"):

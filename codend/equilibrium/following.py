@@ -3,7 +3,8 @@
 A harmonic k of a ring of n sectors fits into a sector w of them wide where k w / n is whole. The narrowest that growing
 harmonics fit are followed, each started along its growing shape, and the widest of them once more shaken; what still
 grows of a shape is followed on in a wider one. Where only the whole net has room and has too many knots, a merged net
-takes its place. Where layers of netting meet, following stops.
+takes its place. Where layers of netting meet, the start is followed once more with contact between them, if the plan
+has it so; else following stops there.
 """
 
 from collections.abc import Iterator
@@ -19,7 +20,9 @@ from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.stability import Stability, stability_of
 from codend.equilibrium.start_shapes import all_round_start
+from codend.mechanics.contact import add_force
 from codend.mechanics.problem import Problem
+from codend.mechanics.surface import ContactLaw, Surface
 from codend.net.net import Floats, rotate
 from codend.plan.plan import Case
 from codend.solvers import gentle, newton
@@ -27,6 +30,7 @@ from codend.solvers.clock import Clock
 from codend.solvers.gentle import End, Motion
 from codend.solvers.harmonics import Growth
 from codend.solvers.outcome import Progress, Solution
+from codend.solvers.refusal import passage
 
 MOST_KNOTS = 3000
 """Of a sector that is followed, or of the whole net: some seconds a shape."""
@@ -34,6 +38,12 @@ WIDTHS = 3
 """Narrowest sectors that are followed."""
 MOST_WIDENINGS = 2
 """How often what still grows of a shape is followed on in a wider one."""
+CONTACT_STEPS = 250
+CONTACT_BEGINS_M, OF_A_BAR = 2e-3, 0.05
+"""Distance at which contact begins, at most, and over the shortest bar: where the codline gathers netting it is no
+farther apart than that before it touches."""
+PUSH = 0.1
+"""What layers press on each other with at half of that distance, over 1.2 and the mean tension of the bars."""
 ALONG, SHAKEN = 0.05, 0.01
 """Largest move along a growing shape, and moves at random, to start with, over a bar."""
 COVERING = 3.0
@@ -71,6 +81,8 @@ class Followed:
     changed: Floats
     """What wrinkles change at most, by the shapes that were found: drag, volume, largest radius and opening ahead."""
     spent_ms: float
+    contact_share: float = float("nan")
+    """Share of the knots of the shape that stands which other netting presses on; nan without contact."""
 
 
 LYING_ON_ITSELF = "netting lies on netting in this shape: contact is not modelled"
@@ -115,6 +127,8 @@ class _Following:
         self.case, self.progress = case, progress
         self.shapes: list[Shape] = []
         self.touching, self.lost = 0, 0
+        self.in_contact = False
+        """Whether contact was tried."""
 
     def pursue(
         self, model: BagModel, solution: Solution, stability: Stability, problem: Problem, widenings: int
@@ -124,6 +138,9 @@ class _Following:
             wide_problem = problem_of(wide.bag, wide.plan, self.case)
             tolerance = model.plan.model.tolerance
             motion = gentle.follow(wide_problem, tolerance, start, wide.prepared, self.progress)
+            if motion.end is End.TOUCHING and wide.plan.model.contact is True:
+                self.in_contact = True
+                wide_problem, motion = self._under_contact(wide, wide_problem, start, motion)
             if motion.end is not End.SETTLED:
                 self.touching += motion.end is End.TOUCHING
                 self.lost += motion.end is End.STEPS_SPENT
@@ -136,6 +153,21 @@ class _Following:
                     continue
             self.shapes.append(shape)
 
+    def _under_contact(
+        self, model: BagModel, problem: Problem, start: Solution, before: Motion
+    ) -> tuple[Problem, Motion]:
+        """The problem with contact and where it leads from a start; as before where the start itself is pierced."""
+        begins = min(CONTACT_BEGINS_M, OF_A_BAR * float(problem.structure.length.min()))
+        law = ContactLaw(begins, PUSH * float(start.bar_tension.mean()) / begins)
+        touching = replace(problem, surface=Surface.of(problem.net, law))
+        if passage(touching, start.positions) is not None:
+            return problem, before
+        tolerance = model.plan.model.tolerance
+        motion = gentle.follow(touching, tolerance, start, model.prepared, self.progress, CONTACT_STEPS)
+        if motion.end is not End.SETTLED:
+            return problem, before
+        return touching.touching_at(motion.solution.positions), motion
+
     def _shape(self, model: BagModel, problem: Problem, motion: Motion, growth: Growth) -> Shape:
         tangent = newton.tangent_at(problem, motion.solution, model.prepared)
         return Shape(
@@ -147,6 +179,16 @@ class _Following:
             meshes_wide(model.bag, max(max(part.open_meshes) for part in model.plan.netting)),
             growth.harmonic,
         )
+
+
+def in_contact_share(problem: Problem, solution: Solution) -> float:
+    """Share of the knots that other netting presses on; nan without contact."""
+    if problem.surface is None:
+        return float("nan")
+    force = np.zeros_like(solution.positions)
+    add_force(solution.positions, problem.loading.contact, force)
+    pressed = np.linalg.norm(force, axis=1) > 1e-6 * float(solution.bar_tension.mean())
+    return float(pressed.mean())
 
 
 def meshes_wide(bag: Bag, meshes_round: int) -> int:
@@ -218,7 +260,8 @@ def _told(run: _Following, at_rest: Measures, merged: str, spent_ms: float) -> F
         None, "", float(spread[0]), float(spread[3]), False, COVERING * np.ptp(all_values, axis=0), spent_ms
     )
     if run.touching:
-        reason = f"followed{merged} until layers of netting met: contact is not modelled, the symmetric shape stands"
+        why = "no shape in contact was found" if run.in_contact else "contact is not modelled"
+        reason = f"followed{merged} until layers of netting met: {why}, the symmetric shape stands"
         return replace(found, reason=reason, folds=True)
     if not run.shapes:
         return replace(found, reason=f"followed{merged}, but to no shape in balance: the symmetric shape stands")
@@ -227,4 +270,7 @@ def _told(run: _Following, at_rest: Measures, merged: str, spent_ms: float) -> F
     reason = f"followed {where}{merged}, the narrowest that harmonic {shape.harmonic} fits, which grows"
     if shape.model.bag.net.order == 1 and shape.harmonic == 0:
         reason = f"followed {where}{merged}, from which something grows"
-    return replace(found, shape=shape, reason=reason)
+    share = in_contact_share(shape.problem, shape.solution)
+    if shape.problem.surface is not None:
+        reason += ", with contact between layers"
+    return replace(found, shape=shape, reason=reason, folds=share > 0.0, contact_share=share)

@@ -11,6 +11,7 @@ from codend.mechanics.problem import Problem
 from codend.solvers import newton
 from codend.solvers.harmonics import Growth, harmonics_of, stiffness_under_tension
 from codend.solvers.newton import TangentAtEquilibrium
+from codend.solvers.ring import Ring
 from codend.solvers.whole_tangent import FIRST_EIGENVALUES, MOST_EIGENVALUES, WholeTangent
 
 
@@ -39,7 +40,11 @@ def stability_of(model: BagModel, tangent: TangentAtEquilibrium) -> Stability:
     if len(model.bag.ropes) > 0 and not model.smeared:
         # a sector with real ropes is so wide that its harmonics cost more than the whole net does
         return Stability(stability_of_whole(_tangent_of_whole(model, tangent), FIRST_EIGENVALUES))
-    harmonics = harmonics_of(tangent.problem, tangent.solution, model.ring)
+    near = tangent.problem.loading.contact
+    ring = model.ring
+    if len(near.kind):
+        ring = Ring(tangent.problem.structure, tangent.problem.bands, (near.node, near.image))
+    harmonics = harmonics_of(tangent.problem, tangent.solution, ring)
     growing = tuple(growth.harmonic for growth in harmonics.growing)
     stable = "no" if growing else "unknown" if harmonics.undecided else "yes"
     return Stability(stable, growing, harmonics.growing, scale)

@@ -44,6 +44,7 @@ RESULT_COLUMNS = [
     "opening_ahead_spread_deg",
     "opening_ahead_least_deg",
     "opening_ahead_most_deg",
+    "contact_share",
 ]
 
 STRAP_COLUMNS = ["max_strap_tension_n"]

@@ -34,7 +34,7 @@ def whole_file(path: Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
-def table_text(table: "pd.DataFrame") -> str:
+def table_text(table: "pd.DataFrame", separator: str = ",", decimal: str = ".") -> str:
     """A table as CSV; a number nobody computed (nan, or the infinite residual of no answer) is an empty cell.
 
     Texts that a spreadsheet would take for formulas get an apostrophe ahead, by which it knows them for texts.
@@ -46,7 +46,7 @@ def table_text(table: "pd.DataFrame") -> str:
         if not pd.api.types.is_numeric_dtype(dtype):
             table.isetitem(place, [_no_formula(cell) for cell in table.iloc[:, place]])
     return table.replace([np.inf, -np.inf], np.nan).to_csv(
-        index=False, na_rep="", float_format="%.12g", lineterminator="\n"
+        index=False, na_rep="", float_format="%.12g", lineterminator="\n", sep=separator, decimal=decimal
     )
 
 

@@ -12,6 +12,7 @@ from codend.errors import InputError
 from codend.io.columns import (
     LAYER_COLUMNS,
     MESH_COLUMNS,
+    PANEL,
     PLACE,
     PROFILE_COLUMNS,
     RESULT_COLUMNS,
@@ -34,7 +35,7 @@ WORDS: Final[dict[str, dict[str, object]]] = {
     "folds": {name: name for name in ("yes", "no")},
 }
 """Columns of words, and what the words stand for, as spreadsheets may have spelled them."""
-TEXTS: Final = {"method", "growing_harmonics", "wrinkles", SECTION}
+TEXTS: Final = {"method", "growing_harmonics", "wrinkles", SECTION, PANEL}
 _OF_PARTS = {*STRAP_COLUMNS, *ROPE_COLUMNS, *LAYER_COLUMNS}
 NUMBERS: Final = {*RESULT_COLUMNS, *_OF_PARTS, *PROFILE_COLUMNS, *MESH_COLUMNS} - {*WORDS, *TEXTS}
 """Columns of numbers; what users have added may be any text."""

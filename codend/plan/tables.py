@@ -540,6 +540,10 @@ class Model(Table):
     wrinkles: Literal["auto"] | bool = "auto"
     """Whether shapes that are not the same all round are followed where the symmetric one is unstable: ``auto`` where
     the estimates would exceed the accuracy asked for."""
+    contact: Literal["auto"] | bool = "auto"
+    """Whether shapes in which layers of netting meet are followed on with contact between them: ``true``, which takes
+    minutes and may find none; ``auto`` and ``false`` stop there. Layers of ``[[layer]]`` bear on the netting below in
+    any case."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -21,6 +21,8 @@ MOST_TOLD: Final = 4
 """Numbers that are told of in words, those that do most."""
 LEAST_TOLD: Final = 5e-4
 """Change over the quantity from which a number is told of."""
+MOST_SENTENCES: Final = 20
+"""Intervals that are told in words, those of the last cases."""
 WHAT: Final = ["run", "case"]
 
 
@@ -89,7 +91,7 @@ def _html(title: str, table: pd.DataFrame, intervals: pd.DataFrame | None, figur
             "In proportion, numbers as independent: the interval holds what the plan's numbers leave open, and no "
             "error of the model."
         )
-        sections.append(table_section("Intervals", (remark, *better(intervals)), intervals))
+        sections.append(table_section("Intervals", (remark, *better(intervals)[-MOST_SENTENCES:]), intervals))
     known = last[["quantity", "key", "value", "derivative", "by_10_percent", "note"]]
     remark = (
         f"Of {_name(last)}, per unit of the number, of counts per one more; sensitivities.csv has those of all cases, "

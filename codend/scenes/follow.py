@@ -8,7 +8,7 @@ import numpy as np
 
 from codend.net.net import Floats, Ints
 from codend.scenes.build import BuiltScene
-from codend.scenes.measures import end_tensions
+from codend.scenes.measures import most_tension
 from codend.scenes.tables import TimeTable, VesselTable
 from codend.solvers.motion import Motion, Path
 from codend.solvers.refusal import passage
@@ -147,12 +147,12 @@ def follow(built: BuiltScene, start: Floats, state: State | None = None) -> Iter
 def _note(built: BuiltScene, tension: Floats, time_s: float, peaks: Floats, since: Floats) -> None:
     for rope, bars in enumerate(built.rope_bars):
         along = tension[bars]
-        highest = int(np.argmax(along))
-        value = float(along[highest])
+        highest, value = int(np.argmax(along)), most_tension(along)
         since[rope] = max(since[rope], value)
         if value > peaks[rope, 0]:
             length = built.scene.rope[rope].length_m
-            peaks[rope] = value, time_s, length * (highest + 0.5) / len(along)
+            place = {0: 0.0, len(along) - 1: 1.0}.get(highest, (highest + 0.5) / len(along))
+            peaks[rope] = value, time_s, length * (place if value > along[highest] else (highest + 0.5) / len(along))
 
 
 def motion_rows(built: BuiltScene, frame: Frame) -> list[dict[str, float | str]]:
@@ -175,7 +175,7 @@ def motion_rows(built: BuiltScene, frame: Frame) -> list[dict[str, float | str]]
         zip(built.scene.rope_names, built.rope_nodes, built.rope_bars, strict=True)
     ):
         along = frame.bar_tension[bars]
-        most = float(max(*end_tensions(along), along.max()))
+        most = most_tension(along)
         middle = 0.5 * (frame.positions[nodes[(len(nodes) - 1) // 2]] + frame.positions[nodes[len(nodes) // 2]])
         add(name, middle, most, float(frame.since[rope]))
     for number, (table, nodes) in enumerate(zip(built.scene.netting, built.sheet_nodes, strict=True)):

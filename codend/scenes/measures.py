@@ -8,7 +8,8 @@ import numpy as np
 from codend.net.net import Floats
 from codend.scenes.build import BuiltScene
 from codend.scenes.netting_measures import netting_caution
-from codend.solvers.outcome import Solution
+from codend.solvers import interior_point
+from codend.solvers.outcome import Outcome, Solution, SolverReport
 from codend.solvers.reactions import loads_and_supports
 from codend.solvers.solve import find_equilibrium
 
@@ -50,6 +51,19 @@ def end_tensions(tension: Floats) -> tuple[float, float]:
         return float(tension[0]), float(tension[0])
     first, last = 1.5 * tension[0] - 0.5 * tension[1], 1.5 * tension[-1] - 0.5 * tension[-2]
     return float(max(first, 0.0)), float(max(last, 0.0))
+
+
+def most_tension(tension: Floats) -> float:
+    """Largest tension along a rope in motion, its ends included, from those of its bars, which are of their middles.
+
+    Led on to the ends as far as two neighbouring bars agree on how it grows: waves do not grow thereby.
+    """
+    found = float(tension.max())
+    if len(tension) > 2:
+        for first, second, third in (tension[:3], tension[-1:-4:-1]):
+            if first > second > third:
+                found = max(found, float(first + 0.5 * min(first - second, second - third)))
+    return found
 
 
 def rope_rows(result: SceneResult) -> list[dict[str, Any]]:
@@ -125,6 +139,14 @@ def result_row(result: SceneResult) -> dict[str, Any]:
         "converged": result.converged,
         "solve_ms": report.solve_ms,
     }
+
+
+def settled(built: BuiltScene, positions: Floats, bar_tension: Floats) -> SceneResult:
+    """Equilibrium of a scene from where its motion has come to, (n, 3) and (m,), by the interior point method."""
+    report = SolverReport("motion", Outcome.STEPS_SPENT, 0, np.nan, np.nan, np.nan, 0.0)
+    start = Solution(positions, bar_tension, np.zeros(built.problem.bands), report)
+    solution = interior_point.solve(built.problem, built.scene.model.tolerance, start)
+    return SceneResult(built, solution, *loads_and_supports(built.problem, solution))
 
 
 def balance_error(result: SceneResult) -> float:

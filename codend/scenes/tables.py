@@ -114,7 +114,7 @@ class PointTable(Table):
     added_mass_kg: Annotated[Number, Ge(0), Le(1e7)] = 0.0
     """Of the water that goes with it, the same in all directions."""
     wet_weight_n: Annotated[Number, Ge(-1e8), Le(1e8)] | None = None
-    """Downward, below 0 of floats; None: by mass and density, or 0."""
+    """Downward, below 0 of floats; None: by mass and density, one of which must be given with a mass."""
     density_kg_m3: Annotated[Number, Gt(0), Le(30_000)] | None = None
     """Gives the weight in water, with the mass."""
     area_m2: Annotated[Number, Ge(0), Le(1e4)] = 0.0
@@ -157,6 +157,13 @@ class PointTable(Table):
             yield Contradiction(min(given), "left out, for the table gives it", "contradicts table")
         if (self.drag or self.lift or self.table) and self.area_m2 == 0.0:
             yield Contradiction("area_m2", "a number above 0, with drag or lift", "is missing")
+        if self.mass_kg > 0.0 and self.wet_weight_n is None and self.density_kg_m3 is None:
+            allowed = "given beside mass_kg, 0 of what neither sinks nor floats; or density_kg_m3"
+            yield Contradiction("wet_weight_n", allowed, "is missing")
+        if self.area_m2 > 0.0 and not {"drag", "lift", "table"} & self.model_fields_set:
+            yield Contradiction(
+                "drag", "given beside area_m2, 0 of what has none; or lift, or a table of both", "is missing"
+            )
         if not any(self.lift_towards):
             yield Contradiction("lift_towards", "a direction: three numbers that are not all 0")
 

@@ -34,6 +34,13 @@ FALL, RISE = 0.6, 3.0
 """Factors on the shift after a step that was not cut, and where pivots are negative or a step passes through."""
 CALM = 1e-6
 """Residual at which Newton's method takes over."""
+EXACT = 1e-5
+"""Residual up to which the turning of contact's pushes is in the tangent: far from balance it would ask for shifts that
+leave no step to speak of."""
+WORSE, SHORT = 1.5, 0.7
+"""Growth of the residual, and share of a step, beyond which a step under contact was too bold."""
+BOLDER = 2.0
+"""Factor on the shift then."""
 HALVINGS = 5
 """Most halvings of a step that would carry netting through netting."""
 
@@ -85,11 +92,12 @@ def follow(
     np.divide(start.bar_tension, here.length, out=here.density, where=here.length > 0.0)
     watched.look(here.position)
     measure(structure, watched.loading, tension, DIRECT.switches[0], 0.0, here)
-    shift = FIRST_SHIFT
+    shift, residual = FIRST_SHIFT, np.inf
     for number in range(1, steps_allowed + 1):
         loading, step, system = watched.loading, watched.prepared.step, watched.prepared.system
+        calmer = loading._replace(contact=loading.contact._replace(turning=1.0 if residual <= EXACT else 0.0))
         while True:
-            sides = newton_step.linearise(structure, loading, watched.prepared.pattern, tension, shift, 0.0, here, step)
+            sides = newton_step.linearise(structure, calmer, watched.prepared.pattern, tension, shift, 0.0, here, step)
             negative = system.factorise(step.blocks)
             if (negative == 0 and system.negative_pivots() == 0) or shift > MOST_SHIFT:
                 break
@@ -109,12 +117,15 @@ def follow(
         here, there = there, here
         if watched.look(here.position):
             measure(structure, watched.loading, tension, DIRECT.switches[0], 0.0, here)
-        residual = float(max(here.residual, here.imbalance))
+        last, residual = residual, float(max(here.residual, here.imbalance))
         if progress is not None:
             progress(METHOD, residual)
         if not np.isfinite(residual):
             break
-        shift = max(FALL * shift, LEAST_SHIFT) if size == 1.0 else shift
+        if problem.surface is not None and (size < SHORT or residual > WORSE * last):
+            shift *= BOLDER
+        elif size == 1.0:
+            shift = max(FALL * shift, LEAST_SHIFT)
         if residual <= CALM and size == 1.0:
             reached = _as_is(problem, start, here)
             polished = newton.solve(problem, tolerance, reached, DIRECT, progress, prepared)

@@ -10,7 +10,7 @@ from codend.mechanics.harmonics import Complex, hermitian_parts
 from codend.mechanics.newton_state import empty_state
 from codend.mechanics.newton_step import empty_step
 from codend.mechanics.structure import Structure
-from codend.mechanics.tangent import Pattern, pattern_of
+from codend.mechanics.tangent import NOTHING_NEAR, Pattern, pattern_of
 from codend.net.net import Floats, Ints
 from codend.solvers.harmonic_tangent import HarmonicTangent
 from codend.solvers.linear_systems import narrow_numbering
@@ -44,10 +44,10 @@ class Ring:
     the nodes on it have in a harmonic.
     """
 
-    def __init__(self, structure: Structure, bands: int) -> None:
+    def __init__(self, structure: Structure, bands: int, near: tuple[Ints, Ints] = NOTHING_NEAR) -> None:
         whole = structure.order.is_integer()
         self.order = int(structure.order) if whole else structure.order
-        self.pattern = pattern_of(structure, by_image=True)
+        self.pattern = pattern_of(structure, by_image=True, near=near)
         self.state, self.step = empty_state(structure, bands), empty_step(structure, self.pattern)
         self._gathered: Floats | None = None
         self.fronted = False

@@ -16,6 +16,7 @@ from typing import Any, Final
 
 from codend.io.files import COMPARISON_FILES, SELECTIVITY_TABLES, TRIAL_TABLES, whole_file
 from codend.io.names import as_text
+from codend.io.spreadsheet import spreadsheets_in
 from codend.plan.copy import plan_toml
 from codend.plan.plan import Plan
 
@@ -84,6 +85,7 @@ def remove_run(folder: Path, but_tables_of: str | None = None) -> None:
     plots = folder / "plots"
     nets += [folder / SERIES, folder / "net.html"]
     pictures = [plots / f"{name}.png" for name in PLOT_NAMES]
+    derived += spreadsheets_in(folder)
     _remove([folder / "report.html", folder / RECORD, *derived, *nets, *pictures, *plots.glob("selectivity_*.png")])
     if plots.is_dir() and not any(plots.iterdir()):
         plots.rmdir()

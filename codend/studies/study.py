@@ -23,6 +23,7 @@ from codend.equilibrium.room import check_room, explained
 from codend.equilibrium.stability import Stability, stability_of
 from codend.equilibrium.wrinkles import changed_by_wrinkles, within_accuracy
 from codend.mechanics.problem import Problem
+from codend.net.net import Floats
 from codend.plan.plan import Case, Plan
 from codend.solvers import newton
 from codend.solvers.outcome import Progress, Solution, SolverReport
@@ -175,6 +176,8 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     may_touch = stability.stable != "yes" or turned or result.net.order == 1
     touching = may_touch and layers_touch(problem, solution.positions)
     changed = changed_by_wrinkles(result.bag, case, solution, stability, result.measures, touching)
+    if result.net.order == 1 and stability.stable == "yes":
+        changed = changed + _apart_from_other_shapes(model, result)
     errors = accuracy.estimate(model, case, tangent, result.measures, unseen_weight_n, changed)
     followed = replace(NOT_FOLLOWED, folds=True, reason=LYING_ON_ITSELF) if touching else NOT_FOLLOWED
     result = replace(result, errors=errors, stability=stability, followed=followed)
@@ -193,11 +196,34 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     )
     found = measured(shape.model.bag, case, shape.problem, replace(shape.solution, report=report))
     tangent = newton.tangent_at(shape.problem, shape.solution, shape.model.prepared)
-    followed = replace(followed, folds=layers_touch(shape.problem, shape.solution.positions))
+    folds = layers_touch(shape.problem, shape.solution.positions) or followed.contact_share > 0.0
+    followed = replace(followed, folds=folds)
     lasts = shape.stability.stable == "yes" and not followed.folds
     changed = followed.changed if lasts else np.maximum(changed, followed.changed)
     errors = accuracy.estimate(shape.model, case, tangent, found.measures, unseen_weight_n, changed)
     return replace(found, errors=errors, stability=shape.stability, followed=followed)
+
+
+def _apart_from_other_shapes(model: BagModel, result: CaseResult) -> Floats:
+    """How far other shapes of a whole net may lie from the stable one that was found, (4,).
+
+    Where the symmetric shape is unstable, a shape that is not is one of many beside it.
+    """
+    plan, loading = accuracy.by_any_method(model.plan), result.problem.loading
+    if plan.rope or loading.dead.any() or loading.catch.weight_density != 0.0:
+        return np.zeros(4)
+    sector = model_of(plan, model.globalisation, 1)
+    if sector.bag.net.order == 1:
+        return np.zeros(4)
+    problem, solution = equilibrium.solve(sector, result.case, (), None)
+    if not solution.report.outcome.converged:
+        return np.zeros(4)
+    stability = stability_of(sector, newton.tangent_at(problem, solution, sector.prepared))
+    if stability.stable != "no":
+        return np.zeros(4)
+    symmetric = measure_all(sector.bag, problem, solution)[2]
+    changed = changed_by_wrinkles(sector.bag, result.case, solution, stability, symmetric, touching=False)
+    return np.asarray(changed + np.abs(result.measures.estimated - symmetric.estimated))
 
 
 def _equilibria_of(near: Study | None, model: BagModel) -> list[tuple[Case, Solution]]:

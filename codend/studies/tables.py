@@ -76,6 +76,7 @@ def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, objec
         "drag_spread_n": result.followed.drag_spread_n,
         "opening_spread_deg": result.followed.opening_spread_deg,
         "folds": "yes" if result.followed.folds else "no",
+        "contact_share": result.followed.contact_share,
         "wrinkles": result.followed.reason or float("nan"),
         **_sizes_ahead(plan, float(measures["filled_meshes"])),
         **_of_layers(result),

@@ -5,8 +5,10 @@ import pytest
 
 from codend.bag.build import build_bag
 from codend.errors import InputError
+from codend.io.run_tables import read_run_table
 from codend.net.net import facet_corners
 from codend.plan.plan import Plan, plan_from_dict
+from codend.selectivity.escape.catches import catches_of, run_of
 from codend.studies.case_result import CaseResult
 from codend.studies.study import Study, solve
 
@@ -143,7 +145,7 @@ def test_a_window_mirrored_mirrors_the_answer():
     assert abs(port[:, 1].sum()) > 0.1
 
 
-def test_meshes_of_a_window_are_told_by_its_name_and_panel():
+def test_meshes_of_a_window_are_told_by_its_name_and_panel_and_fish_meet_them(tmp_path):
     windows = [{**OTHER["square"], "name": "window", "panel": "lower"}]
     study: Study = solve(plan({"panels": 2}, windows=windows, model={"wrinkles": False}))
     assert study.choice.fidelity == "full"
@@ -151,6 +153,10 @@ def test_meshes_of_a_window_are_told_by_its_name_and_panel():
     assert len(own) == 6 * 8
     assert set(own["panel"]) == {"lower"}
     assert own["inside_mesh_mm"].unique() == pytest.approx([76.0])
+    study.meshes.to_csv(tmp_path / "meshes.csv", index=False)
+    assert read_run_table(tmp_path / "meshes.csv")["panel"].tolist() == study.meshes["panel"].tolist()
+    (catch,) = catches_of(run_of(study), 5.0)
+    assert {("1", "upper"), ("1", "lower"), ("window", "lower")} == set(catch.parts)
 
 
 @pytest.mark.parametrize("asked", ["sector", "meridian", "smeared"])

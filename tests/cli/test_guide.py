@@ -30,7 +30,11 @@ def test_every_key_and_column_is_told_what_it_is(name: str):
 @pytest.mark.parametrize(
     ("name", "wanted"),
     [
-        ("results", [*columns.RESULT_COLUMNS, *columns.STRAP_COLUMNS, *columns.ROPE_COLUMNS]),
+        (
+            "results",
+            [*columns.RESULT_COLUMNS, *columns.STRAP_COLUMNS, *columns.ROPE_COLUMNS, *columns.LAYER_COLUMNS],
+        ),
+        ("layers", columns.OF_LAYERS),
         ("profile", columns.PROFILE_COLUMNS),
         ("meshes", columns.MESH_COLUMNS),
         ("ropes", columns.OF_ROPES),

@@ -14,9 +14,11 @@ def test_the_plan_in_the_readme_loads(tmp_path):
     assert len(codend.load_plan(plan).cases()) == 3
 
 
-def test_the_python_in_the_readme_runs(monkeypatch, capsys):
+def test_the_python_in_the_readme_and_on_fits_runs(monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
-    study, fits = re.findall(r"```python\n(.*?)```", README, re.S)
+    (study,) = re.findall(r"```python\n(.*?)```", README, re.S)
+    manual = (ROOT / "codend" / "guide" / "selectivity.md").read_text(encoding="utf-8")
+    (fits,) = re.findall(r"```python\n(.*?)```", manual, re.S)
     exec(study, {})
     assert "drag_n" in capsys.readouterr().out
     exec(fits, {})

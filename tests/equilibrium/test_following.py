@@ -62,6 +62,16 @@ def test_the_stiff_diamond_net_of_several_shapes_is_unstable_with_an_error_that_
     assert "contact is not modelled" in result.followed.reason
 
 
+def test_a_whole_net_relaxed_to_one_of_several_stable_shapes_has_an_error_that_covers_the_others():
+    result = stiff_t0(fidelity="full", method="dynamic-relaxation")
+    drag, error = result.measures.drag_n, result.errors.drag_error_n
+    assert result.stability.stable == "yes"
+    assert drag == pytest.approx(7.417, abs=2e-3)
+    assert drag - error < 7.37
+    assert drag + error > 7.65
+    assert abs(result.measures.opening_ahead_deg - 19.98) < result.errors.opening_ahead_error_deg
+
+
 def test_the_turned_net_in_small_waves_is_unstable_with_an_error_that_covers_them():
     result = t90()
     assert (result.stability.stable, result.stability.growing) == ("no", (9, 10, 11, 12))

@@ -1,5 +1,8 @@
 """Panels, cuts, selvedges and windows as plans say them: what follows from the counts, and what is refused."""
 
+from fractions import Fraction
+from itertools import pairwise
+
 import pytest
 
 from codend.errors import InputError
@@ -145,3 +148,22 @@ def test_a_plan_of_panels_and_windows_reads_back(tmp_path):
     path = tmp_path / "plan.toml"
     path.write_text(plan_toml(made))
     assert load_plan(path).to_dict() == made.to_dict()
+
+
+PAIR_TRAWL = [(312, 40, "1N2B", 272), (340, 200, "1N2B", 140), (186, 126, "1N2B", 60), (80, 100, "AN", 80)]
+"""Meshes across, deep, cut and meshes across aft of the upper panels of a high opening pair trawl, square to codend:
+BOBP/WP/10, appendix 6, page 20 of the PDF (16 of the document), as transcribed in trawlkit 1.1.0 (data CC BY 4.0)."""
+
+
+@pytest.mark.parametrize(("around", "deep", "cut", "aft"), PAIR_TRAWL)
+def test_counts_of_a_published_trawl_follow_from_its_cuts(around, deep, cut, aft):
+    counts = {"meshes_round": around, "meshes_long": deep}
+    assert section(**counts, cut=cut).aft_meshes_round == aft
+    assert section(**counts, meshes_round_aft=aft).edge_cut_text == cut
+    assert section(**counts, cut=cut, meshes_round_aft=aft).edge_loss == (around - aft) / 2
+
+
+def test_joins_of_a_published_trawl_follow_from_its_counts():
+    pieces = [section(meshes_round=around, meshes_long=deep, cut=cut) for around, deep, cut, _ in PAIR_TRAWL]
+    joins = [Fraction(ahead.aft_meshes_round, aft.meshes_round) for ahead, aft in pairwise(pieces)]
+    assert joins == [Fraction(4, 5), Fraction(70, 93), Fraction(3, 4)]

@@ -325,3 +325,12 @@ def test_a_table_of_motion_starts_where_the_vessel_is_at_time_0_and_goes_on_beyo
     np.testing.assert_allclose(path(0.0), 0.0)
     np.testing.assert_allclose(path(5.0), [-10.0, 0.0, 0.0])
     np.testing.assert_allclose(path(10.5), [-21.0, 0.0, 0.0])
+
+
+def test_the_peak_and_the_tension_of_an_output_are_told_by_one_rule():
+    built = shot()
+    frames = list(follow(built, built.problem.net.positions))
+    rows = [next(row for row in motion_rows(built, frame) if row["name"] == "rope 1") for frame in frames]
+    # what an output shows was noted in the step that starts there
+    assert all(frame.peaks[0, 0] >= row["tension_n"] for frame, row in zip(frames, rows, strict=True))
+    assert any(frame.peaks[0, 0] == row["tension_n"] for frame, row in zip(frames, rows, strict=True))

@@ -224,3 +224,16 @@ def test_netting_that_hangs_on_nothing_is_refused():
     loose = {key: value for key, value in loose.items() if key not in ("fore", "aft")}
     with pytest.raises(InputError, match=r"netting\.1\.corners"):
         scene_from_dict({**data, "netting": [data["netting"][0], loose]})
+
+
+def test_half_a_wall_moves_as_the_whole_wall():
+    ends = []
+    for half in (False, True):
+        built = build(scene_from_dict(wall(half, "diamond")))
+        rest = solve_scene(built).solution.positions
+        velocity = np.where(built.problem.net.fixed, 0.0, [0.1, 0.0, 0.0])
+        moving = Motion(built.problem, rest, velocity, added_mass=built.added_mass, towed=built.towed)
+        for _ in range(20):
+            moving.step(0.02)
+        ends.append(moving.position[built.node_of["d"]])
+    assert ends[1] == pytest.approx(ends[0], abs=1e-8)

@@ -191,6 +191,11 @@ HELD = {"name": "gear", "held": "ground", "at": [0, 0, -10]}
         ({"point": [{**GEAR, "at": 1.0}]}, "point.0.at = 1.0 is not allowed; allowed: a list of 3, each a number"),
         ({"point": [{**GEAR, "density_kg_m3": 7850.0}]}, "contradicts wet_weight_n"),
         ({"point": [{**GEAR, "held_from_s": 5.0}], "time": {"end_s": 9.0, "output_s": 1.0}}, "axial_stiffness_n is"),
+        (
+            {"point": [{"name": "gear", "mass_kg": 9.0}]},
+            "point.0.wet_weight_n is missing; allowed: given beside mass_kg",
+        ),
+        ({"point": [{"name": "gear", "area_m2": 0.5}]}, "point.0.drag is missing; allowed: given beside area_m2"),
         ({"point": [HELD]}, "point.0.held"),
         ({"vessel": {"speed_m_s": 1.0, "heave_m": 1.0}}, "vessel.period_s is missing"),
         ({"time": {"end_s": 10.0, "output_s": 6.0}}, "time.end_s = 10.0 is not allowed; allowed: a whole number"),

@@ -170,3 +170,17 @@ def _toml(plan):
     from codend.plan.copy import plan_toml
 
     return plan_toml(plan_from_dict(plan.to_dict()))
+
+
+def test_a_sweep_of_uncertain_plans_has_intervals_of_every_design(tmp_path):
+    (tmp_path / "plan.toml").write_text(_toml(make_plan(filled=5.3)), encoding="utf-8")
+    tables = '[vary]\n"netting.0.bar_mm" = [40.0, 44.0]\n[uncertain]\n"netting.0.twine_mm" = 0.05\n'
+    (tmp_path / "study.toml").write_text(f'plan = "plan.toml"\n{tables}', encoding="utf-8")
+    result = codend_cli("sweep", tmp_path / "study.toml", "--workers", "1", "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    intervals = pd.read_csv(tmp_path / "out" / "intervals.csv")
+    sweep = pd.read_csv(tmp_path / "out" / "sweep.csv")
+    drag = intervals[intervals["quantity"] == "drag_n"]
+    assert drag["run"].tolist() == [1, 2]
+    assert drag["value"].tolist() == pytest.approx(sweep["drag_n"].tolist(), rel=1e-5)
+    assert ((drag["lower_95"] < drag["value"]) & (drag["value"] < drag["upper_95"])).all()

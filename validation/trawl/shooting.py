@@ -38,6 +38,7 @@ def followed(built: BuiltScene, out: Path | None = None) -> tuple[pd.DataFrame, 
             {
                 "time_s": frame.time_s,
                 "pull_n": float(np.linalg.norm(frame.support[node["vessel"]])),
+                "pull_ahead_n": float(-frame.support[node["vessel"]][0]),
                 "peak_pull_n": float(frame.since[0]),
                 "door_depth_m": float(-at[node["door"], 2]),
                 "door_aside_m": float(at[node["door"], 1]),
