@@ -112,8 +112,10 @@ class Situation:
     @property
     def wide(self) -> bool:
         """Whether joined sections make the model so wide that a sector of nearly their ratio costs nothing beside."""
-        joined = len({section.meshes_round for section in self.plan.netting}) > 1
-        return joined and not self.plan.rope and self.plan.model.bars_per_side == 1 and self._width >= SLOW_MESHES
+        plan = self.plan
+        plain = not (plan.seamed or plan.ropes or plan.window or plan.tapers or plan.layer)
+        joined = plain and len({section.meshes_round for section in plan.netting}) > 1
+        return joined and plan.model.bars_per_side == 1 and self._width >= SLOW_MESHES
 
     @property
     def _width(self) -> float:
