@@ -108,7 +108,7 @@ def compare(folder: Path):
     [
         (cell(3, "converged", "maybe"), ['converged = "maybe" in line 3', "allowed: True, False"]),
         (cell(3, "converged", ""), ['converged = "(empty)" in line 3']),
-        (cell(3, "fidelity", "good"), ['fidelity = "good" in line 3', "allowed: meridian, sector"]),
+        (cell(3, "fidelity", "good"), ['fidelity = "good" in line 3', "allowed: meridian, smeared, sector"]),
         (cell(3, "filled_meshes", ""), ['filled_meshes = "(empty)" in line 3', "allowed: a number"]),
         (cell(3, "drag_n", "1_0"), ['drag_n = "1_0" in line 3', "allowed: a number"]),
         (cell(1, "speed_m_s", "speed"), ["speed_m_s is missing"]),
