@@ -92,10 +92,10 @@ def by_moordyn(bars: int, end_s: float) -> Iterator[tuple[Floats, Floats]]:
             moordyn.Close(system)
 
 
-def by_codend(bars: int, nodes: Floats, end_s: float, step: float = OWN_STEP) -> Floats:
-    """The same, (outputs, 4)."""
+def by_codend(bars: int, nodes: Floats, end_s: float, step: float = OWN_STEP, stiffness_n: float | None = EA) -> Floats:
+    """The same, (outputs, 4); with bars that do not stretch where the stiffness is None."""
     rope = {"from": "vessel", "to": "gear", "length_m": LENGTH, "diameter_mm": 1e3 * DIAMETER, "mass_kg_m": MASS}
-    law = {"axial_stiffness_n": EA, "normal": NORMAL, "tangential": TANGENTIAL, "bars": bars}
+    law = {"axial_stiffness_n": stiffness_n, "normal": NORMAL, "tangential": TANGENTIAL, "bars": bars}
     gear = {"name": "gear", "mass_kg": GEAR_KG, "wet_weight_n": GEAR_N, "area_m2": GEAR_M2, "drag": 1.0}
     built = build(scene_from_dict({"title": "warp", "vessel": {}, "rope": [{**rope, **law}], "point": [gear]}))
     start = np.empty_like(built.problem.net.positions)
