@@ -168,6 +168,30 @@ def test_a_strap_along_the_edge_of_a_window_bounds_its_sides_and_leaves_the_net_
     assert result.measures.entry_reaction_n == pytest.approx(result.measures.drag_n, rel=1e-8)
 
 
+MERGED = {
+    "square": {"meshes_long": 16},
+    "square, wide": {"meshes_round": 12, "meshes_across": 12, "meshes_long": 16},
+    "turned": {"mesh": "t90", "meshes_long": 8, "knot_mm": 5.0, "panel": "lower"},
+}
+
+
+@pytest.mark.parametrize("window", MERGED.values(), ids=MERGED.keys())
+def test_what_is_stated_of_merged_windows_covers_the_distance_to_the_net_as_it_is(window):
+    placed = {"mesh": "square", "meshes_round": 8, "meshes_across": 8, "meshes_from_codline": [8, 16], **window}
+
+    def of(**model: object) -> CaseResult:
+        tables = {"catch": {"filled_meshes": 6}, "model": {**ASKED, "tolerance": 1e-8, **model}}
+        return solved({"meshes_long": 24}, windows=[placed], entry=0.15, **tables)
+
+    real = of(fidelity="full").measures.estimated
+    for globalisation in (2, 4):
+        merged = of(fidelity="globalised", globalisation=globalisation)
+        e = merged.errors
+        stated = [e.drag_error_n, e.catch_volume_error_m3, e.max_radius_error_m, e.opening_ahead_error_deg]
+        assert (np.abs(merged.measures.estimated - real) < stated).all()
+        assert e.drag_error_n < 0.3 * merged.measures.drag_n
+
+
 WHOLE = {"square": ("square", 12), "turned": ("turned", 12), "larger": ("larger", 10), "smaller": ("smaller", 16)}
 
 
@@ -229,3 +253,13 @@ def test_what_is_not_modelled_is_refused(sections, windows, key):
     with pytest.raises(InputError) as told:
         build_bag(plan(*sections, windows=windows, entry=0.1))
     assert told.value.key == key
+
+
+def test_later_catches_of_a_sector_between_ropes_start_from_the_last():
+    rope = [{"number": 2, "shortening": 0.1, "axial_stiffness_n": 5e3}]
+    asked = {**ASKED, "fidelity": "sector"}
+    series = solve(plan({"panels": 2}, rope=rope, catch={"filled_meshes": [3, 3.5]}, model=asked))
+    assert [case.converged for case in series.cases] == [True, True]
+    assert series.cases[1].report.attempts[0].startswith("from where the last equilibria lead")
+    alone = solved({"panels": 2}, rope=rope, model=asked)
+    assert numbers(series.cases[1]) == pytest.approx(numbers(alone), rel=1e-8)
