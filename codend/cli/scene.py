@@ -154,6 +154,7 @@ def _move(built: "BuiltScene", start: "Floats", folder: Path):  # type: ignore[n
     from codend.io.files import whole_file
     from codend.report.vtk import write_bars
     from codend.scenes.follow import follow, motion_rows, outputs
+    from codend.scenes.measures import lies_in_zigzag
 
     scene, time = built.scene, built.scene.time
     assert time is not None
@@ -191,6 +192,9 @@ def _move(built: "BuiltScene", start: "Floats", folder: Path):  # type: ignore[n
         notes.append(f"In {unsettled} steps it was not settled which bars are slack: take a smaller time.step_s.")
     if (worst := float(frame.state["clock"][3])) > 1e-3:
         notes.append(f"Bars were off their lengths by up to {100.0 * worst:.2g} % in a step: see time.length_error.")
+    for name, nodes, bars in zip(built.scene.rope_names, built.rope_nodes, built.rope_bars, strict=True):
+        if lies_in_zigzag(frame.positions[nodes], frame.bar_tension[bars]):
+            notes.append(f"{name} ends in a zigzag of its bars, which comes of long steps: take a smaller time.step_s.")
     if passages := int(frame.passages[0]):
         seen = f"at {passages} of {last} outputs, first at {frame.passages[1]:g} s"
         notes.append(f"Netting has passed through itself or a rope, which nothing in a motion prevents: {seen}.")

@@ -13,6 +13,10 @@ from codend.solvers.outcome import Outcome, Solution, SolverReport
 from codend.solvers.reactions import loads_and_supports
 from codend.solvers.solve import find_equilibrium
 
+TO_AND_FRO_DEG, SEVERAL = 2.0, 2
+"""Of a warp followed to 1 % no bar does so, of one that is off by 10 % or more 3 to 20 (motion as in
+``validation.motion_map``, 10 bars or more)."""
+
 
 @dataclass(frozen=True)
 class SceneResult:
@@ -64,6 +68,23 @@ def most_tension(tension: Floats) -> float:
             if first > second > third:
                 found = max(found, float(first + 0.5 * min(first - second, second - third)))
     return found
+
+
+def lies_in_zigzag(positions: Floats, tension: Floats) -> bool:
+    """Whether a rope under tension turns to and fro from bar to bar, by ``TO_AND_FRO_DEG`` or more, at ``SEVERAL``.
+
+    Such waves, two bars long, are of the reckoning and not of the rope: of time steps too long for its bars.
+
+    Args:
+        positions: of its nodes, (bars + 1, 3).
+        tension: of its bars, (bars,); those without any may lie anyhow.
+    """
+    along = np.diff(positions, axis=0)
+    length = np.linalg.norm(along, axis=1)
+    turn = np.diff(along / np.where(length > 0.0, length, 1.0)[:, None], axis=0)
+    back = -np.sum(turn[1:] * turn[:-1], axis=1) > np.radians(TO_AND_FRO_DEG) ** 2
+    pulled = tension > 0.0
+    return int(np.sum(back & pulled[2:] & pulled[1:-1] & pulled[:-2])) >= SEVERAL
 
 
 def rope_rows(result: SceneResult) -> list[dict[str, Any]]:

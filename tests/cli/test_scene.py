@@ -95,3 +95,11 @@ def test_another_scene_does_not_go_on_where_the_first_was_killed(scene, tmp_path
         assert done.exit_code == 0, done.output
     assert len(list(out.glob("net_*.vtu"))) == 3
     assert pd.read_csv(out / "motion.csv")["time_s"].max() == 1.0
+
+
+@pytest.mark.parametrize(("step_s", "told"), [(1.0, True), (0.1, False)])
+def test_a_motion_in_steps_too_long_for_its_bars_says_so(scene, tmp_path, step_s, told):
+    path = scene(TIME.format(end=8.0, every=8.0) + f"step_s = {step_s}\n")
+    done = CliRunner().invoke(main, ["scene", str(path), "--set", "rope.0.bars=40", "--out", str(tmp_path / "out")])
+    assert done.exit_code == 0, done.output
+    assert ("warp ends in a zigzag of its bars" in done.output) == told

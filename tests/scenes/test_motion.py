@@ -11,7 +11,7 @@ from codend.mechanics.weight import GRAVITY_M_S2
 from codend.net.net import Net, with_point
 from codend.scenes.build import build
 from codend.scenes.follow import follow, motion_rows, path_of
-from codend.scenes.measures import solve_scene
+from codend.scenes.measures import lies_in_zigzag, solve_scene
 from codend.scenes.scene import scene_from_dict
 from codend.solvers.motion import Motion
 from tests.scenes.test_scene import GEAR, WARP, tow
@@ -334,3 +334,21 @@ def test_the_peak_and_the_tension_of_an_output_are_told_by_one_rule():
     # what an output shows was noted in the step that starts there
     assert all(frame.peaks[0, 0] >= row["tension_n"] for frame, row in zip(frames, rows, strict=True))
     assert any(frame.peaks[0, 0] == row["tension_n"] for frame, row in zip(frames, rows, strict=True))
+
+
+@pytest.mark.parametrize(("step_s", "told"), [(0.02, False), (0.1, False), (0.5, True), (1.0, True)])
+@pytest.mark.parametrize("stiffness", [None, 1e6])
+def test_steps_too_long_for_the_bars_are_seen_by_their_zigzag(step_s, told, stiffness):
+    rope = {**WARP, "bars": 40, "axial_stiffness_n": stiffness}
+    data = {"title": "w", "vessel": {"speed_m_s": 1.8}, "rope": [rope], "point": [GEAR]}
+    time = {"end_s": 10.0, "output_s": 10.0, "step_s": step_s, "start": "placed"}
+    built = build(scene_from_dict({**data, "time": time}))
+    *_, last = follow(built, built.problem.net.positions)
+    assert lies_in_zigzag(last.positions[built.rope_nodes[0]], last.bar_tension[built.rope_bars[0]]) == told
+
+
+def test_a_rope_without_tension_may_lie_in_a_zigzag():
+    nodes = np.array([[k, 0.2 * (k % 2), 0.0] for k in range(8)])
+    assert lies_in_zigzag(nodes, np.ones(7))
+    assert not lies_in_zigzag(nodes, np.zeros(7))
+    assert not lies_in_zigzag(nodes[::2], np.ones(3))

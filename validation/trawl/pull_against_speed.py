@@ -1,10 +1,11 @@
 """How the pull of the trawl goes with its speed: a power below 2, for its mouth closes as it speeds up.
 
 ``python -m validation.trawl.pull_against_speed`` tows the half gear of ``gear``, with floats of ``FLOATS_N`` on half
-its headline, at 2.5 to 4 knots and prints pull, opening and power: 1.50 between 2.5 and 4 knots after 50 s, its mouth
-12.4 and 9.9 m high. With floats of 1200 N it is 1.40, with the 600 N of the shooting 1.33 after 60 s, below what was
-measured: the less holds the mouth open, the more it closes. Measured on models of survey bottom trawls (NOAA Alaska
-Fisheries Science Center, ``trawlmetrics`` 2025, flume tank; bridle tension): powers of 1.42 to 1.64.
+its headline, at 2.5 to 4 knots and prints pull, opening and power: 1.50 between 2.5 and 4 knots, its mouth 12.4 and
+9.9 m high after 50 s, 13.1 and 10.1 m after 200 s (``--end``; the power is the same). With floats of 1200 N it is 1.40,
+with the 600 N of the shooting 1.33 after 60 s, below what was measured: the less holds the mouth open, the more it
+closes. Measured on models of survey bottom trawls (NOAA Alaska Fisheries Science Center, ``trawlmetrics`` 2025, flume
+tank; bridle tension): powers of 1.42 to 1.64.
 """
 
 import argparse
