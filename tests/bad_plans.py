@@ -84,6 +84,39 @@ GLOBALISED = 'fidelity = "globalised"\nglobalisation = 10'
 STRAP = "strap.0.meshes_from_codline"
 SECOND_STRAP = "[[strap]]\nmeshes_from_codline = 30\nlength_m = 3.0\n"
 
+
+def roped(id: str, keys: str, key: str) -> BadPlan:
+    """A plan with ropes, some of whose keys are others."""
+    given = "".join(f"{line}\n" for line in ROPE if line.split()[0] != keys.split(maxsplit=1)[0])
+    return BadPlan(id, "[catch]", f"[[rope]]\n{given}{keys}\n\n[catch]", f"rope.0.{key}")
+
+
+def windowed(id: str, keys: str, key: str) -> BadPlan:
+    """A plan with a window, some of whose keys are others."""
+    given = "".join(f"{line}\n" for line in WINDOW if line.split()[0] != keys.split(maxsplit=1)[0])
+    return BadPlan(id, "[catch]", f"[[window]]\n{given}{keys}\n\n[catch]", f"window.0.{key}")
+
+
+def sewn(id: str, keys: str, key: str) -> BadPlan:
+    """A plan whose first section has more keys."""
+    return BadPlan(id, "meshes_long = 40\n", f"meshes_long = 40\n{keys}\n", f"netting.0.{key}")
+
+
+ROPE = ("number = 2", "shortening = 0.1")
+WINDOW = (
+    'mesh = "square"',
+    "meshes_round = 10",
+    "meshes_long = 20",
+    "bar_mm = 45.0",
+    "twine_mm = 4.0",
+    'netting = "2"',
+    "meshes_from_codline = [40, 50]",
+    "meshes_across = 10",
+)
+ONE_WINDOW = "[[window]]\n" + "".join(f"{line}\n" for line in WINDOW)
+ONE_LOWER = ONE_WINDOW.replace("[40, 50]", "[20, 40]")
+FOUR_ROPES = "[[rope]]\nnumber = 4\nshortening = 0.1\n"
+
 BAD_PLANS = [
     # not TOML
     BadPlan("no-closing-bracket", "[entry]", "[entry", ""),
@@ -193,6 +226,58 @@ BAD_PLANS = [
     BadPlan("strap-on-no-merged-row", "meshes_from_codline = 30", "meshes_from_codline = 31", "model.globalisation"),
     BadPlan("globalised-sector", GLOBALISED, GLOBALISED.replace("globalised", "sector"), "model.globalisation"),
     BadPlan("globalised-by-default", GLOBALISED, "globalisation = 10", "model.globalisation"),
+    # panels, cuts, selvedges
+    sewn("three-panels", "panels = 3", "panels"),
+    sewn("panels-that-share-no-meshes-evenly", "panels = 4\nmeshes_round_aft = 70", "meshes_round_aft"),
+    sewn("cut-and-counts-contradict", 'panels = 2\nmeshes_round_aft = 60\ncut = "AB"', "cut"),
+    sewn("cut-that-no-cutter-writes", 'cut = "2N"', "cut"),
+    sewn("cut-that-leaves-nothing", 'panels = 4\ncut = "AB"', "cut"),
+    sewn("tapers-to-two-meshes", "meshes_round_aft = 2", "meshes_round_aft"),
+    sewn("more-selvedge-than-panel", "panels = 2\nselvedge_meshes = 25", "selvedge_meshes"),
+    sewn("part-of-a-mesh-in-the-selvedge", "panels = 2\nselvedge_meshes = 2.5", "selvedge_meshes"),
+    # twine and entry
+    BadPlan("unknown-material", "twines = 1", 'twines = 1\nmaterial = "nylon"', "netting.0.material"),
+    BadPlan("twine-number-of-no-yarns", "twines = 1", 'twines = 1\ntwine_number = "thick"', "netting.0.twine_number"),
+    BadPlan("rtex-and-runnage", "twines = 1", "twines = 1\nrtex = 4000\nrunnage_m_kg = 250", "netting.0.runnage_m_kg"),
+    BadPlan("thickness-of-no-material", "twine_mm = 3.0", "rtex = 4000", "netting.0.twine_mm"),
+    BadPlan(
+        "gauge-and-full-mesh", "mesh_mm = 100.0", "mesh_mm = 100.0\ninside_mesh_mm = 90.0", "netting.1.inside_mesh_mm"
+    ),
+    BadPlan("hung-wider-than-stretched", "radius_m = 0.30", "hanging_ratio = 1.2", "entry.hanging_ratio"),
+    BadPlan("hoop-and-hanging-ratio", "radius_m = 0.30", "radius_m = 0.30\nhanging_ratio = 0.3", "entry.hanging_ratio"),
+    # ropes
+    roped("rope-behind-the-codline", "meshes_from_codline = [-5, 30]", "meshes_from_codline.0"),
+    roped("rope-ahead-of-the-entry", "meshes_from_codline = [0, 101]", "meshes_from_codline.1"),
+    roped("rope-from-fore-to-aft", "meshes_from_codline = [30, 10]", "meshes_from_codline"),
+    roped("rope-between-two-rows", "meshes_from_codline = [0, 30.3]", "meshes_from_codline.1"),
+    roped("rope-with-one-end", "meshes_from_codline = [30]", "meshes_from_codline.1"),
+    roped("no-ropes", "number = 0", "number"),
+    roped("more-ropes-than-meshes", "number = 60", "number"),
+    roped("shortening-in-per-cent", "shortening = 10", "shortening"),
+    roped("rope-without-stiffness", "axial_stiffness_n = 0", "axial_stiffness_n"),
+    roped("rope-with-density-and-no-diameter", "density_kg_m3 = 950", "density_kg_m3"),
+    roped("rope-of-no-kind", 'kind = "belly"', "kind"),
+    # straps
+    BadPlan(
+        "strap-with-two-lengths",
+        "length_m = 3.5",
+        "length_m = 3.5\ncircumference_share = 0.5",
+        "strap.0.circumference_share",
+    ),
+    BadPlan("strap-longer-than-round", "length_m = 3.5", "circumference_share = 1.5", "strap.0.circumference_share"),
+    BadPlan("straps-on-each-other", "length_m = 3.5", "length_m = 3.5\nspacing_meshes = 0", "strap.0.spacing_meshes"),
+    # windows
+    windowed("window-in-no-section", 'netting = "belly"', "netting"),
+    windowed("window-in-no-panel", 'panel = "top"', "panel"),
+    windowed("window-behind-the-codline", "meshes_from_codline = [-10, 10]", "meshes_from_codline.0"),
+    windowed("window-in-two-sections", "meshes_from_codline = [50, 70]", "meshes_from_codline.1"),
+    windowed("window-from-fore-to-aft", "meshes_from_codline = [50, 40]", "meshes_from_codline"),
+    windowed("window-wider-than-netting", "meshes_across = 51", "meshes_across"),
+    windowed("window-of-panels", "panels = 2", "panels"),
+    windowed("window-without-its-place", "meshes_fron_codline = [40, 50]", "meshes_fron_codline"),
+    BadPlan("windows-over-one-another", "[catch]", f"{2 * ONE_WINDOW}[catch]", "window.1.meshes_from_codline"),
+    BadPlan("strap-through-a-window", "[catch]", f"{ONE_LOWER}[catch]", STRAP),
+    BadPlan("rope-through-a-window", "[catch]", f"{FOUR_ROPES}{ONE_WINDOW}[catch]", "rope.0.number"),
 ]
 
 

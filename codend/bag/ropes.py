@@ -14,14 +14,13 @@ from itertools import pairwise
 import numpy as np
 
 from codend.bag.bag import Bag, around
+from codend.errors import InputError
 from codend.net.net import Floats, with_bars, with_held_node
 from codend.netting.knots import LEFT, Knots
 from codend.netting.parts import Lattice
 from codend.plan.plan import Plan
-from codend.plan.ropes import Rope, Selvedge
-
-BESIDE = 0.26
-"""Of a mesh: how far beside the rope a knot may lie that it is laced to. Every other row's are half a mesh off."""
+from codend.plan.ropes import Rope, Selvedge, places_round
+from codend.plan.windows import BESIDE
 
 
 @dataclass(frozen=True)
@@ -49,9 +48,9 @@ def _places(rope: Rope | Selvedge, lattice: Lattice, smeared: bool) -> Iterator[
         for column in range(columns):
             yield column, column / (columns * order), rope.number / (columns * order)
         return
-    for number in range(int(rope.number // order)):
-        # of knots merged or not, the nearest column or half a mesh beside it
-        yield number, np.floor(2 * number / rope.number * columns * order + 0.5 + 1e-9) / (2 * columns * order), 1.0
+    # of knots merged or not
+    places = places_round(rope.number, columns * int(order))
+    yield from ((number, places[number], 1.0) for number in range(int(rope.number // order)))
 
 
 def _with_rope(
@@ -116,6 +115,11 @@ def _laid(bag: Bag, plan: Plan, knots: Knots, rope: Rope | Selvedge, fraction: f
         elif row == 0:
             bag = _on_the_hoop(bag, 2.0 * np.pi * fraction)
             nodes.append((0, len(bag.node_row) - 1, 0))
+    if any(node < 0 for _, node, _ in nodes):
+        where = ", ".join(plan.window_names)
+        raise InputError(
+            plan.source, "rope", None, f"places beside {where}: knots that a rope is laced to are not there"
+        )
     pairs = list(pairwise(nodes))
     return bag, _Pieces(
         ends=[(first[1], second[1]) for first, second in pairs],

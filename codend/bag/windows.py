@@ -46,20 +46,18 @@ def with_windows(
 
 
 def _opening(plan: Plan, knots: Knots, index: int) -> Opening:
-    hole, g = plan.holes[index], knots.lattice.globalisation
-    part = plan.netting[hole.section]
-    bands = plan.sections_of_bands(g)
-    start = bands.index(hole.section)
-    fore, aft = (start + part.rows_per_mesh * meshes // g for meshes in (hole.fore, hole.fore + hole.deep))
+    g = knots.lattice.globalisation
+    section = plan.holes[index].section
+    hole, part = plan.holes[index].merged(g), plan.netting[section]
+    start = plan.sections_of_bands(g).index(section)
+    fore, aft = (start + part.rows_per_mesh * meshes for meshes in (hole.fore, hole.fore + hole.deep))
     if part.tapers:
         allowed = "a section with as many meshes round all along: windows in one that tapers are not modelled yet"
         raise InputError(plan.source, f"window.{index}.netting", plan.window[index].netting, allowed)
     if any(section.bending_stiffness_n_m2 for section in (*plan.netting, *plan.window)):
         allowed = "0 in plans with windows: stiff twine at their seams is not modelled yet"
         raise InputError(plan.source, "netting.bending_stiffness_n_m2", None, allowed)
-    # towards the top where it has no middle in common with its panel
-    first = int(np.floor(hole.first / g + 0.5))
-    return Opening(fore, aft, first, hole.across // g)
+    return Opening(fore, aft, int(hole.first), hole.across)
 
 
 def _numbered_anew(

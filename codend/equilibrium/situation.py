@@ -87,6 +87,9 @@ class Situation:
         narrowest = self.model.sectors == 1 and not self.has_sector
         if narrowest or any(other.catch_value == self.case.catch_value for other, _ in self.known):
             return len(self.known) > 0
+        # sectors as wide as their ropes are apart: each way through the interior costs some thirty factorisations
+        if self.model.sectors is not None and self.has_sector:
+            return len(self.others_at_its_speed) > 0
         narrow = isinstance(self.model.prepared.system, BandedSystem)
         return self.within_prediction and (narrow or not self.by_meshes)
 

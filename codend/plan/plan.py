@@ -7,6 +7,7 @@ import math
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Self
 
@@ -23,9 +24,9 @@ from codend.plan.mistakes import checked
 from codend.plan.overrides import CatchKind, Overrides, apply_overrides
 from codend.plan.pulse import Following, Heave
 from codend.plan.reach import least_radius_m
-from codend.plan.ropes import Rope, Selvedge, selvedges_of
+from codend.plan.ropes import Rope, Selvedge, places_round, selvedges_of
 from codend.plan.tables import Catch, Drag, Entry, Model, Netting, Strap, Table, Text, Tow
-from codend.plan.windows import Hole, Window, hole_of, out_of_place
+from codend.plan.windows import Hole, Window, hole_of, out_of_place, ropes_amiss, strap_amiss, too_near
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -112,6 +113,7 @@ class Plan(Table):
         yield from self._ropes_out_of_place()
         yield from self._layers_out_of_place()
         astray = list(out_of_place(self.window, self.netting, self.section_names, self.seam_deg))
+        astray = astray or list(self._through_windows())
         yield from astray
         # laid even flat across the entry
         gap_m = least_radius_m(self.netting, self.entry_radius_m, 0)
@@ -271,6 +273,30 @@ class Plan(Table):
                 elif self.rows_to_codline(meshes) is None:
                     yield Contradiction(key, "a row of knots")
 
+    def _through_windows(self) -> Iterator[Contradiction]:
+        """Straps and ropes whose knots are not there, for a window is."""
+        for index, strap in self._straps_with_table():
+            allowed = strap_amiss(strap.meshes_from_codline, self.window, self.window_names)
+            if allowed is not None:
+                yield Contradiction(f"strap.{index}.meshes_from_codline", allowed)
+        for index, rope in enumerate(self.rope):
+            found = self._rope_through_window(rope)
+            if found is None:
+                continue
+            number, window = found
+            near, far = (f"{meshes:g}" for meshes in self.window[window].meshes_from_codline)
+            through = f"rope {number + 1} of {rope.number} would run through {self.window_names[window]}"
+            key = "number" if rope.meshes_from_codline is None else "meshes_from_codline"
+            allowed = f"as many as run beside it, or meshes_from_codline as far as {near} or from {far}: {through}"
+            yield Contradiction(f"rope.{index}.{key}", allowed)
+
+    def _rope_through_window(self, rope: Rope, globalisation: int = 1) -> tuple[int, int] | None:
+        """Which of equal ropes runs through which window, where meshes are merged; None: none."""
+        around = [part.open_meshes[0] // globalisation for part in self.netting]
+        holes = [hole.merged(globalisation) for hole in self.holes]
+        ends = rope.meshes_from_codline or (0.0, math.inf)
+        return ropes_amiss(places_round(rope.number, around[0]), ends, self.window, holes, around)
+
     def _layers_out_of_place(self) -> Iterator[Contradiction]:
         """Layers that begin at no row of knots, and models that have no place for any."""
         meshes_long = sum(part.meshes_long for part in self.netting)
@@ -350,7 +376,15 @@ class Plan(Table):
         counts += [count // part.panels for part in self.netting if part.has_seams for count in part.open_meshes]
         common = math.gcd(*counts, *self.strap_rows, *self.rope_rows)
         most = min(min(part.open_meshes) for part in self.netting) // 3
-        return tuple(g for g in range(1, min(common, most) + 1) if common % g == 0)
+        divisors = (g for g in range(1, min(common, most) + 1) if common % g == 0)
+        return tuple(g for g in divisors if self._windows_have_room(g))
+
+    def _windows_have_room(self, globalisation: int) -> bool:
+        """Whether windows lie apart, and no rope runs through one, on the columns that there are of merged meshes."""
+        holes = [hole.merged(globalisation) for hole in self.holes]
+        around = [part.open_meshes[0] // globalisation for part in self.netting]
+        apart = not any(too_near(one, other, around[one.section]) for one, other in combinations(holes, 2))
+        return apart and all(self._rope_through_window(rope, globalisation) is None for rope in self.rope)
 
     def cases(self) -> tuple[Case, ...]:
         """Every speed with every catch, catches running fastest."""

@@ -50,6 +50,11 @@ class Rope(Table):
         return self.diameter_m
 
 
+def places_round(number: int, columns: int) -> list[float]:
+    """Places of equal ropes, as shares of the way round: the nearest of so many columns of knots, or half beside."""
+    return [math.floor(2 * rope / number * columns + 0.5 + 1e-9) / (2 * columns) for rope in range(number)]
+
+
 @dataclass(frozen=True)
 class Selvedge:
     """The cords that the meshes taken up along the seams of a section make: as ropes as long as the stretched netting.

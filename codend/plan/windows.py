@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Final, Self
 
 from annotated_types import Ge
@@ -49,6 +49,10 @@ SIDES_DEG: Final[dict[PanelName, float]] = {"starboard": 0.0, "upper": 90.0, "po
 """Azimuth of the middle of a panel, or of a side of a tube: from starboard on over the top, looking aft."""
 
 
+BESIDE: Final = 0.26
+"""Of a mesh: how far beside a rope a knot may lie that it is laced to. Every other row's are half a mesh off."""
+
+
 @dataclass(frozen=True)
 class Hole:
     """The netting that a window takes the place of, in open meshes of its section."""
@@ -61,6 +65,17 @@ class Hole:
     first: float
     """Meshes from the first seam, round, to the hole; half a mesh where it has no middle in common with its panel."""
     across: int
+
+    def merged(self, globalisation: int) -> Self:
+        """The same in merged meshes, whole ones; towards the top where it has no middle in common with its panel."""
+        first = math.floor(self.first / globalisation + 0.5)
+        return replace(
+            self,
+            fore=self.fore // globalisation,
+            deep=self.deep // globalisation,
+            first=first,
+            across=self.across // globalisation,
+        )
 
 
 def hole_of(window: Window, netting: Sequence[Netting], names: Sequence[str], seam_deg: float) -> Hole:
@@ -75,7 +90,7 @@ def hole_of(window: Window, netting: Sequence[Netting], names: Sequence[str], se
 def out_of_place(
     windows: Sequence[Window], netting: Sequence[Netting], names: Sequence[str], seam_deg: float
 ) -> Iterator[Contradiction]:
-    """Windows in no section or panel, outside it, wider than it or over one another."""
+    """Windows in no section or panel, outside it, wider than it, over one another or too near."""
     holes: list[Hole] = []
     for index, window in enumerate(windows):
         if window.netting not in names:
@@ -91,8 +106,9 @@ def out_of_place(
         if wrong:
             continue
         hole = hole_of(window, netting, names, seam_deg)
-        if any(_overlap(hole, other, part.open_meshes[0]) for other in holes):
-            yield Contradiction(f"window.{index}.meshes_from_codline", "netting that no other window is let into")
+        if any(too_near(hole, other, part.open_meshes[0]) for other in holes):
+            allowed = "netting that no other window is let into, with a mesh between windows side by side"
+            yield Contradiction(f"window.{index}.meshes_from_codline", allowed)
         holes.append(hole)
 
 
@@ -108,8 +124,51 @@ def _not_within(index: int, window: Window, part: Netting, behind: int) -> Itera
         yield Contradiction(f"window.{index}.meshes_across", allowed)
 
 
-def _overlap(one: Hole, other: Hole, meshes_round: int) -> bool:
+def too_near(one: Hole, other: Hole, meshes_round: int) -> bool:
+    """Whether windows lie over one another, or side by side with less than a mesh between that holds their edges."""
     deep = max(one.fore, other.fore) < min(one.fore + one.deep, other.fore + other.deep)
-    apart = (other.first - one.first) % meshes_round
-    across = apart < one.across or (one.first - other.first) % meshes_round < other.across
+    across = (other.first - one.first) % meshes_round < one.across + 1
+    across = across or (one.first - other.first) % meshes_round < other.across + 1
     return one.section == other.section and deep and across
+
+
+def strap_amiss(meshes_from_codline: float, windows: Sequence[Window], names: Sequence[str]) -> str | None:
+    """What is allowed of a strap whose row of knots a window interrupts; None where none does.
+
+    On the edge of a window with fewer meshes than it takes the place of, the row's knots are taken up: some are one.
+    """
+    for window, name in zip(windows, names, strict=True):
+        near, far = (round(meshes) for meshes in window.meshes_from_codline)
+        within, here = near < meshes_from_codline < far, f"at {meshes_from_codline:g}"
+        if within:
+            return f"at most {near} or at least {far}: {here} it would run through {name}"
+        if near <= meshes_from_codline <= far and window.meshes_round < window.meshes_across:
+            return f"below {near} or above {far}: {here} knots of its row are taken up at the edge of {name}"
+    return None
+
+
+def ropes_amiss(
+    places: Sequence[float],
+    ends: tuple[float, float],
+    windows: Sequence[Window],
+    holes: Sequence[Hole],
+    around: Sequence[int],
+) -> tuple[int, int] | None:
+    """The first rope that runs through a window, and that window; None where none does.
+
+    Args:
+        places: of every rope, as shares of the way round from the first seam.
+        ends: where the ropes run, in meshes from the codline.
+        windows: of the plan.
+        holes: what they are let into.
+        around: open meshes round of the sections.
+    """
+    for index, (window, hole) in enumerate(zip(windows, holes, strict=True)):
+        near, far = window.meshes_from_codline
+        if max(near, ends[0]) >= min(far, ends[1]):
+            continue
+        for number, place in enumerate(places):
+            beside = (place * around[hole.section] - hole.first) % around[hole.section]
+            if BESIDE < beside < hole.across - BESIDE:
+                return number, index
+    return None

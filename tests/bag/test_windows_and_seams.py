@@ -136,6 +136,80 @@ def test_a_window_leaves_the_net_in_balance(name):
     assert result.measures.drag_n != pytest.approx(solved({}).measures.drag_n, rel=1e-3)
 
 
+LINES = {
+    "strap ahead": {"strap": [{"meshes_from_codline": 9, "length_m": 0.9}]},
+    "strap behind": {"strap": [{"meshes_from_codline": 5, "length_m": 0.9}]},
+    "ropes": {"rope": [{"number": 2, "shortening": 0.1, "axial_stiffness_n": 1e3}]},
+    "ropes to its edge": {
+        "rope": [{"number": 4, "shortening": 0.1, "axial_stiffness_n": 1e3, "meshes_from_codline": [0, 5]}]
+    },
+}
+
+
+@pytest.mark.parametrize("lines", LINES.values(), ids=LINES.keys())
+@pytest.mark.parametrize("kind", KINDS, ids=["plain", "knots", "turned", "square"])
+@pytest.mark.parametrize("name", ["square", "turned and deeper", "smaller"])
+def test_straps_and_ropes_beside_a_window_are_laced_to_knots_that_are_there(name, kind, lines):
+    bare, laced = (len(build_bag(plan(kind, windows=[OTHER[name]], **more)).net.bars) for more in ({}, lines))
+    bag = build_bag(plan(kind, windows=[OTHER[name]], **lines))
+    own = bag.net.bars[bare:laced]
+    assert len(own) == len(bag.straps) + len(bag.ropes) > 0
+    assert (own >= 0).all()
+    assert (own[:, 0] != own[:, 1]).all()
+
+
+def test_a_strap_along_the_edge_of_a_window_bounds_its_sides_and_leaves_the_net_in_balance():
+    result = solved({}, windows=[OTHER["square"]], strap=[{"meshes_from_codline": 5, "length_m": 0.9}])
+    assert result.measures.max_strap_tension_n > 0.0
+    bag = build_bag(plan({}, windows=[OTHER["square"]], strap=[{"meshes_from_codline": 5, "length_m": 0.9}]))
+    ends = result.positions[bag.net.bars[bag.straps]]
+    sides = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    assert sides.max() == pytest.approx(0.9 / 24, rel=1e-6)
+    assert result.measures.entry_reaction_n == pytest.approx(result.measures.drag_n, rel=1e-8)
+
+
+MERGED = {
+    "square": {"meshes_long": 16},
+    "square, wide": {"meshes_round": 12, "meshes_across": 12, "meshes_long": 16},
+    "turned": {"mesh": "t90", "meshes_long": 8, "knot_mm": 5.0, "panel": "lower"},
+}
+
+
+@pytest.mark.parametrize("window", MERGED.values(), ids=MERGED.keys())
+def test_what_is_stated_of_merged_windows_covers_the_distance_to_the_net_as_it_is(window):
+    placed = {"mesh": "square", "meshes_round": 8, "meshes_across": 8, "meshes_from_codline": [8, 16], **window}
+
+    def of(**model: object) -> CaseResult:
+        tables = {"catch": {"filled_meshes": 6}, "model": {**ASKED, "tolerance": 1e-8, **model}}
+        return solved({"meshes_long": 24}, windows=[placed], entry=0.15, **tables)
+
+    real = of(fidelity="full").measures.estimated
+    for globalisation in (2, 4):
+        merged = of(fidelity="globalised", globalisation=globalisation)
+        e = merged.errors
+        stated = [e.drag_error_n, e.catch_volume_error_m3, e.max_radius_error_m, e.opening_ahead_error_deg]
+        assert (np.abs(merged.measures.estimated - real) < stated).all()
+        assert e.drag_error_n < 0.3 * merged.measures.drag_n
+
+
+WHOLE = {"square": ("square", 12), "turned": ("turned", 12), "larger": ("larger", 10), "smaller": ("smaller", 16)}
+
+
+@pytest.mark.parametrize(("name", "across"), WHOLE.values(), ids=WHOLE.keys())
+def test_a_window_as_wide_as_its_panel_leaves_the_net_in_balance(name, across):
+    """Two panels of unequal depth: all of the upper one's netting is another's over a part of its length."""
+    whole = {**OTHER[name], "meshes_across": 12, "meshes_round": across}
+    upper, lower = (solved({"panels": 2}, windows=[{**whole, "panel": side}]) for side in ("upper", "lower"))
+    assert upper.measures.entry_reaction_n == pytest.approx(upper.measures.drag_n, rel=1e-8)
+    assert upper.measures.sideways_imbalance < 1e-8
+    assert numbers(upper) == pytest.approx(numbers(lower), rel=1e-8)
+
+
+def test_a_window_of_the_same_netting_as_wide_as_its_panel_changes_nothing():
+    whole = {"meshes_across": 12, "meshes_round": 12}
+    assert numbers(solved({"panels": 2}, windows=[whole])) == pytest.approx(numbers(solved({})), rel=1e-9)
+
+
 def test_a_window_mirrored_mirrors_the_answer():
     sides = [solved({}, windows=[{**OTHER["square"], "panel": side}]) for side in ("port", "starboard")]
     assert numbers(sides[0]) == pytest.approx(numbers(sides[1]), rel=1e-8)
@@ -179,3 +253,13 @@ def test_what_is_not_modelled_is_refused(sections, windows, key):
     with pytest.raises(InputError) as told:
         build_bag(plan(*sections, windows=windows, entry=0.1))
     assert told.value.key == key
+
+
+def test_later_catches_of_a_sector_between_ropes_start_from_the_last():
+    rope = [{"number": 2, "shortening": 0.1, "axial_stiffness_n": 5e3}]
+    asked = {**ASKED, "fidelity": "sector"}
+    series = solve(plan({"panels": 2}, rope=rope, catch={"filled_meshes": [3, 3.5]}, model=asked))
+    assert [case.converged for case in series.cases] == [True, True]
+    assert series.cases[1].report.attempts[0].startswith("from where the last equilibria lead")
+    alone = solved({"panels": 2}, rope=rope, model=asked)
+    assert numbers(series.cases[1]) == pytest.approx(numbers(alone), rel=1e-8)

@@ -136,6 +136,71 @@ def test_windows_over_one_another_are_told():
         plan([WINDOW, {**WINDOW, "meshes_from_codline": [25, 35]}], panels=2)
 
 
+STRAP = {"length_m": 3.0, "axial_stiffness_n": 1e5}
+ROPE = {"shortening": 0.1, "axial_stiffness_n": 1e4}
+
+
+def with_lines(window: dict, **lines: list[dict]) -> Plan:
+    """A codend of two panels with a window, 10 to 30 meshes from the codline of 40 and 30 of 50 across, and lines."""
+    tables = plan([{**WINDOW, "meshes_round": 30, **window}], panels=2).to_dict()
+    return plan_from_dict({**tables, **lines})
+
+
+@pytest.mark.parametrize(
+    ("window", "strap", "words"),
+    [
+        ({}, {"meshes_from_codline": 20}, "at most 10 or at least 30: at 20 it would run through window 1"),
+        ({"name": "w"}, {"meshes_from_codline": 10.5}, "at 10.5 it would run through w"),
+        ({}, {"meshes_from_codline": 6, "spacing_meshes": 8}, "at 14 it would run through window 1"),
+        ({"meshes_round": 29}, {"meshes_from_codline": 30}, "below 10 or above 30: at 30 knots of its row are taken"),
+    ],
+)
+def test_straps_through_a_window_are_told(window, strap, words):
+    with pytest.raises(InputError) as told:
+        with_lines(window, strap=[{**STRAP, **strap}])
+    assert told.value.key == "strap.0.meshes_from_codline"
+    assert words in str(told.value)
+    assert len(str(told.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("rope", "key", "words"),
+    [
+        ({"number": 4}, "number", "rope 2 of 4 would run through window 1"),
+        ({"number": 4, "meshes_from_codline": [0, 20]}, "meshes_from_codline", "as far as 10 or from 30"),
+        ({"number": 4, "meshes_from_codline": [12, 14]}, "meshes_from_codline", "rope 2 of 4"),
+    ],
+)
+def test_ropes_through_a_window_are_told(rope, key, words):
+    with pytest.raises(InputError) as told:
+        with_lines({}, rope=[{**ROPE, **rope}])
+    assert told.value.key == f"rope.0.{key}"
+    assert words in str(told.value)
+    assert len(str(told.value).splitlines()) == 1
+
+
+def test_lines_beside_a_window_or_along_its_edges_are_allowed():
+    straps = [{**STRAP, "meshes_from_codline": place} for place in (9.5, 10, 30, 31)]
+    ropes = [{**ROPE, "number": 2}, {**ROPE, "number": 4, "meshes_from_codline": [0, 10]}]
+    assert with_lines({}, strap=straps, rope=ropes).globalisations == (1,)
+
+
+def test_meshes_are_not_merged_where_a_rope_would_come_to_lie_in_a_window():
+    # of 13 ropes one lies along the edge of a window from the 73rd to the 77th mesh, which merged by 2 ends at the 78th
+    window = {"meshes_round": 4, "meshes_across": 4, "panel": "lower"}
+    assert with_lines(window, rope=[{**ROPE, "number": 1}]).globalisations == (1, 2)
+    assert with_lines(window, rope=[{**ROPE, "number": 13}]).globalisations == (1,)
+
+
+def test_windows_side_by_side_need_a_mesh_between():
+    whole = {**WINDOW, "meshes_across": 50}
+    plan([whole], panels=2)
+    plan([whole, {**whole, "panel": "lower", "meshes_from_codline": [0, 10]}], panels=2)
+    with pytest.raises(InputError, match="a mesh between") as told:
+        plan([whole, {**whole, "panel": "lower"}], panels=2)
+    assert told.value.key == "window.1.meshes_from_codline"
+
+
 def test_the_middle_of_a_window_is_that_of_its_panel():
     assert plan([WINDOW], panels=2).holes[0].first == 10
     assert plan([WINDOW], panels=1).holes[0].first == 10
