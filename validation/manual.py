@@ -127,7 +127,7 @@ def keys_of_table(table: type[BaseModel]) -> str:
     schema = table.model_json_schema()
     defs, docs = schema.get("$defs", {}), documented(table)
     lines = [row(["key", "unit", "allowed", "left out", "what it is"]), row(["---"] * 5)]
-    needed = schema.get("required", ())
+    needed = [key for key in schema.get("required", ()) if "left out:" not in docs.get(key, "").lower()]
     for key, one in schema["properties"].items():
         left_out = "must be given" if key in needed else _default(one.get("default"))
         lines.append(

@@ -56,6 +56,10 @@ def compare(
     catch, what differs in the plans, and differences from the first with their intervals, in tables and on a page.
     """
     if out is not None:
+        for other in others:
+            if other.is_file():
+                allowed = "folders of runs with --out, or a table without it"
+                raise InputError(OPTIONS, "--out", str(out), allowed, f"stands beside {other}, which is a table")
         _compare_designs([folder, *others], out)
         return
     if len(others) > 1 or others[0].is_dir():

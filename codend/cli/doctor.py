@@ -33,9 +33,13 @@ REQUIRED = (
 )
 FOR_TESTS = (
     "pytest",
+    "pytest-xdist",
     "hypothesis",
+    "openpyxl",
     "statsmodels",
     "ipctk",
+    "mkdocs",
+    "pypdf",
     "ruff",
     "mypy",
     "import-linter",

@@ -156,9 +156,9 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     from codend.equilibrium.fidelity import choose
     from codend.report.choice_words import reason_text
     from codend.report.html import cautions, sea_water
+    from codend.report.own_look import load_quickly
     from codend.report.page import files_of, write_report
     from codend.report.size_words import derived_sizes
-    from codend.report.style import load_quickly
     from codend.studies.kept_cases import KeptCases
     from codend.studies.run_record import unfinished
     from codend.studies.study import solve

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from codend.cli.common import set_option
+from codend.cli.common import SeveralPairs, set_option
 
 _HEAD = """\
 # A plan for codend. Numbers are examples: put your own in.
@@ -16,7 +16,7 @@ speed_m_s = 1.5                # a number or a list
 [entry]
 hanging_ratio = 0.3            # of the front row; or radius_m
 
-[[netting]]                    # further [[netting]] tables are sections behind it
+[[netting]]                    # the foremost section first: an extension goes above the codend
 name = "codend"
 """
 _TWINE = """\
@@ -36,6 +36,9 @@ number = 2
 shortening = 0.15              # of the stretched netting
 diameter_mm = 24.0
 axial_stiffness_n = 5e5        # left out: inextensible
+
+[model]
+opening_accuracy_deg = 10.0    # the quick look: ropes smeared over all meshes; left out: minutes
 """
 _OPEN = "meshes_round = {round}             # all round\nmeshes_long = 50\n"
 _PANELS = """\
@@ -56,7 +59,7 @@ def net_plan() -> None:
     """Draw the net plan of a plan file, or begin a new one."""
 
 
-@net_plan.command()
+@net_plan.command(cls=SeveralPairs)
 @click.argument("plan", metavar="PLAN.toml")
 @click.option("--out", "path", required=True, type=click.Path(path_type=Path), help="SVG file to write.")
 @click.option("--limits", metavar="FILE.toml", help="Limits to hold the plan to: [[limit]] tables, each with a source.")

@@ -114,10 +114,12 @@ def selectivity(
     click.echo(text_table(headers, table.loc[whole, columns].itertuples(index=False)))
     columns = ["species", "speed_m_s", "catch_volume_m3", "l50_cm", "sr_cm", "haul_l50_cm", "haul_sr_cm"]
     columns += ["haul_l50_logit_cm", "haul_sr_logit_cm"]
-    headers = ["species", "speed m/s", "m3", "L50 fish that meet it", "SR", "L50 hauls that end with it", "SR"]
-    headers += ["L50 logit of such hauls", "SR"]
+    headers = ["species", "speed m/s", "m3", "L50 met", "SR met", "L50 haul", "SR haul", "L50 trial", "SR trial"]
     last = table[~whole].groupby(["species", "speed_m_s"], sort=False).tail(1)
-    click.echo("the largest catch, off the computed curve and as fitted; all catches are in selectivity.csv")
+    click.echo(
+        "the largest catch (all are in selectivity.csv), in cm; met: fish that meet it, haul: hauls that end with it, "
+        "both off the computed curve, trial: a logit curve fitted to such hauls"
+    )
     click.echo(text_table(headers, last[columns].itertuples(index=False)))
     for note in notes(found):
         click.echo(note)

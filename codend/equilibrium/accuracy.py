@@ -142,6 +142,13 @@ def sector_measures(plan: Plan, case: Case, globalisation: int) -> Measures:
     return _solved(model_of(by_any_method(plan), globalisation, 1, near=near), case)
 
 
+def rough_measures(plan: Plan, case: Case) -> Measures:
+    """``sector_measures`` of the real net for a choice of models: ropes smeared over all meshes, where they can be."""
+    if not plan.ropes or plan.tapers:
+        return sector_measures(plan, case, 1)
+    return _solved(model_of(by_any_method(plan), 1, 1, smeared=True), case)
+
+
 def by_any_method(plan: Plan) -> Plan:
     """The same plan, solved by whichever method finds its equilibria."""
     return plan.model_copy(update={"model": plan.model.model_copy(update={"method": "auto"})})

@@ -9,7 +9,7 @@ import numpy as np
 from codend.bag.build import build_bag
 from codend.bag.loads import catch_weight_density
 from codend.bag.near_ratio import DRAG_BY_MISMATCH, SLOW_KNOTS, SLOW_MESHES, NearRatio, near_enough
-from codend.equilibrium.accuracy import WEIGHT_LEFT_OUT, sector_measures, smeared_errors
+from codend.equilibrium.accuracy import WEIGHT_LEFT_OUT, rough_measures, sector_measures, smeared_errors
 from codend.equilibrium.bag_model import bag_of
 from codend.errors import InputError
 from codend.mechanics.weight import wet_weight
@@ -213,7 +213,7 @@ def _heaviest(plan: Plan, weight_n: float) -> tuple[float, float]:
     found: list[tuple[float, float]] = []
     # a net alone weighs most over the drag of its smallest catch
     for case in (cases[0], cases[-1])[: 1 + int(density > 0.0 and len(cases) > 1)]:
-        measures = sector_measures(plan, case, 1)
+        measures = rough_measures(plan, case)
         drag = measures.drag_n if measures.drag_n > 0.0 else stand_in_n
         found.append((float(np.nan_to_num(density * measures.catch_volume_m3)), drag))
     return max(found, key=lambda pair: (weight_n + pair[0]) / pair[1])

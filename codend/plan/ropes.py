@@ -22,7 +22,7 @@ class Rope(Table):
     shortening: Annotated[Number, Gt(-1), Lt(0.9)]
     """By how much the rope is shorter than the stretched netting it is laced to, relative; below 0 it is longer."""
     diameter_mm: Annotated[Number, Gt(0), Le(500)] | None = None
-    """None: its drag is left out."""
+    """None: no drag of its own."""
     axial_stiffness_n: Annotated[Number, Gt(0), Le(1e9)] | None = None
     """EA of one rope, N; None: inextensible."""
     density_kg_m3: Annotated[Number, Ge(100), Le(20_000)] | None = None

@@ -407,7 +407,7 @@ class Strap(Table):
     axial_stiffness_n: Annotated[Number, Gt(0), Le(1e9)] | None = None
     """EA of the rope, N; None: inextensible."""
     diameter_mm: Annotated[Number, Gt(0), Le(500)] | None = None
-    """None: its drag is left out."""
+    """None: no drag of its own."""
     density_kg_m3: Annotated[Number, Ge(100), Le(20_000)] | None = None
     """Of its material; None: that of the water."""
 
@@ -498,8 +498,9 @@ class Drag(Table):
     normal: Annotated[Number, Ge(0), Le(10)]
     """Coefficient across the twine; left out: that of the law. 0 switches the twine's drag off."""
     tangential: Annotated[Number, Ge(0), Le(10)]
-    """f, a fraction of ``normal``, in le-bris-1999; Cf, a coefficient of its own, in bessonneau-1997; in
-    choo-casarella-1971 both numbers are factors on the law's coefficients, which depend on the Reynolds number."""
+    """Left out: that of the law. f, a fraction of ``normal``, in le-bris-1999; Cf, a coefficient of its own, in
+    bessonneau-1997; in choo-casarella-1971 both numbers are factors on the law's coefficients, which depend on the
+    Reynolds number."""
 
     @model_validator(mode="before")
     @classmethod

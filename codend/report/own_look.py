@@ -24,6 +24,22 @@ def own_look() -> Iterator[None]:
         yield
 
 
+def load_quickly() -> None:
+    """Import what figures need without lists of properties in docstrings, which take longer to write than a figure.
+
+    For a program that ends with its figures, where nobody reads them.
+    """
+    _import_matplotlib()
+    from matplotlib import artist
+
+    written, artist.kwdoc = artist.kwdoc, lambda artist: ""
+    try:
+        import matplotlib.backends.backend_agg
+        import matplotlib.figure  # noqa: F401 is what is loaded
+    finally:
+        artist.kwdoc = written
+
+
 def _import_matplotlib() -> None:
     """Import it without the user's settings: a backend or a file it cannot read ends the import."""
     if "matplotlib" in sys.modules:

@@ -23,21 +23,6 @@ PANEL_SIDES_IN = {"left": 0.95, "right": 2.7, "bottom": 0.6, "top": 0.3}
 PANEL_GAP_IN = 0.4
 
 
-def load_quickly() -> None:
-    """Import what figures need without lists of properties in docstrings, which take longer to write than a figure.
-
-    For a program that ends with its figures, where nobody reads them.
-    """
-    from matplotlib import artist
-
-    written, artist.kwdoc = artist.kwdoc, lambda artist: ""
-    try:
-        import matplotlib.backends.backend_agg
-        import matplotlib.figure  # noqa: F401 is what is loaded
-    finally:
-        artist.kwdoc = written
-
-
 def new_figure(width_in: float, height_in: float, layout: Literal["constrained"] | None = "constrained") -> "Figure":
     """A figure that draws into memory and to files, without a window and without pyplot's global state.
 

@@ -220,7 +220,7 @@ def test_a_case_that_does_not_converge_gives_status_3_and_the_others_are_written
     assert first.startswith("case 2 (volume_m3 = 0.16 at 1 m/s) was not solved: The catch does not fit")
     assert tried
     assert all(line.startswith("  tried ") for line in tried)
-    assert result.stdout.splitlines()[3].endswith("NO")
+    assert result.stdout.splitlines()[4].endswith("NO")
 
 
 def test_a_second_run_leaves_nothing_of_the_first_but_what_is_not_its_own(plan):
@@ -339,7 +339,7 @@ def test_interrupted_while_writing_it_leaves_no_half_files(stop, plan, ran, monk
     out = plan.parent / "out"
     assert_refused(codend_cli("run", plan, "--out", out), "codend: interrupted", status=130, printed=reason(plan))
     left = sorted(path for path in out.rglob("*") if path.is_file())
-    assert left == sorted(renamed)
+    assert left == sorted(set(renamed))
     for path in left:
         (same,) = whole.rglob(path.name)
         assert len(path.read_bytes().splitlines()) == len(same.read_bytes().splitlines())

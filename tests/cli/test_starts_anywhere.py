@@ -76,7 +76,8 @@ def test_without_a_cache_folder_that_can_be_written_a_temporary_one_is_taken_wit
     assert "no cache folder can be written" in done.stderr
     assert numbers(tmp_path / "out" / "results.csv").equals(numbers(home / "plain" / "results.csv"))
     again = run("run", home / "plan.toml", "--out", tmp_path / "out", env=env)
-    assert again.stderr.count("\n") == 1
+    # a slow machine is told how far it is
+    assert len([line for line in again.stderr.splitlines() if " done" not in line]) == 1
     asked = run("doctor", env=env)
     assert asked.returncode == 0, asked.stdout
     assert str(tmp_path / "temporary") in asked.stdout

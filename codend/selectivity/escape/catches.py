@@ -212,7 +212,7 @@ def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, mer
         return rows
     source = str(Path(run.source) / "meshes.csv")
     section = profile["section"].to_numpy()
-    row = np.sort(meshes["row"].to_numpy(dtype=int))
+    row = np.sort(meshes["row"].to_numpy(dtype=float))
     if run.plan.tapers or run.plan.window or run.plan.ropes:
         # meshes round differ from row to row, and windows have their own
         wanted, found = np.flatnonzero(counting), np.unique(row)
