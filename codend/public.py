@@ -76,7 +76,7 @@ def solve(
         TooLittleMemory: the model does not fit into memory; which merged net would is told.
     """
     if isinstance(plan, Plan):
-        checked = plan_from_dict(plan.to_dict(), plan.source, overrides) if overrides else plan
+        checked = plan_from_dict(plan.said(), plan.source, overrides) if overrides else plan
     elif isinstance(plan, Mapping):
         checked = plan_from_dict(plan, overrides=overrides)
     else:

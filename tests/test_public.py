@@ -25,6 +25,16 @@ def test_a_plan_is_made_of_tables_and_changed_by_a_table():
         codend.Plan.from_dict(TABLES, {"tow.speed_m_s": -1})
 
 
+def test_changes_to_a_plan_are_those_of_its_tables(tmp_path):
+    plain = {name: table for name, table in TABLES.items() if name != "drag"} | {"tow": {"speed_m_s": 1.0}}
+    change = {"drag.law": "bessonneau-1997"}
+    of_plan = codend.solve(codend.Plan.from_dict(plain), change).plan
+    assert of_plan.to_dict() == codend.solve(plain, change).plan.to_dict()
+    assert of_plan.drag.coefficients == (1.2, 0.1)
+    assert of_plan.water_is_assumed
+    assert codend.Plan.from_dict(plain).with_pressure(lambda theta: 1.4).water_is_assumed
+
+
 def test_a_study_plots_and_writes_itself(study, tmp_path):
     assert study.plot("drag").axes
     assert {"report.html", "results.csv"} <= {path.name for path in study.write(tmp_path)}

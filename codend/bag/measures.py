@@ -175,11 +175,16 @@ def ring_radii(bag: Bag, positions: Floats) -> Floats:
     return np.hypot(across[:, 0], across[:, 1])
 
 
+def ring_means(bag: Bag, positions: Floats) -> tuple[Floats, Floats]:
+    """Mean place along the axis and mean radius of every ring of knots, each (rows + 1,), m."""
+    x, radius = positions[:, 0], ring_radii(bag, positions)
+    return mean_by(bag.node_row, x, bag.bands + 1), mean_by(bag.node_row, radius, bag.bands + 1)
+
+
 def measure_rows(bag: Bag, problem: Problem, solution: Solution, meshes: Meshes) -> Rows:
     """Means over every row of knots; of meshes those of windows are left out."""
     own = bag.mesh_of_section
-    x = mean_by(bag.node_row, solution.positions[:, 0], bag.bands + 1)
-    r = mean_by(bag.node_row, ring_radii(bag, solution.positions), bag.bands + 1)
+    x, r = ring_means(bag, solution.positions)
     by_band = mean_by(bag.twine_band, real_tensions(bag, solution.bar_tension), bag.bands)
     tension = 0.5 * (np.concatenate([by_band[:1], by_band]) + np.concatenate([by_band, by_band[-1:]]))
     filled = 0.5 * (np.concatenate([[0.0], solution.share]) + np.concatenate([solution.share, solution.share[-1:]]))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from codend.cli.common import NOT_CONVERGED, check_writable, haul_options, out_option, written_into
-from codend.cli.console import shown_progress, text_table
+from codend.cli.console import ShownProgress, shown_progress, text_table
 from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
@@ -75,37 +75,47 @@ def fit(
     check_writable(folder, FILES)
     if reference_length is not None and not reference_length > 0.0:
         raise InputError(OPTIONS, "--reference-length", reference_length, "a length above 0")
-    formulas = {name: choices.pop(name) for name in ("group", "l50", "sr", "split_by")}
     with shown_progress() as progress:
         progress(0, 3, "fitting")
         if compare:
-            report, good = (
-                _compared(data, design, 1000 if replicates is None else replicates, seed, choices["reading"]),
-                True,
-            )
-        elif any(formulas.values()) or curve == "dual":
-            from codend.selectivity.fits.gears import fit_gears
-
-            if replicates:
-                raise InputError(
-                    OPTIONS, "--bootstrap", replicates, "without --group, --l50, --sr, --split-by and dual"
-                )
-            choices.pop("overdispersion")
-            gears = fit_gears(data, design, curve, **choices, **formulas)
-            progress(1, 3, "every curve, predictions")
-            report, good = _gears_report(gears, at, reference_length), gears.converged
+            report = _compared(data, design, 1000 if replicates is None else replicates, seed, choices["reading"])
+            good = True
         else:
-            from codend.selectivity.fits.analysis import fit_field_data
-
-            fitted = fit_field_data(data, design, curve, n_bootstrap=replicates or 0, seed=seed, **choices)
-            progress(1, 3, "every curve, predictions")
-            report, good = _trial_report(fitted, at, reference_length), fitted.converged
+            asked = {"curve": curve, "n_bootstrap": replicates or 0, "seed": seed, **choices}
+            report, good = _fitted(data, design, asked, at, reference_length, progress)
         progress(2, 3, "pictures and page")
         with written_into(folder, FILES):
             written = write_fit(report, folder)
     _print(report)
     click.echo(f"{len(written)} files written into {folder}; fit.html is the page")
     return 0 if good else NOT_CONVERGED
+
+
+def _fitted(
+    data: str,
+    design: str,
+    asked: dict[str, Any],
+    at: Sequence[str],
+    reference_length: float | None,
+    progress: ShownProgress,
+) -> "tuple[FitReport, bool]":
+    """Curves of a trial, or of gears and formulas in one likelihood, and whether the first answer converged."""
+    formulas = {name: asked.pop(name) for name in ("group", "l50", "sr", "split_by")}
+    if any(formulas.values()) or asked["curve"] == "dual":
+        from codend.selectivity.fits.gears import fit_gears
+
+        if replicates := asked.pop("n_bootstrap"):
+            raise InputError(OPTIONS, "--bootstrap", replicates, "without --group, --l50, --sr, --split-by and dual")
+        for name in ("seed", "overdispersion"):
+            asked.pop(name)
+        gears = fit_gears(data, design, **asked, **formulas)
+        progress(1, 3, "every curve, predictions")
+        return _gears_report(gears, at, reference_length), gears.converged
+    from codend.selectivity.fits.analysis import fit_field_data
+
+    fitted = fit_field_data(data, design, **asked)
+    progress(1, 3, "every curve, predictions")
+    return _trial_report(fitted, at, reference_length), fitted.converged
 
 
 def _print(report: "FitReport") -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from codend.errors import InputError
+from codend.errors import OPTIONS, InputError
 
 PAGES = {
     "index": "what there is",
@@ -68,7 +68,7 @@ def _build(pages: Path, site: Path) -> None:
         from mkdocs.exceptions import Abort
     except ModuleNotFoundError:
         allowed = "pip install 'codend[guide]', which brings MkDocs"
-        raise InputError("options", "--site", str(site), allowed, "needs MkDocs") from None
+        raise InputError(OPTIONS, "--site", str(site), allowed, "needs MkDocs") from None
     from tempfile import NamedTemporaryFile
 
     with NamedTemporaryFile("w", suffix=".yml", encoding="utf-8") as settings:
@@ -88,4 +88,4 @@ def _build(pages: Path, site: Path) -> None:
     try:
         build(config)
     except Abort as error:
-        raise InputError("options", "--site", str(site), "pages whose links lead somewhere", str(error)) from None
+        raise InputError(OPTIONS, "--site", str(site), "pages whose links lead somewhere", str(error)) from None

@@ -38,6 +38,8 @@ class Reason(Enum):
     """The plan is the same all round, and nothing is given a density other than the water's."""
     LITTLE_WEIGHT = auto()
     """The plan is the same all round but for a wet weight that does not matter."""
+    LAYER = auto()
+    """Second layers have a place in sectors alone, which leave out a wet weight that matters."""
     WEIGHT = auto()
     """Wet weight breaks the symmetry; meshes are merged as the accuracy allows."""
     TOO_HEAVY_TO_GLOBALISE = auto()
@@ -156,7 +158,7 @@ def choose(plan: Plan) -> Choice:
         raise InputError(plan.source, "model.fidelity", asked, allowed)
     if plan.layer and asked == "auto":
         # layers meet all round alike, or not at all in this model
-        return by_sector
+        return replace(by_sector, reason=Reason.LAYER) if by_sector.weight_matters else by_sector
     match asked:
         case "sector":
             return replace(by_sector, reason=Reason.ASKED)

@@ -6,7 +6,7 @@ import numpy as np
 
 from codend.bag.bag import Bag
 from codend.bag.build import build_bag
-from codend.bag.measures import mean_by, ring_radii
+from codend.bag.measures import mean_by, ring_means
 from codend.bag.meridian.plan_case import tensions_on
 from codend.bag.meridian.problem import MeridianShape
 from codend.equilibrium.bag_model import BagModel
@@ -43,21 +43,11 @@ def windowed_start(wider: BagModel, sector: Bag, found: Solution) -> Solution:
     Its rows are those of the sector, and its bars pull as theirs do; those of a window, more or fewer, share the pull.
     """
     whole = wider.bag
-    ring = np.flatnonzero(sector.node_row >= 0)
-    row = sector.node_row[ring]
-    x, radius = (
-        np.bincount(row, values) / np.bincount(row)
-        for values in (found.positions[ring, 0], np.hypot(*found.positions[ring, 1:].T))
-    )
-    laid = build_bag(wider.plan, globalisation=wider.globalisation, rows=(x, radius))
+    laid = build_bag(wider.plan, globalisation=wider.globalisation, rows=ring_means(sector, found.positions))
     pulls = np.zeros(len(whole.net.bars))
     for twine in (True, False):
-        own = np.delete(sector.bar_is_twine == twine, sector.ropes)
-        pull = np.delete(found.bar_tension, sector.ropes)[own]
-        band = np.delete(sector.bar_band, sector.ropes)[own]
-        mean = np.bincount(band, pull, sector.bands) / np.maximum(np.bincount(band, minlength=sector.bands), 1)
         there = whole.bar_is_twine == twine
-        pulls[there] = mean[whole.bar_band[there]]
+        pulls[there] = _band_means(sector, found.bar_tension, twine)[whole.bar_band[there]]
     for number, (window, hole) in enumerate(zip(wider.plan.window, wider.plan.holes, strict=True)):
         lines = (
             window.meshes_round * window.rows_per_mesh / (hole.across * wider.plan.netting[hole.section].rows_per_mesh)
@@ -89,23 +79,25 @@ def set_round(sector: Bag, whole: Bag, solution: Solution) -> Solution:
     return replace(solution, positions=positions, bar_tension=np.concatenate(pulls))
 
 
+def _band_means(bag: Bag, tension: Floats, twine: bool) -> Floats:
+    """Mean tension of the twines, or of the knots, of every band, 0 where it has none, (bands,)."""
+    band = np.where(bag.bar_is_twine == twine, bag.bar_band, -1)
+    band[bag.ropes] = -1
+    return np.nan_to_num(mean_by(band, tension, bag.bands))
+
+
 def along_the_rows(narrow: Bag, solution: Solution, model: BagModel) -> Solution:
     """A start for a wide sector or a full net of joined sections: the rows and tensions of one of nearly their ratio.
 
     Every ring is a circle at the mean place of the narrow one's knots, every twine and knot of a band pulls as the mean
     of its own do.
     """
-    rings, g = np.flatnonzero(narrow.node_row >= 0), model.globalisation
-    rows = narrow.bands + 1
-    x = mean_by(narrow.node_row[rings], solution.positions[rings, 0], rows)
-    radius = mean_by(narrow.node_row[rings], ring_radii(narrow, solution.positions), rows)
+    g = model.globalisation
+    x, radius = ring_means(narrow, solution.positions)
     bag = build_bag(model.plan, globalisation=g, sectors=model.sectors, rows=(x[::g], radius[::g]), near=model.near)
-    twine = narrow.bar_is_twine
-    of_twine, of_knots = (
-        mean_by(narrow.bar_band[which], solution.bar_tension[which], narrow.bands)[::g] for which in (twine, ~twine)
-    )
+    of_twine, of_knots = (_band_means(narrow, solution.bar_tension, twine)[::g] for twine in (True, False))
     # straps begin slack
-    pulls = np.nan_to_num(np.where(bag.bar_is_twine, of_twine[bag.bar_band], of_knots[bag.bar_band]))
+    pulls = np.where(bag.bar_is_twine, of_twine[bag.bar_band], of_knots[bag.bar_band])
     pulls[bag.straps] = 0.0
     return Solution(bag.net.positions, g * pulls, np.zeros(bag.bands), START)
 

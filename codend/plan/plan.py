@@ -407,7 +407,7 @@ class Plan(Table):
         theta = np.arange(0.0, 181.0)
         net = np.broadcast_to(np.asarray(law(theta), dtype=float), theta.shape)
         curve = [[float(angle), float(cp)] for angle, cp in zip(theta, 1.0 - net, strict=True)]
-        tables = self.to_dict()
+        tables = self.said()
         kept = {key: value for key, value in tables["catch"].items() if key not in ("coefficient", "sphere_cp_csv")}
         return plan_from_dict(tables | {"catch": kept | {"pressure": "sphere", "sphere_cp": curve}}, self.source)
 
@@ -423,6 +423,10 @@ class Plan(Table):
     def __repr__(self) -> str:
         sections = ", ".join(f"{part.meshes_round} x {part.meshes_long} {part.mesh}" for part in self.netting)
         return f"<Plan {self.title!r}: {sections}; {len(self.cases())} cases>"
+
+    def said(self) -> dict[str, Any]:
+        """The tables as they were given, without what was left out: changes laid over them are those of its file."""
+        return self.model_dump(mode="json", exclude_unset=True, exclude_none=True)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain tables, defaults filled in and absent keys left out; ``plan_from_dict`` reads them back."""

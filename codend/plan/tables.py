@@ -4,7 +4,7 @@ Every number keeps the name and unit of its key in the file; properties without 
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
@@ -502,15 +502,17 @@ class Drag(Table):
     bessonneau-1997; in choo-casarella-1971 both numbers are factors on the law's coefficients, which depend on the
     Reynolds number."""
 
-    @model_validator(mode="before")
+    @model_validator(mode="wrap")
     @classmethod
-    def _filled_in(cls, data: Any) -> Any:
+    def _filled_in(cls, data: Any, check: Callable[[Any], Self]) -> Self:
         if not isinstance(data, Mapping):
-            return data
+            return check(data)
         law = data.get("law", cls.model_fields["law"].default)
         # A law that is none gets any numbers: it is itself what will be refused.
         normal, tangential = DRAG_COEFFICIENTS.get(str(law), (0.0, 0.0))
-        return {"normal": normal, "tangential": tangential, **data}
+        found = check({"normal": normal, "tangential": tangential, **data})
+        found.model_fields_set.intersection_update(data)  # what the law gives the plan has not said
+        return found
 
     @property
     def coefficients(self) -> tuple[float, float]:

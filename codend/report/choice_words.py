@@ -12,7 +12,9 @@ def reason_text(choice: Choice) -> str:
         case Reason.ASKED:
             said = f"Asked for: {_model(choice)}"
             if choice.weight_matters and not choice.sees_weight:
-                said += f"; it leaves out the wet weight, which here matters ({weighed})"
+                said += f"; {_left_out(weighed)}"
+        case Reason.LAYER:
+            said = f"Second layers are modelled all round alike, {_sector(choice)}; {_left_out(weighed)}"
         case Reason.ROPES:
             alike = "The plan is the same all round but for equal ropes or seams"
             said = f"{alike}: {_sector(choice)}, as they repeat, is exact"
@@ -34,6 +36,10 @@ def reason_text(choice: Choice) -> str:
                 model = "the full net, for merged meshes may bear so much of it otherwise"
             said = f"Wet weight breaks the symmetry ({weighed}): {model}"
     return f"{said}.{_time(choice)}"
+
+
+def _left_out(weighed: str) -> str:
+    return f"it leaves out the wet weight, which here matters ({weighed})"
 
 
 def _merged(choice: Choice) -> str:

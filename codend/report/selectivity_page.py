@@ -14,7 +14,7 @@ from codend.report.html import PageFigure, rendered_part
 from codend.report.own_look import own_look
 from codend.report.page_parts import put_into
 from codend.report.selectivity_plots import catch_plot, history_plot, mesh_plot, retention_plot, sensitivity_plot
-from codend.report.selectivity_words import answers, field_notes, notes, why_none
+from codend.report.selectivity_words import answers, field_notes, l50_and_sr, notes, why_none
 from codend.report.style import column_text, png
 from codend.report.together_plot import together_plot
 from codend.selectivity.escape.predict import Prediction
@@ -176,12 +176,7 @@ def card_html(predictions: Sequence[Prediction]) -> str:
     """Cards of the page's answer: L50 and SR that a trial would report, and L50 against the catch."""
     cards = []
     for one in predictions:
-        (l50, sr), lower, upper = one.logit[-1], one.lower_95[-1], one.upper_95[-1]
-        said = []
-        for name, value, low, high in zip(("L50", "SR"), (l50, sr), lower, upper, strict=True):
-            if np.isfinite(value):
-                within = f"{low:.1f} to {high:.1f}" if np.isfinite(low) else ""
-                said.append((name, f"{value:.1f}", within))
+        said = l50_and_sr(one)
         volume, ends = one.haul.volume_m3, one.end_logit[:, 0]
         good = np.isfinite(ends)
         plot = small_plot(volume[good], ends[good], np.full(good.sum(), np.nan), "m³")

@@ -18,20 +18,30 @@ def answers(predictions: Sequence[Prediction]) -> list[str]:
     """What a trial of each codend and species would report, a line each."""
     found = []
     for one in predictions:
-        (l50, sr), lower, upper = one.logit[-1], one.lower_95[-1], one.upper_95[-1]
         name = f"{one.species.name} at {one.haul.speed_m_s:g} m/s"
-        if not np.isfinite(l50):
+        numbers = l50_and_sr(one)
+        if not numbers:
             found.append(f"{name}: no L50: {why_none(one)}.")
             continue
         said = [
-            f"{what} {value:.1f} cm (95 % {low:.1f} to {high:.1f})" if np.isfinite(low) else f"{what} {value:.1f} cm"
-            for what, value, low, high in zip(("L50", "SR"), (l50, sr), lower, upper, strict=True)
+            f"{what} {value} cm (95 % {within})" if within else f"{what} {value} cm" for what, value, within in numbers
         ]
         found.append(
             f"{name}: {', '.join(said)}, as a trial would report it: a logit curve fitted to whole hauls that end with "
             f"{one.haul.volume_m3[-1]:.3g} m³."
         )
     return found
+
+
+def l50_and_sr(found: Prediction) -> list[tuple[str, str, str]]:
+    """L50 and SR that a trial would report, each by name, in cm and with its interval; none without an L50."""
+    values, lower, upper = found.logit[-1], found.lower_95[-1], found.upper_95[-1]
+    if not np.isfinite(values[0]):
+        return []
+    return [
+        (what, f"{value:.1f}", f"{low:.1f} to {high:.1f}" if np.isfinite(low) else "")
+        for what, value, low, high in zip(("L50", "SR"), values, lower, upper, strict=True)
+    ]
 
 
 def why_none(found: Prediction) -> str:
@@ -59,6 +69,11 @@ def notes(predictions: Sequence[Prediction]) -> list[str]:
         elif not np.isfinite(one.opening_reach).all():
             found.append(
                 f"{one.species.name}: some catches have no L50, so it is not known what the error of the openings does."
+            )
+        if any(catch.smeared for catch in one.haul.catches):
+            found.append(
+                f"{one.species.name}: the ropes of this run are smeared over all meshes, so fish meet the mean opening "
+                "of each row: near ropes and between them meshes open otherwise, and no interval holds what that does."
             )
         early = one.haul.time(one.species)[0]
         if len(one.haul.catches) == 1:

@@ -8,9 +8,10 @@ from typing import Final
 import pandas as pd
 
 from codend.io.files import write_bytes, write_table, write_text
+from codend.report.fit_page import Section
 from codend.report.html import PageFigure, rendered
 from codend.report.own_look import own_look
-from codend.report.page_sections import table_section, text_section
+from codend.report.page_sections import table_section
 from codend.report.style import number_text, png, spread
 from codend.report.tornado_plot import named, tornado_figure
 
@@ -85,7 +86,7 @@ def better(intervals: pd.DataFrame) -> list[str]:
 
 def _html(title: str, table: pd.DataFrame, intervals: pd.DataFrame | None, figures: list[PageFigure]) -> str:
     last = list(table.groupby([name for name in WHAT if name in table], sort=False))[-1][1]
-    sections = [text_section("What does most", tuple(told(last)), tuple(figures))]
+    sections = [Section("What does most", tuple(told(last)), figures=tuple(figures))]
     if intervals is not None:
         remark = (
             "In proportion, numbers as independent: the interval holds what the plan's numbers leave open, and no "

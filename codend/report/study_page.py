@@ -10,9 +10,10 @@ import pandas as pd
 from codend.io.files import write_bytes, write_text
 from codend.plan.copy import plan_toml
 from codend.plan.plan import Plan
+from codend.report.fit_page import Section
 from codend.report.html import PageFigure, rendered
 from codend.report.own_look import own_look
-from codend.report.page_sections import table_section, text_section
+from codend.report.page_sections import table_section
 from codend.report.study_plots import Swept, front_of, map_figure, pareto_figure, response_figure, swept
 from codend.report.style import png, spread
 from codend.report.tornado_plot import named
@@ -95,7 +96,7 @@ def _html(title: str, found: Swept, drawn: dict[str, tuple[bytes, str]], best: p
         warnings=(),
         notes=(),
         sections=[
-            text_section("What it shows", (), figures),
+            Section("What it shows", (), figures=figures),
             table_section("Best designs", (remark,), best[told]),
         ],
     )

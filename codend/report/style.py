@@ -136,6 +136,8 @@ def worth(value: float, error: float, digits: int = 4) -> tuple[str, str]:
     decimals = digits - 1 - math.floor(math.log10(abs(value))) if value else digits - 1
     told = ""
     if math.isfinite(error) and error > 0.5 * 10.0**-decimals:
-        decimals = min(decimals, -math.floor(math.log10(error)))
+        first = math.floor(math.log10(error))
+        # of 13.9 one digit would tell a third less
+        decimals = min(decimals, -first + (error < 2.0 * 10.0**first))
         told = f"{round(error, decimals):.{max(decimals, 0)}f}"
     return f"{round(value, decimals):.{max(decimals, 0)}f}", told

@@ -11,8 +11,8 @@ from pydantic.fields import FieldInfo
 
 from codend.netting.sheet import EDGES, EdgeName, Sheet, Taper, diamond_sheet, square_sheet
 from codend.plan.messages import Contradiction
-from codend.plan.tables import DRAG_COEFFICIENTS, Netting, Number, Table, Text, Whole
-from codend.scenes.tables import Vector
+from codend.plan.tables import Netting, Number, Table, Text, Whole
+from codend.scenes.tables import Vector, drag_by
 
 TWINE_KEYS: Final = (
     "mesh",
@@ -122,12 +122,7 @@ class _SheetTable(Table):
     @property
     def drag(self) -> tuple[str, float, float]:
         """Law of its twine's drag and its two coefficients."""
-        normal, tangential = DRAG_COEFFICIENTS[self.law]
-        return (
-            self.law,
-            normal if self.normal is None else self.normal,
-            tangential if self.tangential is None else self.tangential,
-        )
+        return drag_by(self.law, self.normal, self.tangential)
 
     @property
     def stretched_m(self) -> float:

@@ -49,6 +49,12 @@ class WaterTable(Table):
         return self
 
 
+def drag_by(law: str, normal: float | None, tangential: float | None) -> tuple[str, float, float]:
+    """A law of drag and its two coefficients, the law's own where they are left out."""
+    own = DRAG_COEFFICIENTS[law]
+    return law, own[0] if normal is None else normal, own[1] if tangential is None else tangential
+
+
 class _RopeTable(Table):
     """A rope, warp, bridle or mooring between two points; it never pushes."""
 
@@ -84,12 +90,7 @@ class _RopeTable(Table):
     @property
     def drag(self) -> tuple[str, float, float]:
         """Law of its drag and its two coefficients."""
-        normal, tangential = DRAG_COEFFICIENTS[self.law]
-        return (
-            self.law,
-            normal if self.normal is None else self.normal,
-            tangential if self.tangential is None else self.tangential,
-        )
+        return drag_by(self.law, self.normal, self.tangential)
 
 
 if TYPE_CHECKING:

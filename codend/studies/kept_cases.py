@@ -55,11 +55,16 @@ class KeptCases:
             for name, table in Study(self._plan, self._choice, (result,)).tables.items():
                 self._texts[name][result.case.number] = table_text(table)
         self._waiting.clear()
-        write_text(plan_toml(self._plan), self._folder / "plan.toml")
+        whole = {"plan.toml": plan_toml(self._plan)}
         for name, texts in self._texts.items():
             if texts:
                 ordered = [texts[number] for number in sorted(texts)]
-                write_text(ordered[0] + "".join(text.partition("\n")[2] for text in ordered[1:]), self._folder / name)
+                whole[name] = ordered[0] + "".join(text.partition("\n")[2] for text in ordered[1:])
+        for name, text in whole.items():
+            path = self._folder / name
+            # the report may have written it already
+            if not path.is_file() or path.read_bytes() != text.encode(errors="replace"):
+                write_text(text, path)
         self._last = monotonic()
         self._spent_s += self._last - before
 

@@ -5,11 +5,13 @@ import pytest
 
 from codend.bag.build import build_bag
 from codend.bag.layer_measures import measure_layers
+from codend.equilibrium.fidelity import Reason, choose
 from codend.errors import InputError
 from codend.mechanics import wrap
 from codend.mechanics.structure import structure_of
 from codend.mechanics.tangent import pattern_of
 from codend.plan.plan import Plan, plan_from_dict
+from codend.report.choice_words import reason_text
 from codend.studies.study import solve
 from tests.mechanics.test_tangent import dense
 
@@ -122,3 +124,11 @@ def test_a_strengthening_bag_is_solved_in_milliseconds_a_catch_in_a_series():
 def test_layers_that_cannot_be_are_refused_in_one_line(layer, tables, said):
     with pytest.raises(InputError, match=said):
         plan_with(SNUG | layer, **tables)
+
+
+def test_weight_that_a_layer_leaves_out_is_told_where_it_matters():
+    heavy = plan_from_dict(plan_with(SNUG).said(), overrides={"netting.0.twine_density_kg_m3": 5000.0})
+    choice = choose(heavy)
+    assert choice.weight_matters
+    assert choice.reason is Reason.LAYER
+    assert "leaves out the wet weight, which here matters" in reason_text(choice)

@@ -94,6 +94,8 @@ class Catch:
     """Where each mesh lies, (k,); empty: all in one part."""
     opening_error_deg: float = 0.0
     """By how much the openings may be off: the estimate of that ahead of the catch; nan where there is none."""
+    smeared: bool = False
+    """Whether ropes were smeared over all meshes, whose openings are then means round the ring."""
 
 
 def run_of(study: Solved) -> Run:
@@ -172,6 +174,7 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
                 share=share[which],
                 parts=tuple(Part(str(names[i]), str(panels[i])) for i in which),
                 opening_error_deg=float(result.get("opening_ahead_error_deg", np.nan)),
+                smeared=result["fidelity"] == "smeared",
             )
         )
     return found

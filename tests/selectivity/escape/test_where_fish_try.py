@@ -1,5 +1,7 @@
 """Zones, distributions along the codend, and shut meshes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -149,3 +151,12 @@ def test_a_zone_without_effect_is_told():
     assert len(idle) == 2
     assert "[[zone]] nosuch has no effect: of the codend's parts (codend upper, codend lower)" in idle[0]
     assert not any("no effect" in note for note in notes([predict_haul(SPECIES, haul, n_bootstrap=0, samples=0)]))
+
+
+def test_it_is_told_that_smeared_ropes_leave_only_mean_openings():
+    parts = {UPPER: (40.0, 1.0), LOWER: (40.0, 1.0)}
+    told = []
+    for smeared in (False, True):
+        (haul,) = hauls_of([replace(catch(parts), smeared=smeared)])
+        told.append(" ".join(notes([predict_haul(SPECIES, haul, n_bootstrap=0, samples=0)])))
+    assert ["smeared" in words for words in told] == [False, True]
