@@ -18,6 +18,7 @@ from codend.mechanics.bars import bar_lengths, carried
 from codend.mechanics.loads import Loading
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
+from codend.mechanics.surface import Surface
 from codend.solvers import newton
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import reference_tension
@@ -165,7 +166,7 @@ class _Steps:
             if size == 1.0:
                 self.shift = max(FALL * self.shift, LEAST_SHIFT)
         else:
-            size = self._under_contact(size)
+            size = self._under_contact(size, self.problem.surface)
         self.here, self.there = self.there, self.here
         return size
 
@@ -177,9 +178,9 @@ class _Steps:
             size *= 0.5
         return 0.0
 
-    def _under_contact(self, size: float) -> float:
+    def _under_contact(self, size: float, surface: Surface) -> float:
         """The share of a step after which nothing has passed through, nor is pushed back much."""
-        step, surface = self.watched.prepared.step, self.problem.surface
+        step = self.watched.prepared.step
         move, before = step.move, self.before
         along = float(np.vdot(move, before)) / float(np.linalg.norm(move) * np.linalg.norm(before) + 1e-300)
         back = size == 1.0 and along < REVERSED
