@@ -17,7 +17,7 @@ from codend.mechanics.lanes import LANES, take_conjugate_product
 from codend.net.net import Floats, Ints
 
 Complex = NDArray[np.complex128]
-Numbers = NDArray[np.complex128] | NDArray[np.float64]
+Numbers = NDArray[np.inexact]
 """Complex, or real where every turn is: in harmonic 0, and in that of half the order."""
 
 
@@ -124,6 +124,23 @@ def negative_pivots_side_by_side(
                         u + lane,
                         u + lanes + lane,
                     )
+
+
+@njit(cache=True, error_model="numpy")
+def write_rows(band: Numbers, centre: float, hermitian: bool, rows: Numbers) -> None:
+    """Write a band, or its Hermitian part, less ``centre`` on its diagonal, as ``factorise_band_of_numbers`` takes it.
+
+    Entry (i, j) stands in ``band[half + i - j, j]`` and goes into ``rows[i, half + j - i]``.
+    """
+    width, size = band.shape
+    half = width // 2
+    for i in range(size):
+        for j in range(max(0, i - half), min(size, i + half + 1)):
+            entry = band[half + i - j, j]
+            if hermitian:
+                entry = 0.5 * (entry + np.conj(band[half + j - i, i]))
+            rows[i, half + j - i] = entry
+        rows[i, half] -= centre
 
 
 @njit(cache=True, error_model="numpy")

@@ -3,9 +3,15 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from codend.mechanics.harmonics import Complex, Numbers, arnoldi, factorise_band_of_numbers, solve_band_of_numbers
+from codend.mechanics.harmonics import (
+    Complex,
+    Numbers,
+    arnoldi,
+    factorise_band_of_numbers,
+    solve_band_of_numbers,
+    write_rows,
+)
 from codend.net.net import Floats
 
 NEAREST = 1e-8
@@ -39,33 +45,18 @@ class HarmonicTangent:
         """All entries, (unknowns, unknowns)."""
         return np.asarray(self @ np.eye(self.size, dtype=self.band.dtype))
 
-    def __matmul__(self, vectors: NDArray[np.inexact]) -> NDArray[np.inexact]:
+    def __matmul__(self, vectors: Numbers) -> Numbers:
         """Products with vectors, (unknowns, k)."""
         from scipy.sparse import dia_array
 
         below = np.arange(len(self.band)) - self.half
-        product: NDArray[np.inexact] = np.asarray(
-            dia_array((self.band, -below), shape=(self.size, self.size)) @ vectors
-        )
+        product: Numbers = np.asarray(dia_array((self.band, -below), shape=(self.size, self.size)) @ vectors)
         return product if self.front is None else product - np.outer(self.front[0], self.front[1] @ vectors)
 
-    def _adjoint(self) -> Numbers:
-        """The band of B^H."""
-        adjoint = np.zeros_like(self.band)
-        for row in range(len(self.band)):
-            below, values = row - self.half, self.band[row].conj()
-            inside = slice(max(-below, 0), self.size - max(below, 0))
-            adjoint[2 * self.half - row, inside.start + below : inside.stop + below] = values[inside]
-        return adjoint
-
-    def _factors(self, centre: float) -> Numbers:
-        """Factors of B less ``centre`` on its diagonal, row by row."""
-        rows: Numbers = np.zeros_like(self.band.T, order="C")
-        for row in range(len(self.band)):
-            below = row - self.half
-            inside = slice(max(-below, 0), self.size - max(below, 0))
-            rows[inside.start + below : inside.stop + below, len(self.band) - 1 - row] = self.band[row, inside]
-        rows[:, self.half] -= centre
+    def _factors(self, centre: float, hermitian: bool = False) -> Numbers:
+        """Factors of B, or of its Hermitian part, less ``centre`` on its diagonal, row by row."""
+        rows = np.zeros((self.size, len(self.band)), dtype=self.band.dtype)
+        write_rows(self.band, centre, hermitian, rows)
         factorise_band_of_numbers(rows)
         return rows
 
@@ -83,7 +74,7 @@ class HarmonicTangent:
             by_load[:], gradient[:] = self.front
             solve_band_of_numbers(band, by_load)
             by_load /= 1.0 - np.sum(gradient * by_load)
-        basis: Numbers = np.zeros((most + 1, self.size), dtype=kind)
+        basis = np.zeros((most + 1, self.size), dtype=kind)
         projection = np.zeros((most + 1, most), dtype=kind)
         start = np.random.default_rng(0).standard_normal(self.size)
         basis[0] = start / np.sqrt(np.sum(start**2))
@@ -122,7 +113,7 @@ class HarmonicTangent:
             basis: Y, (unknowns, moves).
         """
         # sides may be complex where the band is real
-        factors = HarmonicTangent(0.5 * (self.band + self._adjoint()))._factors(0.0).astype(np.complex128)
+        factors = self._factors(0.0, hermitian=True).astype(np.complex128)
 
         def solve(sides: Complex) -> Complex:
             solved = sides.copy()
