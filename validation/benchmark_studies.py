@@ -27,7 +27,7 @@ GOALS = {"series of catches": 1000.0, "designs of their own": 400.0}
 
 def study_of(cases: int, catches: int) -> dict[str, Any]:
     """The study with so many cases, so many of them catches of one design."""
-    filled = np.linspace(10.0, 49.0, catches).tolist() if catches > 1 else [30.0]
+    filled = np.linspace(10.0, 34.5, catches).tolist() if catches > 1 else [30.0]
     designs = []
     for mesh, knot_mm in (("diamond", 0.0), ("t90", 4.0)):
         for meshes_long in (40, 60, 90, 140):
@@ -49,7 +49,7 @@ def study_of(cases: int, catches: int) -> dict[str, Any]:
         "tow.speed_m_s": {"from": 1.0, "to": 2.0},
     }
     if catches == 1:
-        vary["catch.filled_meshes"] = {"from": 15.0, "to": 60.0}
+        vary["catch.filled_meshes"] = {"from": 10.0, "to": 35.0}
     return {"title": "benchmark", "design": designs, "vary": vary}
 
 
