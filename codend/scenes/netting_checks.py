@@ -84,11 +84,11 @@ def carried(first: Set[str], links: Sequence[Set[str]]) -> Set[str]:
 
 
 def links_of(sheets: Sequence[SheetTable], seams: Sequence[SeamTable], ropes: Ends) -> list[Set[str]]:
-    """What joins names of points, ropes and netting to each other, and to "vessel" and "ground" what these hold."""
+    """What joins names of points, ropes and netting to each other, to "vessel", "ground", "frame" what they hold."""
     links: list[Set[str]] = [{name, *ends} for name, ends in ropes.items()]
     for sheet in sheets:
         on = [sheet.ropes_of(edge) for edge in EDGES]
-        held = [hold for edge in EDGES if (hold := sheet.hold_of(edge)) in ("vessel", "ground")]
+        held = [hold for edge in EDGES if (hold := sheet.hold_of(edge)) in ("vessel", "ground", "frame")]
         links.append({sheet.name, *sheet.points, *chain.from_iterable(on), *held})
     links += [{name for name, _ in seam.named} for seam in seams]
     return links

@@ -29,9 +29,9 @@ TWINE_KEYS: Final = (
     "axial_stiffness_n",
 )
 """Keys that a sheet has in common with a section of a codend, and that mean the same."""
-HOLDS: Final = ("vessel", "ground", "symmetry", "repeats")
-"""What an edge may be held by: every way; in the plane of symmetry, y = 0; in the plane of its own y, as of netting
-that repeats sideways. Ropes are called by their names."""
+HOLDS: Final = ("vessel", "ground", "frame", "symmetry", "repeats")
+"""What an edge may be held by: every way, by three of them; in the plane of symmetry, y = 0; in the plane of its own
+y, as of netting that repeats sideways. Ropes are called by their names."""
 PLANES: Final = ("symmetry", "repeats")
 """Those beyond which there is more of the netting."""
 CORNERS: Final[dict[EdgeName, tuple[int, int]]] = {"fore": (0, 1), "aft": (3, 2), "left": (0, 3), "right": (1, 2)}
