@@ -21,6 +21,7 @@ from codend.scenes.frame_tables import FRAME
 from codend.scenes.netting_tables import PLANES
 from codend.scenes.scene import FAST, Scene
 from codend.scenes.sheets import at_points, laced, laid, merged, sewn
+from codend.scenes.shielding import speed_shares as speed_shares_of
 from codend.scenes.tables import VESSEL, PointTable
 
 FINE = 20
@@ -58,6 +59,8 @@ class BuiltScene:
     """Nodes that go with the vessel, (n,)."""
     frame: Body | None
     """The scene's frame, held or afloat."""
+    speed_shares: tuple[float, ...]
+    """Speed of the water that every sheet meets, over that of the current."""
 
     @property
     def held(self) -> dict[str, int]:
@@ -89,12 +92,15 @@ def build(scene: Scene) -> BuiltScene:
         bars.add_rope(rope, np.stack([nodes[:-1], nodes[1:]], axis=1))
     firm, pairs = len(positions), []
     sheet_nodes = []
+    firmly = np.array(positions)
+    curves = [[(part, firmly[rope_nodes[part.rope]]) for part in lacing] for lacing in lacings]
+    shapes = [laid(sheet, places, along) for sheet, along in zip(scene.netting, curves, strict=True)]
+    speed_shares = speed_shares_of(scene.netting, shapes)
     for number, (sheet, lacing) in enumerate(zip(scene.netting, lacings, strict=True)):
         nodes = np.arange(len(sheet.sheet.share)) + len(positions)
-        curves = [(part, np.array(positions)[rope_nodes[part.rope]]) for part in lacing]
-        positions += list(laid(sheet, places, curves))
+        positions += list(shapes[number])
         sheet_nodes.append(nodes)
-        bars.add_sheet(sheet, number, nodes)
+        bars.add_sheet(sheet, number, nodes, speed_shares[number])
         pairs += at_points(sheet, nodes, node_of)
         for part in lacing:
             pairs += part.pairs(nodes[part.edge.knots], rope_nodes[part.rope])
@@ -140,6 +146,7 @@ def build(scene: Scene) -> BuiltScene:
         bars.added_mass,
         towed,
         body,
+        tuple(speed_shares),
     )
     return _drawn_in(built) if scene.time is not None and scene.time.start == "placed" else built
 

@@ -214,4 +214,4 @@ def cautions(result: SceneResult) -> list[str]:
     laws = sorted({rope.drag[0] for rope in scene.rope})
     if laws:
         found.append(f"Drag of the ropes by {' and '.join(laws)}: depths differ by a fifth from one law to another.")
-    return found + netting_caution(scene)
+    return found + netting_caution(result.built)

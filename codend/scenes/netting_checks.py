@@ -36,6 +36,12 @@ def netting_contradictions(
             if isinstance(on, str) and on not in points:
                 allowed = f"a place [x, y, z], or the name of a point: {', '.join(points) or 'none'}"
                 yield Contradiction(f"{at}.corners.{corner}", allowed)
+        for other in sheet.shields:
+            if other not in names or other == sheet.name:
+                others = [name for name in names if name != sheet.name]
+                yield Contradiction(f"{at}.shielded_by", f"other netting: {', '.join(others) or 'of which is none'}")
+            elif "choo-casarella-1971" in (sheet.law, sheets[names.index(other)].law):
+                yield Contradiction(f"{at}.shielded_by", "left out with a law whose coefficients depend on the speed")
         for edge in EDGES:
             yield from _edge_contradictions(sheet, edge, f"{at}.{edge}", ropes, holds)
     for index, seam in enumerate(seams):
