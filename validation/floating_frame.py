@@ -241,7 +241,7 @@ def step_error(problem: Problem, positions: Floats, system: BodySystem, rng: np.
         return np.where(gives, np.maximum(law, 0.0), 0.0)
 
     force = state_at(positions, density_at(positions))
-    newton_step.linearise(structure, loading, system.prepared.pattern, tension, 0.0, 0.0, state, system.prepared.step)
+    newton_step.linearise(structure, loading, system.prepared.pattern, tension, 0.0, state, system.prepared.step)
     if system.factorise(system.prepared.step.blocks, pose, force) != 0:
         raise ArithmeticError("the tangent is singular")
     right = rng.normal(size=(1, len(positions), 3))
