@@ -151,11 +151,14 @@ class _Run:
         """
         problem, prepared, state = self.problem, self.prepared, self.state
         step = prepared.step
+        structure = problem.structure
+        yielding = np.zeros(len(structure.flexibility))
+        if self.barrier > 0.0:
+            yielding = np.where(structure.is_strut, 0.0, self.barrier / state.density**2)
+        softened = structure._replace(flexibility=structure.flexibility + yielding)
         while True:
             turn = np.inf
-            newton_step.linearise(
-                problem.structure, problem.loading, prepared.pattern, self.tension, shift, self.barrier, state, step
-            )
+            newton_step.linearise(softened, problem.loading, prepared.pattern, self.tension, shift, state, step)
             if self.system.factorise(step.blocks, self.pose, state.force) == 0:
                 solved = self.system.solve(step.right[:1], self.pose)
                 _, asked, _ = newton_step.finish_step(problem.structure, state, state, solved, step)

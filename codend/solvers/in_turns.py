@@ -95,7 +95,7 @@ def _moves(problem: Problem, found: Solution, pose: rigid.Pose) -> tuple[Floats 
     measure(structure, watched.loading, tension, 1.0, 0.0, state)
     system = BodySystem(problem, prepared)
     for shift in SHIFTS:
-        newton_step.linearise(structure, watched.loading, prepared.pattern, tension, shift, 0.0, state, prepared.step)
+        newton_step.linearise(structure, watched.loading, prepared.pattern, tension, shift, state, prepared.step)
         if system.factorise(prepared.step.blocks, pose, state.force) == 0:
             move = system.solve(prepared.step.right[:1], pose)[0]
             if np.isfinite(move).all():
