@@ -125,7 +125,7 @@ def _linearise(problem: Problem, solution: Solution, ring: Ring) -> None:
     np.divide(solution.bar_tension, state.length, out=state.density)
     tension = solution.mean_tension
     measure(structure, problem.loading, tension, DIRECT.switches[0], 0.0, state)
-    sides = kernels.linearise(structure, problem.loading, ring.pattern, tension, NEUTRAL, 0.0, state, step)
+    sides = kernels.linearise(structure, problem.loading, ring.pattern, tension, NEUTRAL, state, step)
     ring.gather(sides == 2)
 
 
