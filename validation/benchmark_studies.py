@@ -1,6 +1,6 @@
 """How fast studies are solved: cases a second with one and two workers, and what they take of time and memory.
 
-Run as ``python -m validation.benchmark_studies [--cases 10000]``. T0 and T90 codends of 40 to 140 meshes long, drawn over
+Run as ``python -m validation.benchmark_studies [--cases 10000]``. T0 and T90 codends 40 to 140 meshes long, drawn over
 mesh size, meshes round, twine, speed and catch (Sobol), under the sphere law, all columns but selectivity: once in
 series of forty catches a design, and once every case a design of its own. Wall time counts for the goals; processor
 time is printed beside it, for machines that have other work.
