@@ -141,9 +141,7 @@ class _Steps:
             loading = self.watched.loading
             loading = loading._replace(contact=loading.contact._replace(exact=self.exact))
             pattern = self.watched.prepared.pattern
-            sides = newton_step.linearise(
-                self.structure, loading, pattern, self.tension, self.shift, 0.0, self.here, step
-            )
+            sides = newton_step.linearise(self.structure, loading, pattern, self.tension, self.shift, self.here, step)
             negative = system.factorise(step.blocks)
             if (negative == 0 and system.negative_pivots() == 0) or self.shift > MOST_SHIFT:
                 break

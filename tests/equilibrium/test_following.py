@@ -1,4 +1,4 @@
-"""What grows is followed to shapes that last, errors cover what wrinkles change; layers that meet bear on each other."""
+"""What grows is followed to shapes that last, errors cover what wrinkles change; layers that meet bear on another."""
 
 from functools import cache
 
