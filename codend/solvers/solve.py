@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from codend.mechanics.problem import Problem
-from codend.solvers import dynamic_relaxation, gentle, interior_point, newton
+from codend.solvers import dynamic_relaxation, floating, gentle, interior_point, newton
 from codend.solvers.outcome import Progress, Solution, Solver
 
 IN_ORDER: Sequence[Solver] = (interior_point.solve, newton.solve, dynamic_relaxation.solve)
@@ -31,6 +31,8 @@ def find_equilibrium(
         The solution of the first solver that finds one. Where none does, positions and tensions are nan, and the report
         tells what was tried.
     """
+    if problem.body is not None:
+        return _afloat(problem, tolerance, start, progress)
     attempts: list[str] = []
     spent_ms = 0.0
     for solve in IN_ORDER if problem.surface is None else UNDER_CONTACT:
@@ -50,3 +52,16 @@ def polished(problem: Problem, tolerance: float, solution: Solution, progress: P
     spent_ms = solution.report.solve_ms + more.report.solve_ms
     better = more if more.report.outcome.converged else solution
     return replace(better, report=replace(better.report, attempts=attempts, solve_ms=spent_ms))
+
+
+def _afloat(problem: Problem, tolerance: float, start: Solution | None, progress: Progress | None) -> Solution:
+    """Equilibrium of a net with a floating body: at once, or from that with the body held where it is."""
+    found = floating.solve(problem, tolerance, start, progress)
+    if found.report.outcome.converged:
+        return found
+    held = find_equilibrium(replace(problem, body=None), tolerance, start, progress)
+    attempts, spent_ms = (*found.report.attempts, *held.report.attempts), found.report.solve_ms + held.report.solve_ms
+    if held.report.outcome.converged:
+        found = floating.solve(problem, tolerance, held, progress)
+        attempts, spent_ms = (*attempts, *found.report.attempts), spent_ms + found.report.solve_ms
+    return replace(found, report=replace(found.report, attempts=attempts, solve_ms=spent_ms))

@@ -133,6 +133,29 @@ def test_netting_hangs_on_ropes_knot_by_knot_and_the_balance_is_shown():
     assert any("does not slow the water" in note for note in cautions(result))
 
 
+def test_a_wall_behind_another_meets_the_wake_that_loland_tells():
+    # r = 1 - 0.46 Cd, Cd = 1.36 x twine area over the area between the corners
+    front = wall(False, "square", normal=1.36)
+    ahead = front["netting"][0]
+    corners = [[5.0, -0.25, 0.0], [5.0, 0.25, 0.0], "d behind", "c behind"]
+    behind = {**ahead, "name": "rear", "corners": corners}
+    points = [{**p, "name": f"{p['name']} behind", "at": [p["at"][0] + 5.0, *p["at"][1:]]} for p in front["point"]]
+    data = {**front, "netting": [ahead, behind], "point": front["point"] + [p for p in points if p["name"][0] in "cd"]}
+    alone, shielded = (
+        solved({**data, "netting": [ahead, {**behind, **more}]}) for more in ({}, {"shielded_by": "wall"})
+    )
+    twine = row(alone)["twine_area_m2"]
+    area = 0.5 * np.hypot(0.5, 0.1)
+    share = 1.0 - 0.46 * 1.36 * twine / area
+    assert row(shielded, 1)["speed_share"] == pytest.approx(share, rel=1e-2)
+    assert row(shielded)["speed_share"] == 1.0
+    assert row(shielded, 1)["twine_area_m2"] == pytest.approx(twine)
+    at = alone.solution.positions
+    drag = [netting_rows(r.built, at, alone.solution.bar_tension)[1]["drag_n"] for r in (alone, shielded)]
+    assert drag[1] / drag[0] == pytest.approx(row(shielded, 1)["speed_share"] ** 2, rel=1e-12)
+    assert any("by Løland (1993) that of rear to" in note for note in cautions(shielded))
+
+
 def test_two_halves_sewn_together_are_one_sheet():
     whole = wall(False, "diamond")
     sheet = whole["netting"][0]
@@ -189,6 +212,7 @@ def test_netting_that_a_rope_pierces_is_seen():
         ({"corners": ["a", "b", "d"]}, "netting.0.corners.3 is missing"),
         ({"left": "symmetry", "corners": ["a", "b", "d", [0, 1, 0]]}, "a place in the plane of symmetry, y = 0"),
         ({"meshes_across_aft": 100, "mesh": "square"}, "netting.0.meshes_across_aft"),
+        ({"shielded_by": "rear"}, "netting.0.shielded_by"),
         ({"knot_mm": 3.0}, "netting.0.knot_mm = 3.0 is not a known key"),
         ({"name": "head"}, "allowed: a name that no other netting, rope or point has"),
         ({"meshes_across": 80, "globalisation": 20}, "netting.0.axial_stiffness_n is missing"),
