@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from codend.mechanics.problem import Problem
-from codend.mechanics.surface import ContactLaw, Surface
+from codend.mechanics.surface import ContactLaw
 from codend.solvers import interior_point, slack
 from codend.solvers.dynamic_relaxation import reference_tension
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
@@ -37,9 +37,9 @@ def find(
         contact: whether netting that meets netting may press on it.
         progress: told the residual now and then.
     """
-    if not contact or len(problem.net.facets) == 0 or problem.structure.order != 1.0:
+    if not contact or len(problem.net.facets) == 0 or problem.body is not None:
         return problem, find_equilibrium(problem, tolerance, progress=progress)
-    touching = replace(problem, surface=Surface.of(problem.net, contact_law(problem)))
+    touching = problem.touching_by(contact_law(problem))
     found = interior_point.solve(problem, tolerance, progress=progress)
     attempts, spent_ms = list(found.report.attempts), found.report.solve_ms
     if found.report.outcome.converged:
@@ -47,9 +47,9 @@ def find(
             return problem, polished(problem, tolerance, found, progress)
         attempts.append("in that shape netting passes through netting: contact is needed")
     started = False
-    for start, surface in _starts(touching, tolerance, progress):
+    for start, law in _starts(touching, tolerance, progress):
         started = True
-        touching = replace(touching, surface=surface).touching_at(start.positions)
+        touching = problem.touching_by(law).touching_at(start.positions)
         found = slack.solve(touching, tolerance, start, progress=progress)
         attempts += found.report.attempts
         spent_ms += found.report.solve_ms
@@ -62,25 +62,24 @@ def find(
 
 
 def contact_law(problem: Problem, tension: float | None = None) -> ContactLaw:
-    """How sheets press on each other where the bars pull with ``tension`` on an average, N; by the loads if left out."""
+    """How sheets press on each other where bars pull with ``tension`` on an average, N; by the loads if left out."""
     netting = ~problem.net.bar_is_rope
     distance = OF_A_BAR * float(problem.net.bar_length[netting].min())
     return ContactLaw(distance, PUSH * (tension or reference_tension(problem)) / (1.2 * distance))
 
 
-def _starts(touching: Problem, tolerance: float, progress: Progress | None) -> Iterator[tuple[Solution, Surface]]:
+def _starts(touching: Problem, tolerance: float, progress: Progress | None) -> Iterator[tuple[Solution, ContactLaw]]:
     """Shapes to be let go from in which nothing passes through anything, and the contact there: at rest, as built."""
     water = touching.loading.water
     without = replace(touching, surface=None)
     still = replace(without, loading=without.loading._replace(water=water._replace(flow=np.zeros_like(water.flow))))
     rest = interior_point.solve(still, tolerance, progress=progress)
     if rest.report.outcome.converged and _apart(touching, rest.positions):
-        yield rest, Surface.of(touching.net, contact_law(touching, rest.mean_tension))
+        yield rest, contact_law(touching, rest.mean_tension)
     if _apart(touching, touching.net.positions):
         tension = np.full(len(touching.net.bars), reference_tension(touching))
         report = SolverReport("as built", Outcome.STEPS_SPENT, 0, np.nan, np.nan, np.nan, 0.0)
-        assert touching.surface is not None
-        yield Solution(touching.net.positions, tension, np.zeros(touching.bands), report), touching.surface
+        yield Solution(touching.net.positions, tension, np.zeros(touching.bands), report), contact_law(touching)
 
 
 def _apart(touching: Problem, positions: np.ndarray) -> bool:

@@ -4,7 +4,8 @@ Implicit steps (K + s T / l) dx = F as in ``gentle``, of twine that a barrier ke
 with contact between parts of the net (``Problem.of(contact=...)``), past which no step goes. Slack netting has next to
 no stiffness: without a barrier its bars go taut and slack in turns for ever, and with one that is lowered before the
 net has come to rest they hit slackness one after the other. So the barrier b is lowered as the motion calms, where the
-residual is below ``CALM`` b; the shift s rises where a step was cut short or the residual grew, and falls else.
+residual is below ``CALM`` b; the shift s rises where a step was cut short or the residual grew much, and falls where
+the residual fell.
 
 Where layers touch, more than one shape may be in balance: what is found is where the motion from the start leads.
 """
@@ -27,10 +28,11 @@ from codend.solvers.watched import Watched
 
 METHOD = "gentle steps under a barrier"
 FALL, LEAST_SHIFT = 0.6, 1e-4
-"""Factor on the shift after a step that was not cut, and what it falls to."""
+"""Factor on the shift after a good step, and what it falls to."""
 FIRST_BARRIER, LAST_BARRIER, LOWERED = 1e-3, 1e-10, 0.2
 """Barrier in units of the reference tension over the square of the mean length of bars, and factor on it."""
 CALM = 3.0
+"""Residual, over the barrier in those units, below which that is lowered."""
 EXACT = 1e-4
 """Residual up to which the turning of contact's pushes is in the tangent: far from balance it would ask for shifts that
 leave no step to speak of."""
@@ -113,7 +115,7 @@ class _Run:
                 self.progress(METHOD, self.residual)
             if size < SHORT * whole or self.residual > WORSE * last:
                 self.shift = min(self.shift * BOLDER, MOST_SHIFT)
-            else:
+            elif self.residual < last:
                 self.shift = max(FALL * self.shift, LEAST_SHIFT)
             if self.residual <= NEARLY and self.barrier <= LAST_BARRIER * self.unit:
                 return Outcome.CONVERGED
