@@ -11,8 +11,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.net.net import Floats, Ints
+from codend.net.net import Floats
 
+Ints = NDArray[np.integer]
 Sides = dict[tuple[int, int], float]
 """How often facets run along a side from its lower to its higher node, less how often the other way."""
 NOTHING = 1e-6

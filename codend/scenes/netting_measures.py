@@ -76,7 +76,7 @@ def volume_m3(built: BuiltScene, positions: Floats) -> float:
     Openings are closed by fans from their middles, which of one in a plane is that plane.
     """
     net = built.problem.net
-    rim = net.fixed.all(axis=1)
+    rim = np.array(net.fixed.all(axis=1))
     rim[np.concatenate([np.zeros(0, dtype=int), *built.rope_nodes])] = True
     loops = openings(net.facets, net.facet_weight)
     if not loops or not all(rim[loop].all() for loop in loops):
