@@ -17,7 +17,7 @@ from codend.scenes.frame_measures import float_rows, frame_rows
 from codend.scenes.measures import SceneResult, balance_error, point_rows, solve_scene
 from codend.scenes.netting_measures import drag_of
 from codend.scenes.scene import scene_from_dict
-from codend.solvers.floating import BodySystem, out_of_balance
+from codend.solvers.body_system import BodySystem, out_of_balance
 from codend.solvers.motion import Motion
 from codend.solvers.prepared import prepare
 
@@ -241,7 +241,7 @@ def step_error(problem: Problem, positions: Floats, system: BodySystem, rng: np.
         return np.where(gives, np.maximum(law, 0.0), 0.0)
 
     force = state_at(positions, density_at(positions))
-    newton_step.linearise(structure, loading, system.prepared.pattern, tension, 0.0, 0.0, state, system.prepared.step)
+    newton_step.linearise(structure, loading, system.prepared.pattern, tension, 0.0, state, system.prepared.step)
     if system.factorise(system.prepared.step.blocks, pose, force) != 0:
         raise ArithmeticError("the tangent is singular")
     right = rng.normal(size=(1, len(positions), 3))

@@ -12,7 +12,7 @@ import numpy as np
 
 from codend.mechanics.problem import Problem
 from codend.mechanics.surface import ContactLaw
-from codend.solvers import interior_point, slack
+from codend.solvers import floating, in_turns, interior_point, slack
 from codend.solvers.dynamic_relaxation import reference_tension
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 from codend.solvers.refusal import passage
@@ -37,8 +37,10 @@ def find(
         contact: whether netting that meets netting may press on it.
         progress: told the residual now and then.
     """
-    if not contact or len(problem.net.facets) == 0 or problem.body is not None:
+    if not contact or len(problem.net.facets) == 0:
         return problem, find_equilibrium(problem, tolerance, progress=progress)
+    if problem.body is not None:
+        return _afloat(problem, tolerance, progress)
     touching = problem.touching_by(contact_law(problem))
     found = interior_point.solve(problem, tolerance, progress=progress)
     attempts, spent_ms = list(found.report.attempts), found.report.solve_ms
@@ -59,6 +61,25 @@ def find(
     if not started:
         return problem, find_equilibrium(problem, tolerance, progress=progress)
     return touching, replace(found, report=replace(found.report, attempts=tuple(attempts), solve_ms=spent_ms))
+
+
+def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tuple[Problem, Solution]:
+    """Equilibrium of a scene whose frame floats: at once, or in turns with the netting under contact."""
+    found = floating.solve(problem, tolerance, None, progress)
+    touching = problem.touching_by(contact_law(problem))
+    if found.report.outcome.converged and passage(touching, found.positions) is None:
+        return problem, found
+
+    def held(net: Problem, start: Solution | None) -> tuple[Problem, Solution]:
+        if net.surface is None or start is None:
+            return find(net, tolerance, True, progress)
+        net = net.touching_at(start.positions)
+        settled = slack.solve(net, tolerance, start, progress=progress)
+        return net.touching_at(settled.positions) if settled.report.outcome.converged else net, settled
+
+    touching, turned = in_turns.solve(problem, tolerance, held)
+    attempts, spent_ms = found.report.attempts + turned.report.attempts, found.report.solve_ms + turned.report.solve_ms
+    return touching, replace(turned, report=replace(turned.report, attempts=attempts, solve_ms=spent_ms))
 
 
 def contact_law(problem: Problem, tension: float | None = None) -> ContactLaw:

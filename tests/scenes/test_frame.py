@@ -12,6 +12,8 @@ from codend.scenes.build import build
 from codend.scenes.frame_measures import float_rows, frame_cautions, frame_rows
 from codend.scenes.measures import balance_error, solve_scene
 from codend.scenes.scene import scene_from_dict
+from codend.solvers import in_turns
+from codend.solvers.solve import find_equilibrium
 from validation.floating_frame import (
     WATER,
     balances,
@@ -173,3 +175,16 @@ def test_mistakes_in_a_frame_are_one_line_with_the_key(change, message):
     with pytest.raises(InputError) as refused:
         build(scene_from_dict(data, "scene.toml"))
     assert any(message in line for line in refused.value.lines), refused.value.lines
+
+
+def test_a_frame_and_its_net_in_turns_come_to_the_same_as_at_once():
+    built = build(scene_from_dict(hung(0.5)))
+    at_once = solve_scene(built).solution
+
+    def held(problem, start):
+        return problem, find_equilibrium(problem, 1e-10, start)
+
+    _, turned = in_turns.solve(built.problem, 1e-9, held)
+    assert turned.report.outcome.converged
+    assert turned.positions == pytest.approx(at_once.positions, abs=1e-6)
+    assert turned.bar_tension == pytest.approx(at_once.bar_tension, abs=1e-5)
