@@ -17,7 +17,7 @@ from codend.scenes.frame_measures import float_rows, frame_rows
 from codend.scenes.measures import SceneResult, balance_error, point_rows, solve_scene
 from codend.scenes.netting_measures import drag_of
 from codend.scenes.scene import scene_from_dict
-from codend.solvers.floating import BodySystem, out_of_balance
+from codend.solvers.body_system import BodySystem, out_of_balance
 from codend.solvers.motion import Motion
 from codend.solvers.prepared import prepare
 

@@ -1,14 +1,9 @@
 """Equilibrium of a net and of the rigid body that floats and carries it, all unknowns at once.
 
 Newton's method on the places of the nodes, the force densities of the bars and the six unknowns of the body
-(``mechanics.body``), with the barrier of ``interior_point`` made lower and lower and no barrier at the end. The body's
-nodes are held in the net's own tangent K; with J how they move with the body, the six unknowns are eliminated last:
-
-    (J^T K_bb J + B - J^T K_bf K_ff^-1 K_fb J) w = J^T r_b + r - J^T K_bf K_ff^-1 r_f
-
-B and r being the body's own tangent and load. After a step the body is turned by the whole rotation, not by its first
-order. What no mooring holds is left where it is: a body without one is free in x, y and yaw, of which nothing is asked
-but that loads there cancel.
+(``mechanics.body``, ``body_system``), with the barrier of ``interior_point`` made lower and lower and no barrier at the
+end. After a step the body is turned by the whole rotation, not by its first order. What no mooring holds is left where
+it is: a body without one is free in x, y and yaw, of which nothing is asked but that loads there cancel.
 """
 
 import numpy as np
@@ -16,14 +11,15 @@ import numpy as np
 from codend.mechanics import body as rigid
 from codend.mechanics import newton_step
 from codend.mechanics.bars import carried
-from codend.mechanics.body import Body, Pose
+from codend.mechanics.body import Pose
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
+from codend.solvers.body_system import BodySystem, out_of_balance, residual_of
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
-from codend.solvers.prepared import Prepared, prepare
+from codend.solvers.prepared import prepare
 from codend.solvers.refusal import refusal, told
 
 METHOD = "newton with a floating body"
@@ -34,12 +30,13 @@ NEAREST_TO_SLACK, LARGEST_TURN, FARTHEST_TURN = 0.99, 0.5, 5.0
 LARGEST_TILT = 0.1
 """Largest rotation of the body in one step, rad."""
 STEPS_ALLOWED, LAST_STEPS = 300, 40
+PUSHES = (0.3, 1.0, -1.0, 2.0)
+"""Rotations in rad, or moves over the body's size, by which it leaves an equilibrium that it would not keep."""
 SWITCHES = (1.0, 0.1, 0.01)
 """Weights of the test for taut bars at the end, tried in order."""
-NONE = 1e-13
-"""Stiffness of the body, over its largest, that is round-off."""
-UPRIGHTING = np.array([2, 3, 4])
-"""What floating alone holds of the six: height, heel and trim."""
+
+
+NOT_YET = SolverReport(METHOD, Outcome.STEPS_SPENT, 0, np.inf, np.inf, np.inf, 0.0)
 
 
 def solve(
@@ -57,6 +54,11 @@ def solve(
         run = _Run(problem, progress)
         run.set_start(start)
         outcome, note = run.to_equilibrium(tolerance)
+        for push in PUSHES:
+            if outcome is not Outcome.TURNS_OVER:
+                break
+            run.push(push)
+            outcome, note = run.to_equilibrium(tolerance)
         spent_ms = clock.ms
     state = run.state
     report = SolverReport(
@@ -72,84 +74,6 @@ def solve(
     return Solution.ended(report, state.position, state.density * state.length, state.share)
 
 
-def out_of_balance(body: Body, pose: Pose, force: Floats) -> Floats:
-    """What is left over on the body of its own loads and of the forces of its nodes, (n, 3): (6,), N and N m."""
-    on_nodes = force[body.nodes]
-    moment = np.cross(rigid.arms_now(body, pose), on_nodes).sum(axis=0)
-    return np.asarray(rigid.load(body, pose) + np.concatenate([on_nodes.sum(axis=0), moment]))
-
-
-def moored(problem: Problem) -> bool:
-    """Whether bars join the body to anything that is held."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    assert problem.body is not None
-    net, nodes = problem.net, problem.body.nodes
-    count = len(net.positions)
-    ends = np.concatenate([net.bars, np.stack([np.full(len(nodes), nodes[0]), nodes], axis=1)])
-    graph = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(count, count))
-    _, group = connected_components(graph, directed=False)
-    other = np.setdiff1d(np.flatnonzero(net.fixed.any(axis=1)), nodes)
-    return bool(np.any(group[other] == group[nodes[0]]))
-
-
-class BodySystem:
-    """The tangent of a net and of its body, factorised."""
-
-    def __init__(self, problem: Problem, prepared: Prepared) -> None:
-        assert problem.body is not None
-        self.body, self.prepared = problem.body, prepared
-        pattern, count = prepared.pattern, len(problem.net.positions)
-        self._of_body = np.zeros(count, dtype=bool)
-        self._of_body[self.body.nodes] = True
-        self._into = np.flatnonzero(self._of_body[pattern.column])
-        self._from = np.flatnonzero(self._of_body[pattern.row] & ~self._of_body[pattern.column])
-        self._jacobian = np.zeros((count, 3, 6))
-        self._asked = np.arange(6) if moored(problem) else UPRIGHTING
-        self.twist = np.zeros(6)
-        """Move of the body in the last solution, (6,)."""
-
-    def factorise(self, blocks: Floats, pose: Pose, force: Floats) -> int:
-        """Factorise the tangent of the net, ``blocks``, and of the body there, under nodal forces (n, 3).
-
-        Returns:
-            0, or -1 if the net's own is singular.
-        """
-        body, pattern, system = self.body, self.prepared.pattern, self.prepared.system
-        if system.factorise(blocks) != 0:
-            return -1
-        arms = rigid.arms_now(body, pose)
-        self._jacobian[body.nodes] = rigid.jacobian(arms)
-        columns = np.zeros_like(self._jacobian)
-        into, back = self._into, self._from
-        np.add.at(columns, pattern.row[into], blocks[into] @ self._jacobian[pattern.column[into]])
-        self._rows = np.zeros_like(self._jacobian)
-        np.add.at(self._rows, pattern.column[back], blocks[back].transpose(0, 2, 1) @ self._jacobian[pattern.row[back]])
-        own = rigid.load_tangent(body, pose) + rigid.force_tangent(arms, force[body.nodes])
-        own += np.einsum("nij,nik->jk", self._jacobian, columns)
-        free = columns.copy()
-        free[self._of_body] = 0.0
-        self._follows = system.solve(np.ascontiguousarray(free.transpose(2, 0, 1)))
-        reduced = own - np.einsum("nij,kni->jk", self._rows, self._follows)
-        self._scale = np.array([1.0] * 3 + [1.0 / body.size_m] * 3)
-        scaled = (self._scale[:, None] * reduced * self._scale)[np.ix_(self._asked, self._asked)]
-        self._inverse = np.zeros((6, 6))
-        self._inverse[np.ix_(self._asked, self._asked)] = np.linalg.pinv(scaled, rcond=NONE)
-        return 0
-
-    def solve(self, right: Floats, pose: Pose) -> Floats:
-        """Solution for a right side (1, n, 3), the moves of the body's nodes in it to the first order."""
-        found = self.prepared.system.solve(right)
-        found[:, self._of_body] = 0.0
-        on_body = np.einsum("nij,ni->j", self._jacobian, right[0]) + rigid.load(self.body, pose)
-        on_body -= np.einsum("nij,ni->j", self._rows, found[0])
-        self.twist = self._scale * (self._inverse @ (self._scale * on_body))
-        found[0] -= np.einsum("kni,k->ni", self._follows, self.twist)
-        found[0] += self._jacobian @ self.twist
-        return found
-
-
 class _Run:
     """Steps from a start to wherever they get."""
 
@@ -161,6 +85,8 @@ class _Run:
         self.state, self.spare, _ = self.prepared.states
         self.pose = rigid.pose_of(self.body, problem.net.positions)
         self.steps = 0
+        self.grows: Floats | None = None
+        """How the body would leave the equilibrium found, (6,)."""
 
     def set_start(self, start: Solution | None) -> None:
         """Set out from a solution, or from the net as it was built."""
@@ -180,7 +106,7 @@ class _Run:
         if outcome is not Outcome.CONVERGED:
             return outcome, outcome.value
         reached = self.state.position.copy(), self.state.density.copy(), self.pose
-        self.barrier = 0.0
+        self.barrier, self.system.steering = 0.0, False
         for switch in SWITCHES:
             self.state.position[:], self.state.density[:], self.pose = reached
             self._measure(self.state, self.pose, switch)
@@ -189,7 +115,20 @@ class _Run:
                 break
         refused = refusal(self.problem, self.state.position, self.state.share) if outcome.converged else None
         outcome = outcome if refused is None else refused.outcome
+        if outcome is Outcome.CONVERGED:
+            self._linearise(0.0)
+            self.grows = self.system.growing()
+            outcome = outcome if self.grows is None else Outcome.TURNS_OVER
         return outcome, told(outcome, refused)
+
+    def push(self, far: float) -> None:
+        """Set out again a way off in the direction in which the body would not stay."""
+        assert self.grows is not None
+        pose = rigid.moved(self.pose, far * self.body.size_m * self.grows)
+        rigid.place(self.body, pose, self.state.position)
+        start = Solution(self.state.position.copy(), self.state.density * self.state.length, self.state.share, NOT_YET)
+        self.set_start(start)
+        self.system.steering = True
 
     def _lower(self) -> Outcome:
         shift = 0.0
@@ -238,17 +177,20 @@ class _Run:
         """
         problem, prepared, state = self.problem, self.prepared, self.state
         step = prepared.step
+        structure = problem.structure
+        yielding = np.zeros(len(structure.flexibility))
+        if self.barrier > 0.0:
+            yielding = np.where(structure.is_strut, 0.0, self.barrier / state.density**2)
+        softened = structure._replace(flexibility=structure.flexibility + yielding)
         while True:
-            turn = np.inf
-            newton_step.linearise(
-                problem.structure, problem.loading, prepared.pattern, self.tension, shift, self.barrier, state, step
-            )
+            turn = asked = np.inf
+            newton_step.linearise(softened, problem.loading, prepared.pattern, self.tension, shift, state, step)
             if self.system.factorise(step.blocks, self.pose, state.force) == 0:
                 solved = self.system.solve(step.right[:1], self.pose)
                 _, asked, _ = newton_step.finish_step(problem.structure, state, state, solved, step)
                 tilt = float(np.linalg.norm(self.system.twist[3:]))
                 turn = max(float(asked), LARGEST_TURN / LARGEST_TILT * tilt)
-            if turn <= FARTHEST_TURN or shift >= LARGEST_SHIFT or self.barrier == 0.0:
+            if asked <= FARTHEST_TURN or shift >= LARGEST_SHIFT or self.barrier == 0.0:
                 return turn, shift
             shift = max(10.0 * shift, FIRST_SHIFT)
 
@@ -266,6 +208,5 @@ class _Run:
         structure, loading = self.problem.structure, self.problem.loading
         measure(structure, loading, self.tension, switch, self.barrier, state)
         left = out_of_balance(self.body, pose, state.force)
-        scale = float(np.linalg.norm(state.load, axis=1).sum()) + self.body.weight_n + self.tension
-        error = max(np.linalg.norm(left[:3]), np.linalg.norm(left[3:]) / self.body.size_m) / scale
-        state.marks["residual"] = max(float(state.marks["residual"][0]), float(error))
+        error = residual_of(self.body, left, float(np.linalg.norm(state.load, axis=1).sum()) + self.tension)
+        state.marks["residual"] = max(float(state.marks["residual"][0]), error)

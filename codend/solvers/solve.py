@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from codend.mechanics.problem import Problem
-from codend.solvers import dynamic_relaxation, floating, gentle, interior_point, newton
+from codend.solvers import dynamic_relaxation, floating, gentle, in_turns, interior_point, newton
+from codend.solvers.body_system import moored
 from codend.solvers.outcome import Progress, Solution, Solver
 
 IN_ORDER: Sequence[Solver] = (interior_point.solve, newton.solve, dynamic_relaxation.solve)
@@ -50,13 +51,15 @@ def find_equilibrium(
 
 
 def _afloat(problem: Problem, tolerance: float, start: Solution | None, progress: Progress | None) -> Solution:
-    """Equilibrium of a net with a floating body: at once, or from that with the body held where it is."""
+    """Equilibrium of a net with a floating body: at once, or in turns."""
     found = floating.solve(problem, tolerance, start, progress)
-    if found.report.outcome.converged:
+    if found.report.outcome.converged or not moored(problem):
         return found
-    held = find_equilibrium(replace(problem, body=None), tolerance, start, progress)
-    attempts, spent_ms = (*found.report.attempts, *held.report.attempts), found.report.solve_ms + held.report.solve_ms
-    if held.report.outcome.converged:
-        found = floating.solve(problem, tolerance, held, progress)
-        attempts, spent_ms = (*attempts, *found.report.attempts), spent_ms + found.report.solve_ms
-    return replace(found, report=replace(found.report, attempts=attempts, solve_ms=spent_ms))
+
+    def held(net: Problem, from_there: Solution | None) -> tuple[Problem, Solution]:
+        return net, find_equilibrium(net, tolerance, from_there, progress)
+
+    _, turned = in_turns.solve(problem, tolerance, held, start)
+    attempts = (*found.report.attempts, *turned.report.attempts)
+    spent_ms = found.report.solve_ms + turned.report.solve_ms
+    return replace(turned, report=replace(turned.report, attempts=attempts, solve_ms=spent_ms))
