@@ -12,11 +12,14 @@ import numpy as np
 from codend.mechanics import body as rigid
 from codend.mechanics.body import Body, Pose
 from codend.mechanics.problem import Problem
+from codend.mechanics.weight import GRAVITY_M_S2
 from codend.net.net import Floats
 from codend.solvers.prepared import Prepared
 
 NONE = 1e-13
 """Stiffness of the body, over its largest, that is round-off."""
+UNDONE, STEERED = 1e-6, 1e-3
+"""Stiffness below 0 that is round-off, and what a body that would heel or turn is given, over that of its heave."""
 UPRIGHTING = np.array([2, 3, 4])
 """What floating alone holds of the six: height, heel and trim."""
 
@@ -62,6 +65,10 @@ class BodySystem:
         self._from = np.flatnonzero(self._of_body[pattern.row] & ~self._of_body[pattern.column])
         self._jacobian = np.zeros((count, 3, 6))
         self._asked = np.arange(6) if moored(problem) else UPRIGHTING
+        spring = self.body.water_density * GRAVITY_M_S2 * self.body.column_area.sum()
+        self._floor = max(spring, self.body.weight_n / self.body.size_m)
+        self.steering = False
+        """Whether the body is kept from the way to equilibria from which it would heel or turn."""
         self.twist = np.zeros(6)
         """Move of the body in the last solution, (6,)."""
 
@@ -89,9 +96,25 @@ class BodySystem:
         reduced = own - np.einsum("nij,kni->jk", self._rows, self._follows)
         self._scale = np.array([1.0] * 3 + [1.0 / body.size_m] * 3)
         scaled = (self._scale[:, None] * reduced * self._scale)[np.ix_(self._asked, self._asked)]
+        self._reduced = scaled
+        if self.steering and (least := float(np.linalg.eigvalsh(0.5 * (scaled + scaled.T))[0])) < 0.0:
+            scaled = scaled + (STEERED * self._floor - 1.5 * least) * np.eye(len(scaled))
         self._inverse = np.zeros((6, 6))
         self._inverse[np.ix_(self._asked, self._asked)] = np.linalg.pinv(scaled, rcond=NONE)
         return 0
+
+    def growing(self) -> Floats | None:
+        """The move of the body that its last tangent does not undo but help, (6,); None where there is none.
+
+        Its angles are in rad, and its largest place or angle times the body's size is 1.
+        """
+        values, vectors = np.linalg.eig(self._reduced)
+        worst = int(np.argmin(values.real))
+        if values[worst].real >= -UNDONE * self._floor:
+            return None
+        found = np.zeros(6)
+        found[self._asked] = vectors[:, worst].real
+        return np.asarray(self._scale * found / np.abs(found).max())
 
     def solve(self, right: Floats, pose: Pose) -> Floats:
         """Solution for a right side (1, n, 3), the moves of the body's nodes in it to the first order."""

@@ -14,6 +14,7 @@ from codend.mechanics.bars import carried
 from codend.mechanics.body import Pose
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
+from codend.net.net import Floats
 from codend.solvers.body_system import BodySystem, out_of_balance, residual_of
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension
@@ -29,8 +30,13 @@ NEAREST_TO_SLACK, LARGEST_TURN, FARTHEST_TURN = 0.99, 0.5, 5.0
 LARGEST_TILT = 0.1
 """Largest rotation of the body in one step, rad."""
 STEPS_ALLOWED, LAST_STEPS = 300, 40
+PUSHES = (0.3, 1.0, -1.0, 2.0)
+"""Rotations in rad, or moves over the body's size, by which it leaves an equilibrium that it would not keep."""
 SWITCHES = (1.0, 0.1, 0.01)
 """Weights of the test for taut bars at the end, tried in order."""
+
+
+NOT_YET = SolverReport(METHOD, Outcome.STEPS_SPENT, 0, np.inf, np.inf, np.inf, 0.0)
 
 
 def solve(
@@ -48,6 +54,11 @@ def solve(
         run = _Run(problem, progress)
         run.set_start(start)
         outcome, note = run.to_equilibrium(tolerance)
+        for push in PUSHES:
+            if outcome is not Outcome.TURNS_OVER:
+                break
+            run.push(push)
+            outcome, note = run.to_equilibrium(tolerance)
         spent_ms = clock.ms
     state = run.state
     report = SolverReport(
@@ -74,6 +85,8 @@ class _Run:
         self.state, self.spare, _ = self.prepared.states
         self.pose = rigid.pose_of(self.body, problem.net.positions)
         self.steps = 0
+        self.grows: Floats | None = None
+        """How the body would leave the equilibrium found, (6,)."""
 
     def set_start(self, start: Solution | None) -> None:
         """Set out from a solution, or from the net as it was built."""
@@ -93,7 +106,7 @@ class _Run:
         if outcome is not Outcome.CONVERGED:
             return outcome, outcome.value
         reached = self.state.position.copy(), self.state.density.copy(), self.pose
-        self.barrier = 0.0
+        self.barrier, self.system.steering = 0.0, False
         for switch in SWITCHES:
             self.state.position[:], self.state.density[:], self.pose = reached
             self._measure(self.state, self.pose, switch)
@@ -102,7 +115,20 @@ class _Run:
                 break
         refused = refusal(self.problem, self.state.position, self.state.share) if outcome.converged else None
         outcome = outcome if refused is None else refused.outcome
+        if outcome is Outcome.CONVERGED:
+            self._linearise(0.0)
+            self.grows = self.system.growing()
+            outcome = outcome if self.grows is None else Outcome.TURNS_OVER
         return outcome, told(outcome, refused)
+
+    def push(self, far: float) -> None:
+        """Set out again a way off in the direction in which the body would not stay."""
+        assert self.grows is not None
+        pose = rigid.moved(self.pose, far * self.body.size_m * self.grows)
+        rigid.place(self.body, pose, self.state.position)
+        start = Solution(self.state.position.copy(), self.state.density * self.state.length, self.state.share, NOT_YET)
+        self.set_start(start)
+        self.system.steering = True
 
     def _lower(self) -> Outcome:
         shift = 0.0
@@ -157,14 +183,14 @@ class _Run:
             yielding = np.where(structure.is_strut, 0.0, self.barrier / state.density**2)
         softened = structure._replace(flexibility=structure.flexibility + yielding)
         while True:
-            turn = np.inf
+            turn = asked = np.inf
             newton_step.linearise(softened, problem.loading, prepared.pattern, self.tension, shift, state, step)
             if self.system.factorise(step.blocks, self.pose, state.force) == 0:
                 solved = self.system.solve(step.right[:1], self.pose)
                 _, asked, _ = newton_step.finish_step(problem.structure, state, state, solved, step)
                 tilt = float(np.linalg.norm(self.system.twist[3:]))
                 turn = max(float(asked), LARGEST_TURN / LARGEST_TILT * tilt)
-            if turn <= FARTHEST_TURN or shift >= LARGEST_SHIFT or self.barrier == 0.0:
+            if asked <= FARTHEST_TURN or shift >= LARGEST_SHIFT or self.barrier == 0.0:
                 return turn, shift
             shift = max(10.0 * shift, FIRST_SHIFT)
 

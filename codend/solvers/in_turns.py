@@ -58,9 +58,11 @@ def solve(problem: Problem, tolerance: float, held: Held, start: Solution | None
         scale = float(np.linalg.norm(load, axis=1).sum()) + found.mean_tension
         residual = residual_of(body, out_of_balance(body, pose, -support), scale)
         attempts.append(f"{METHOD}: turn {turn + 1}, residual {residual:.1e}")
+        move, twist, grows = _moves(replace(here, body=body), found, pose)
         if residual <= tolerance:
+            if grows:
+                found = replace(found, report=replace(found.report, outcome=Outcome.TURNS_OVER))
             break
-        move, twist = _moves(replace(here, body=body), found, pose)
         if move is None:
             found = replace(found, report=replace(found.report, outcome=Outcome.SINGULAR))
             break
@@ -80,8 +82,11 @@ def solve(problem: Problem, tolerance: float, held: Held, start: Solution | None
     return replace(here, body=body), Solution.ended(report, found.positions, found.bar_tension, found.share)
 
 
-def _moves(problem: Problem, found: Solution, pose: rigid.Pose) -> tuple[Floats | None, Floats]:
-    """How net and body move to the first order, (n, 3) and (6,); None if the tangent cannot be factorised."""
+def _moves(problem: Problem, found: Solution, pose: rigid.Pose) -> tuple[Floats | None, Floats, bool]:
+    """How net and body move to the first order, (n, 3) and (6,), and whether the body would leave where it is.
+
+    None if the tangent cannot be factorised.
+    """
     structure, body = problem.structure, problem.body
     assert body is not None
     watched = Watched(problem, prepare(structure, problem.bands))
@@ -99,5 +104,5 @@ def _moves(problem: Problem, found: Solution, pose: rigid.Pose) -> tuple[Floats 
         if system.factorise(prepared.step.blocks, pose, state.force) == 0:
             move = system.solve(prepared.step.right[:1], pose)[0]
             if np.isfinite(move).all():
-                return move, system.twist
-    return None, np.zeros(6)
+                return move, system.twist, system.growing() is not None
+    return None, np.zeros(6), False

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from codend.mechanics.problem import Problem
 from codend.solvers import dynamic_relaxation, floating, gentle, in_turns, interior_point, newton
+from codend.solvers.body_system import moored
 from codend.solvers.outcome import Progress, Solution, Solver
 
 IN_ORDER: Sequence[Solver] = (interior_point.solve, newton.solve, dynamic_relaxation.solve)
@@ -57,7 +58,7 @@ def polished(problem: Problem, tolerance: float, solution: Solution, progress: P
 def _afloat(problem: Problem, tolerance: float, start: Solution | None, progress: Progress | None) -> Solution:
     """Equilibrium of a net with a floating body: at once, or in turns."""
     found = floating.solve(problem, tolerance, start, progress)
-    if found.report.outcome.converged:
+    if found.report.outcome.converged or not moored(problem):
         return found
 
     def held(net: Problem, from_there: Solution | None) -> tuple[Problem, Solution]:

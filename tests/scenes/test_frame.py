@@ -27,6 +27,7 @@ from validation.floating_frame import (
     spins,
     tangents,
 )
+from validation.random_frames import WRONG, left_over, random_frame
 
 ROUND = {"name": "a", "at": [0, 0, 0], "height_m": 1.0, "diameter_m": 1.0}
 TOML = """
@@ -188,3 +189,27 @@ def test_a_frame_and_its_net_in_turns_come_to_the_same_as_at_once():
     assert turned.report.outcome.converged
     assert turned.positions == pytest.approx(at_once.positions, abs=1e-6)
     assert turned.bar_tension == pytest.approx(at_once.bar_tension, abs=1e-5)
+
+
+def test_a_frame_too_high_to_stand_turns_over_and_is_found_on_its_head():
+    # it floats upright by symmetry, but would not stay so
+    data = beams()
+    data["frame"] = {**data["frame"], "centre": [0.0, 0.0, 60.0]}
+    row = frame_rows((result := solved(data)).built, result.solution.positions, result.support)[0]
+    assert abs(row["heel_deg"]) == pytest.approx(180.0, abs=1e-6) or abs(row["trim_deg"]) > 90.0
+    assert row["buoyancy_n"] == pytest.approx(row["weight_n"], rel=1e-8)
+
+
+def test_a_frame_moored_by_its_rear_turns_about_though_it_lay_in_balance():
+    data = moored(0.5)
+    data["rope"] = [rope for rope in data["rope"] if rope["name"] != "mooring b"]
+    data["point"] = [point for point in data["point"] if point["name"] not in ("b", "B")]
+    places = {"a": [2.0, 0.0, 0.0], "A": [-20.0, 0.0, -10.0]}
+    data["point"] = [{**point, "at": places.get(point["name"], point["at"])} for point in data["point"]]
+    row = frame_rows((result := solved(data)).built, result.solution.positions, result.support)[0]
+    assert abs(row["yaw_deg"]) == pytest.approx(180.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_random_frames_are_found_in_balance(seed):
+    assert left_over(solved(random_frame(seed))) < WRONG

@@ -1,9 +1,12 @@
 """Sheets of netting in scenes: closed forms, symmetry, merging, seams, motion, and what is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from codend.errors import InputError
+from codend.mechanics.problem import Problem
 from codend.mechanics.weight import GRAVITY_M_S2
 from codend.scenes.build import build
 from codend.scenes.follow import follow, motion_rows
@@ -12,6 +15,7 @@ from codend.scenes.netting_measures import netting_rows
 from codend.scenes.scene import scene_from_dict
 from codend.solvers.motion import Motion
 from codend.solvers.refusal import passage
+from codend.solvers.solve import find_equilibrium
 
 WATER = 1025.0
 
@@ -58,6 +62,34 @@ def test_a_wall_that_repeats_sideways_hangs_as_its_closed_form(speed_m_s):
     foot = result.solution.positions[result.built.node_of["c"]] / 10.0
     assert -foot[2] == pytest.approx(np.arcsinh(u) / u, rel=1e-4)
     assert foot[0] == pytest.approx((np.sqrt(1.0 + u * u) - 1.0) / u, rel=2e-4)
+
+
+CABLE = (lambda u: np.arcsinh(u) / u, lambda u: (np.sqrt(1.0 + u * u) - 1.0) / u)
+CHAIN = (lambda u: 2.0 * np.arctan(np.tanh(0.5 * u)) / u, lambda u: np.log(np.cosh(u)) / u)
+
+
+@pytest.mark.parametrize(
+    ("law", "twine", "depth", "drift"),
+    [
+        ("le-bris-1999", "upright", *CABLE),
+        ("le-bris-1999", "cross-flow", *CABLE),
+        ("bessonneau-1997", "upright", *CHAIN),
+        ("bessonneau-1997", "cross-flow", *CABLE),
+    ],
+)
+def test_a_wall_of_twine_one_way_hangs_as_the_closed_form_of_its_law(law, twine, depth, drift):
+    # BM97: gd(u) / u and ln cosh(u) / u of upright twine, as of cross-flow twine asinh(u) / u
+    data, both = strip(100, 0.5, law)
+    built = build(scene_from_dict(data))
+    net = built.problem.net
+    across = np.abs(np.diff(net.positions[net.bars], axis=1)[:, 0, 1]) > 1e-9
+    normal = np.where(across == (twine == "cross-flow"), net.bar_normal_drag, 0.0)
+    bare = replace(net, bar_normal_drag=normal)
+    found = find_equilibrium(Problem.of(bare, water=built.problem.loading.water), 1e-10)
+    assert found.report.outcome.converged
+    foot, u = found.positions[built.node_of["c"]] / 10.0, 0.5 * both
+    assert -foot[2] == pytest.approx(depth(u), rel=1e-4)
+    assert foot[0] == pytest.approx(drift(u), rel=2e-4)
 
 
 def test_the_wall_in_motion_comes_to_the_same_rest():
