@@ -10,9 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from codend.mechanics.body import place, pose_of
 from codend.mechanics.problem import Problem
 from codend.mechanics.surface import ContactLaw
-from codend.solvers import interior_point, slack
+from codend.solvers import floating, in_turns, interior_point, slack
 from codend.solvers.dynamic_relaxation import reference_tension
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 from codend.solvers.refusal import passage
@@ -37,8 +38,10 @@ def find(
         contact: whether netting that meets netting may press on it.
         progress: told the residual now and then.
     """
-    if not contact or len(problem.net.facets) == 0 or problem.body is not None:
+    if not contact or len(problem.net.facets) == 0:
         return problem, find_equilibrium(problem, tolerance, progress=progress)
+    if problem.body is not None:
+        return _afloat(problem, tolerance, progress)
     touching = problem.touching_by(contact_law(problem))
     found = interior_point.solve(problem, tolerance, progress=progress)
     attempts, spent_ms = list(found.report.attempts), found.report.solve_ms
@@ -59,6 +62,37 @@ def find(
     if not started:
         return problem, find_equilibrium(problem, tolerance, progress=progress)
     return touching, replace(found, report=replace(found.report, attempts=tuple(attempts), solve_ms=spent_ms))
+
+
+def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tuple[Problem, Solution]:
+    """The same of a net with a frame that floats: at once where nothing touches, else frame and net in turns.
+
+    The turns begin where the frame floats if netting may pass through netting.
+    """
+    body = problem.body
+    assert body is not None
+    touching = problem.touching_by(contact_law(problem))
+    found = floating.solve(problem, tolerance, progress=progress)
+    if found.report.outcome.converged and passage(touching, found.positions) is None:
+        return problem, found
+    pose = floating.pose_found(problem, tolerance, progress)
+    if pose is None:
+        return problem, found
+    before, positions = pose_of(body, problem.net.positions), problem.net.positions.copy()
+    sheets = np.setdiff1d(problem.net.facets, np.flatnonzero(problem.net.fixed.any(axis=1)))
+    positions[sheets] = pose.origin + (positions[sheets] - before.origin) @ (pose.turn @ before.turn.T).T
+    place(body, pose, positions)
+
+    def held(net: Problem, start: Solution | None) -> tuple[Problem, Solution]:
+        if start is None or net.surface is None:
+            return find(net, tolerance, True, progress)
+        return net, slack.solve(net.touching_at(start.positions), tolerance, start, progress=progress)
+
+    moved = replace(problem, net=replace(problem.net, positions=positions))
+    settled, turned = in_turns.solve(moved, tolerance, held)
+    attempts = (*found.report.attempts, *turned.report.attempts)
+    spent_ms = 2.0 * found.report.solve_ms + turned.report.solve_ms
+    return settled, replace(turned, report=replace(turned.report, attempts=attempts, solve_ms=spent_ms))
 
 
 def contact_law(problem: Problem, tension: float | None = None) -> ContactLaw:

@@ -127,10 +127,11 @@ class _Run:
         loading, prepared = self.watched.loading, self.watched.prepared
         step, system = prepared.step, prepared.system
         calmer = loading._replace(contact=loading.contact._replace(turning=float(self.residual <= EXACT)))
+        # what the barrier adds to the strain of twine per newton
+        yielding = np.where(structure.is_strut, 0.0, self.barrier / here.density**2)
+        softened = structure._replace(flexibility=structure.flexibility + yielding)
         while True:
-            sides = newton_step.linearise(
-                structure, calmer, prepared.pattern, self.tension, self.shift, self.barrier, here, step
-            )
+            sides = newton_step.linearise(softened, calmer, prepared.pattern, self.tension, self.shift, here, step)
             if (system.factorise(step.blocks) == 0 and system.negative_pivots() == 0) or self.shift > MOST_SHIFT:
                 break
             self.shift *= RISE
