@@ -86,7 +86,9 @@ def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tu
     def held(net: Problem, start: Solution | None) -> tuple[Problem, Solution]:
         if start is None or net.surface is None:
             return find(net, tolerance, True, progress)
-        return net, slack.solve(net.touching_at(start.positions), tolerance, start, progress=progress)
+        found = slack.solve(net.touching_at(start.positions), tolerance, start, progress=progress)
+        # lengths met to the tolerance leave tensions of taut moorings off by more than the frame may feel
+        return net, polished(net, tolerance, found, progress) if found.report.outcome.converged else found
 
     moved = replace(problem, net=replace(problem.net, positions=positions))
     settled, turned = in_turns.solve(moved, tolerance, held)
