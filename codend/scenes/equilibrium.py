@@ -86,9 +86,13 @@ def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tu
     def held(net: Problem, start: Solution | None) -> tuple[Problem, Solution]:
         if start is None or net.surface is None:
             return find(net, tolerance, True, progress)
-        found = slack.solve(net.touching_at(start.positions), tolerance, start, progress=progress)
+        net = net.touching_at(start.positions)
+        found = slack.solve(net, tolerance, start, progress=progress)
+        if not found.report.outcome.converged:
+            return net, found
         # lengths met to the tolerance leave tensions of taut moorings off by more than the frame may feel
-        return net, polished(net, tolerance, found, progress) if found.report.outcome.converged else found
+        found = polished(net, tolerance, found, progress)
+        return net.touching_at(found.positions), found
 
     moved = replace(problem, net=replace(problem.net, positions=positions))
     settled, turned = in_turns.solve(moved, tolerance, held)
