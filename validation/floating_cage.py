@@ -1,8 +1,8 @@
 """The floating cage of figure 19, found directly and in time. ``python -m validation.floating_cage [PICTURE.png]``.
 
 First the cage of ``validation.cage``, of 4 x 4 merged meshes a wall, on a frame that floats on moorings, directly at
-several speeds. Then ``validation/examples/floating_cage.toml``, what is assumed of it told there, followed from its cubic
-shape; where it comes to rest is printed beside the equilibrium that is found directly.
+several speeds. Then ``validation/examples/floating_cage.toml``, what is assumed of it told there, followed from its
+cubic shape; where it comes to rest is printed beside the equilibrium that is found directly.
 """
 
 import sys
