@@ -219,6 +219,29 @@ def least_distance(position: Floats, contact: Contact) -> float:
     return np.sqrt(least)
 
 
+@njit(cache=True)
+def on_the_way(position: Floats, move: Floats, contact: Contact) -> Numbers:
+    """Numbers of the pairs whose parts may meet on a move: of which the boxes of where they go overlap."""
+    start, way, chosen = np.zeros((4, 3)), np.zeros((4, 3)), np.zeros(len(contact.kind), dtype=np.int64)
+    low, high = np.zeros(2), np.zeros(2)
+    count = 0
+    for pair in range(len(contact.kind)):
+        write_corners(position, contact.node, contact.image, contact.rotations, pair, start)
+        write_corners(move, contact.node, contact.image, contact.rotations, pair, way)
+        own, apart = 1 if contact.kind[pair] == NODE_TRIANGLE else 2, False
+        for j in range(3):
+            low[:], high[:] = np.inf, -np.inf
+            for i in range(4):
+                part, there = 0 if i < own else 1, start[i, j] + way[i, j]
+                low[part] = min(low[part], start[i, j], there)
+                high[part] = max(high[part], start[i, j], there)
+            apart = apart or low[0] > high[1] or low[1] > high[0]
+        if not apart:
+            chosen[count] = pair
+            count += 1
+    return chosen[:count]
+
+
 @njit(cache=True, error_model="numpy")
 def free_share(position: Floats, move: Floats, contact: Contact) -> float:
     """Share of a move, at most 1, after which every pair keeps ``LEFT_OVER`` of its distance."""

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.mechanics.contact import Contact
-from codend.mechanics.contact_search import free_share, least_distance, near_pairs, within_reach
+from codend.mechanics.contact_search import free_share, least_distance, near_pairs, on_the_way, within_reach
 from codend.mechanics.sheet import Sheet, sheet_of
 from codend.net.net import Floats, Net
 
@@ -93,7 +93,7 @@ class Neighbours:
         fresh = self._pairs is None or _farthest(position + move - self._sought_at) > self._spare
         pairs = self._sought(position, move) if fresh else self._pairs
         assert pairs is not None
-        share = float(free_share(position, move, pairs))
+        share = float(free_share(position, move, _chosen(pairs, on_the_way(position, move, pairs))))
         if fresh:
             self._sought_at = position + share * move
         return share
