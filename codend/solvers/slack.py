@@ -20,7 +20,7 @@ from codend.mechanics.problem import Problem
 from codend.solvers import newton
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import reference_tension
-from codend.solvers.gentle import BOLDER, FIRST_SHIFT, LONGEST, MOST_SHIFT, RISE, SHORT, WORSE
+from codend.solvers.gentle import BOLDER, FIRST_SHIFT, LONGEST, MOST_SHIFT, RISE, SHORT
 from codend.solvers.interior_point import FINISH, LEAST_TENSION, NEAREST_TO_SLACK
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 from codend.solvers.prepared import prepare
@@ -34,8 +34,10 @@ FIRST_BARRIER, LAST_BARRIER, LOWERED = 1e-3, 1e-10, 0.2
 CALM = 3.0
 """Residual, over the barrier in those units, below which that is lowered."""
 EXACT = 1e-4
-"""Residual up to which the turning of contact's pushes is in the tangent: far from balance it would ask for shifts that
-leave no step to speak of."""
+"""Residual up to which contact's tangent is its own: far from balance, what is negative definite of it would ask for
+shifts that leave no step to speak of."""
+WORSE = 1.5
+"""Growth of the residual beyond which a step was too bold."""
 NEARLY = 1e-6
 """Residual under the last barrier at which Newton's method takes over."""
 
@@ -126,7 +128,7 @@ class _Run:
         structure, here, there = self.problem.structure, self.here, self.there
         loading, prepared = self.watched.loading, self.watched.prepared
         step, system = prepared.step, prepared.system
-        calmer = loading._replace(contact=loading.contact._replace(turning=float(self.residual <= EXACT)))
+        calmer = loading._replace(contact=loading.contact._replace(exact=float(self.residual <= EXACT)))
         # what the barrier adds to the strain of twine per newton
         yielding = np.where(structure.is_strut, 0.0, self.barrier / here.density**2)
         softened = structure._replace(flexibility=structure.flexibility + yielding)
@@ -141,10 +143,14 @@ class _Run:
         to_slack = float(np.min(-here.density[falling] / step.change[falling], initial=np.inf))
         whole = min(1.0, NEAREST_TO_SLACK * to_slack)
         size = min(whole, LONGEST * self.bar / farthest) if farthest > 0.0 else whole
-        size *= self.watched.free_share(here.position, size * step.move)
+        surface, pairs = self.problem.surface, None
+        if surface is not None:
+            pairs = surface.on_the_way(here.position, size * step.move)
+            size *= surface.free_part(here.position, size * step.move, pairs)
         newton_step.take(structure, loading, self.tension, 1.0, self.barrier, size, here, here, step, there)
         self.here, self.there = there, here
-        self.watched.look(self.here.position)
+        if surface is not None and pairs is not None:
+            self.watched.see(surface.nearest_of(pairs, self.here.position))
         return size, whole
 
     def _measure(self, state: State) -> None:

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from codend.mechanics.contact import Contact
 from codend.mechanics.loads import Loading
 from codend.mechanics.newton_step import empty_step
 from codend.mechanics.problem import Problem
-from codend.mechanics.surface import Neighbours
 from codend.mechanics.tangent import pattern_of
 from codend.net.net import Floats
 from codend.solvers.linear_systems import linear_system
@@ -19,17 +19,21 @@ class Watched:
         self.problem, self.prepared = problem, prepared
         self.loading: Loading = problem.loading
         self._without = prepared
-        self._neighbours = None if problem.surface is None else Neighbours(problem.surface)
         near = problem.loading.contact
         if len(near.kind) and len(prepared.pattern.contact_slot) != len(near.kind):
             self.prepared = self._made()
 
     def look(self, position: Floats) -> bool:
         """Look for contact in a shape; whether the pairs near each other are others than before."""
-        if self._neighbours is None:
+        surface = self.problem.surface
+        if surface is None:
             return False
-        last, now = self.loading.contact, self._neighbours.near(position)
-        if now is last or (np.array_equal(last.node, now.node) and np.array_equal(last.image, now.image)):
+        return self.see(surface.near(position))
+
+    def see(self, now: Contact) -> bool:
+        """Take it that this is near now; whether those are other pairs than before."""
+        last = self.loading.contact
+        if np.array_equal(last.node, now.node) and np.array_equal(last.image, now.image):
             return False
         self.loading = self.loading._replace(contact=now)
         self.prepared = self._without if len(now.kind) == 0 else self._made()
@@ -44,4 +48,5 @@ class Watched:
 
     def free_share(self, position: Floats, move: Floats) -> float:
         """Share of a move after which nothing has passed through anything, 1 without contact."""
-        return 1.0 if self._neighbours is None else self._neighbours.free_share(position, move)
+        surface = self.problem.surface
+        return 1.0 if surface is None else surface.free_share(position, move)
