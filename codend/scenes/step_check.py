@@ -1,6 +1,6 @@
 """What a motion in steps half as long tells of one: how far its depths and pulls are from right, about."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import ceil
 from typing import Any
@@ -39,7 +39,7 @@ def by_half_steps(built: BuiltScene, start: Floats) -> list[dict[str, Any]]:
     return [row for frame in follow(halved, start) for row in motion_rows(halved, frame)]
 
 
-def largest_difference(rows: Sequence[dict[str, Any]], others: Sequence[dict[str, Any]]) -> tuple[float, str]:
+def largest_difference(rows: Sequence[Mapping[Any, Any]], others: Sequence[Mapping[Any, Any]]) -> tuple[float, str]:
     """Largest difference of a height or a pull of the same time, over its largest value, and of which point or rope."""
     worst, of = 0.0, ""
     for name in dict.fromkeys(row["name"] for row in rows):
