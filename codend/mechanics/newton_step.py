@@ -101,7 +101,7 @@ def right_sides(
         if density[bar] != 0.0 or gaps[bar] != 0.0 or structure.is_strut[bar]:
             compliance = max(flexibilities[bar], 1.0 / (STIFFEST * tension))
             if barrier > 0.0 and not structure.is_strut[bar]:
-                compliance += barrier / density[bar] ** 2
+                compliance += state.slack[bar] / density[bar]
             hardening[bar] = 1.0 / (compliance * lengths[bar] ** 3)
     right_side(structure, state, state, step)
     catch, share, sides = loading.catch, state.share, 1

@@ -14,26 +14,34 @@ import numpy as np
 from codend.mechanics import newton_step
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
+from codend.solvers import interior_kernels as kernels
 from codend.solvers import newton
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import reference_tension
-from codend.solvers.newton import DIRECT, FIRST_SHIFT, LARGEST_SHIFT, Prepared
+from codend.solvers.newton import DIRECT, LARGEST_SHIFT, Prepared
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
 METHOD = "interior point"
-LOWERED, LOWERED_WARILY = 0.1, 0.5
+LOWERED, LOWERED_WARILY = 0.1, 0.3
 """Factor on the barrier after a step that was nearly whole, and after one that was more than half of it."""
-NEAREST_TO_SLACK = 0.99
-"""Share of the way to the first bar's slackness that a step may go."""
+NEAREST = 0.9
+"""Share of the way that a step may go to where the first slackness or force density is nothing."""
+NEAR = 10.0
+"""Largest force left over, in units of the reference tension and the barrier, at which the barrier is lowered: that of
+netting all but slack is itself of the barrier's size, and lowered earlier it is lost."""
+LEAST_SLACKNESS = 1e-3
+"""What bars are given to start with, over the mean length."""
 LARGEST_TURN = 0.5
 """Largest change of a bar's vector in one step, over its length."""
 LEAST_TENSION = 0.01
 """Tension that bars are given at least to start with, over the mean."""
-FARTHEST_TURN = 5.0
+FARTHEST_TURN = 2.0
 """Change of a bar's vector, over its length, that a step may ask for: near a singular tangent steps ask for far more,
 in a direction that leads nowhere, and the tangent is shifted."""
 FINEST = 1e-10
 """Residual to which the last barrier is followed: from there Newton's method goes on though bars be nearly slack."""
+FIRST_SHIFT, LEAST_SHIFT = 1e-2, 1e-3
+"""In units of what the pull of the bars at a node resists, see ``kernels.shift_by_pull``."""
 STALLED = 80
 """Steps in a row that do not lower the barrier, after which none will."""
 FINISH = replace(DIRECT, switches=(1.0, 0.1, 0.01))
@@ -45,7 +53,7 @@ class InteriorPointSettings:
     """What may be tuned; the default holds for all plans the project knows."""
 
     steps_allowed: int = 300
-    first_barrier: float = 1e-3
+    first_barrier: float = 1e-2
     """In units of the reference tension over the square of the mean length of bars. From a start that the loads have
     since left by much, a higher one takes fewer steps: lowered too early, bars hit slackness one after the other."""
     last_barrier: float = 1e-12
@@ -114,12 +122,15 @@ def _lower_the_barrier(
     structure, loading, step = problem.structure, problem.loading, prepared.step
     state, new, _ = prepared.states
     tension = reference_tension(problem) if start is None else start.mean_tension
-    unit = tension / float(structure.length.mean()) ** 2
+    length = float(structure.length.mean())
+    unit = tension / length**2
     barrier, last_barrier = settings.first_barrier * unit, settings.last_barrier * unit
     state.position[:] = problem.net.positions if start is None else start.positions
     tensions = tension if start is None else np.maximum(start.bar_tension, LEAST_TENSION * tension)
     state.density[:] = tensions / structure.length
     measure(structure, loading, tension, 1.0, barrier, state)
+    kernels.begin(structure, barrier, LEAST_SLACKNESS / length, state)
+    loosening = np.zeros(len(structure.length))
     steps, lowered, shift = 0, 0, 0.0
     while steps < settings.steps_allowed:
         if progress is not None:
@@ -134,15 +145,22 @@ def _lower_the_barrier(
         turn, shift = _step(problem, tension, barrier, shift, state, prepared)
         if not np.isfinite(turn):
             return state, Outcome.SINGULAR, steps
-        falling = ~structure.is_strut & (step.change < 0.0)
-        to_slack = float(np.min(-state.density[falling] / step.change[falling], initial=np.inf))
-        size = min(1.0, NEAREST_TO_SLACK * to_slack, LARGEST_TURN / turn if turn > 0.0 else 1.0)
-        if size > 0.5 and shift == 0.0:
-            lowered = steps
-            barrier = max((LOWERED if size > 0.9 else LOWERED_WARILY) * barrier, last_barrier)
-        shift = 0.1 * shift if shift > FIRST_SHIFT else 0.0
-        newton_step.take(structure, loading, tension, 1.0, barrier, size, state, state, step, new)
+        to_tight, to_slack = kernels.ways_to_nothing(structure, barrier, state, step, loosening)
+        of_shape = min(1.0, NEAREST * to_tight, LARGEST_TURN / turn if turn > 0.0 else 1.0)
+        of_pull = min(1.0, NEAREST * to_slack)
+        kernels.go(state, step, loosening, of_shape, of_pull, new)
+        measure(structure, loading, tension, 1.0, barrier, new)
         state, new = new, state
+        least = min(of_shape, of_pull)
+        if least > 0.9:
+            shift = 0.25 * shift if shift > LEAST_SHIFT else 0.0
+        elif least < 0.3:
+            shift = max(2.0 * shift, LEAST_SHIFT)
+        if least > 0.5 and kernels.largest_force(structure, state) <= NEAR * tension * barrier / unit:
+            lowered = steps
+            lower = min(LOWERED, np.sqrt(barrier / unit)) if least > 0.9 else LOWERED_WARILY
+            barrier = max(lower * barrier, last_barrier)
+            measure(structure, loading, tension, 1.0, barrier, state)
     close = barrier <= last_barrier and state.residual <= tolerance
     return state, Outcome.CONVERGED if close else Outcome.STEPS_SPENT, steps
 
@@ -158,11 +176,13 @@ def _step(
     structure, loading, step, system = problem.structure, problem.loading, prepared.step, prepared.system
     while True:
         turn = np.inf
-        sides = newton_step.linearise(structure, loading, prepared.pattern, tension, shift, barrier, state, step)
+        sides = newton_step.linearise(structure, loading, prepared.pattern, tension, 0.0, barrier, state, step)
+        if shift > 0.0:
+            kernels.shift_by_pull(structure, prepared.pattern, state.density, shift, step.blocks)
         if system.factorise(step.blocks) == 0:
             solved = system.solve(step.right[:sides])
             _, asked, determinant = newton_step.finish_step(structure, state, state, solved, step)
             turn = float(asked) if determinant > 0.0 else np.inf
         if turn <= FARTHEST_TURN or shift >= LARGEST_SHIFT:
             return turn, shift
-        shift = max(10.0 * shift, FIRST_SHIFT)
+        shift = max(4.0 * shift, FIRST_SHIFT)
