@@ -146,8 +146,8 @@ def _lower_the_barrier(
         if not np.isfinite(turn):
             return state, Outcome.SINGULAR, steps
         to_tight, to_slack = kernels.ways_to_nothing(structure, barrier, state, step, loosening)
-        of_shape = min(1.0, NEAREST * to_tight, LARGEST_TURN / turn if turn > 0.0 else 1.0)
-        of_pull = min(1.0, NEAREST * to_slack)
+        of_turn = min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0
+        of_shape, of_pull = min(of_turn, NEAREST * to_tight), min(of_turn, NEAREST * to_slack)
         kernels.go(state, step, loosening, of_shape, of_pull, new)
         measure(structure, loading, tension, 1.0, barrier, new)
         state, new = new, state
