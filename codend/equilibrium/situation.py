@@ -90,14 +90,26 @@ class Situation:
         # sectors as wide as their ropes are apart: each way through the interior costs some thirty factorisations
         if self.model.sectors is not None and self.has_sector:
             return len(self.others_at_its_speed) > 0
-        narrow = isinstance(self.model.prepared.system, BandedSystem)
-        return self.within_prediction and (narrow or not self.by_meshes)
+        return self.within_prediction and (self.narrow or not self.by_meshes)
+
+    @property
+    def narrow(self) -> bool:
+        """Whether the model is so narrow that a step costs next to nothing."""
+        return isinstance(self.model.prepared.system, BandedSystem)
 
     @property
     def has_sector(self) -> bool:
         """Whether more than a sector is modelled, or one with ropes, and that of a narrower one can be set round it."""
         wider = self.model.sectors is None or (len(self.plan.ropes) > 0 and not self.model.smeared)
         return wider and self.plan.model.bars_per_side == 1
+
+    @property
+    def draws_in(self) -> bool:
+        """Whether ropes or windows are modelled as they are, so that much netting beside them may hang all but slack.
+
+        Relaxed, that moves on and on: of 12 such nets none that the interior did not lead to was found in minutes.
+        """
+        return self.has_sector and (len(self.plan.ropes) > 0 or len(self.model.bag.windows) > 0)
 
     @cached_property
     def sector_all_round(self) -> Solution | None:

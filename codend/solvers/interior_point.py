@@ -26,6 +26,8 @@ LOWERED, LOWERED_WARILY = 0.1, 0.3
 """Factor on the barrier after a step that was nearly whole, and after one that was more than half of it."""
 NEAREST = 0.9
 """Share of the way that a step may go to where the first slackness or force density is nothing."""
+MOST_PULL = 3.0
+"""Share of the change of tensions, over that of the shape, that a step may go: alone they run away."""
 NEAR = 10.0
 """Largest force left over, in units of the reference tension and the barrier, at which the barrier is lowered: that of
 netting all but slack is itself of the barrier's size, and lowered earlier it is lost."""
@@ -144,10 +146,11 @@ def _lower_the_barrier(
         steps += 1
         turn, shift = _step(problem, tension, barrier, shift, state, prepared)
         if not np.isfinite(turn):
-            return state, Outcome.SINGULAR, steps
+            return state, Outcome.SINGULAR if np.isnan(turn) else Outcome.NOT_IMPROVING, steps
         to_tight, to_slack = kernels.ways_to_nothing(structure, barrier, state, step, loosening)
         of_turn = min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0
-        of_shape, of_pull = min(of_turn, NEAREST * to_tight), min(of_turn, NEAREST * to_slack)
+        of_shape = min(of_turn, NEAREST * to_tight)
+        of_pull = min(of_turn, NEAREST * to_slack, MOST_PULL * of_shape)
         kernels.go(state, step, loosening, of_shape, of_pull, new)
         measure(structure, loading, tension, 1.0, barrier, new)
         state, new = new, state
@@ -171,11 +174,12 @@ def _step(
     """Write the step at a state, with the tangent shifted until it can be factorised and leads not too far.
 
     Returns:
-        the largest change of a bar's vector over its length, infinite if no shift helps, and the shift it took.
+        the largest change of a bar's vector over its length, infinite if no shift helps and nan if the tangent cannot be
+        factorised however shifted, and the shift it took.
     """
     structure, loading, step, system = problem.structure, problem.loading, prepared.step, prepared.system
     while True:
-        turn = np.inf
+        turn = np.nan
         sides = newton_step.linearise(structure, loading, prepared.pattern, tension, 0.0, barrier, state, step)
         if shift > 0.0:
             kernels.shift_by_pull(structure, prepared.pattern, state.density, shift, step.blocks)
