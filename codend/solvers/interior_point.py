@@ -174,8 +174,8 @@ def _step(
     """Write the step at a state, with the tangent shifted until it can be factorised and leads not too far.
 
     Returns:
-        the largest change of a bar's vector over its length, infinite if no shift helps and nan if the tangent cannot be
-        factorised however shifted, and the shift it took.
+        the largest change of a bar's vector over its length, infinite if no shift helps and nan if none lets the
+        tangent be factorised, and the shift it took.
     """
     structure, loading, step, system = problem.structure, problem.loading, prepared.step, prepared.system
     while True:
