@@ -14,7 +14,7 @@ SLACK = 1e-6
 
 
 def slack_straps(study: Study, named: Callable[[Sequence[CaseResult], Study], str]) -> list[str]:
-    """A sentence a strap that is slack on the catch: in which cases, as ``named`` tells, and how wide the netting is."""
+    """A sentence a strap slack on the catch: in which cases, as ``named`` tells, and how wide the netting is."""
     found = []
     for strap, rows in zip(study.plan.straps, study.plan.strap_rows, strict=True):
         slack: list[CaseResult] = []
