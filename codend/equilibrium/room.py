@@ -5,6 +5,8 @@ from codend.errors import TooLittleMemory
 from codend.plan.plan import Plan
 from codend.solvers.memory import free_bytes, needed_bytes
 
+SMALL_KNOTS = 1000
+"""Nets up to so many, as narrow sectors are, fit wherever the program does."""
 LARGE = 0.2
 """Share of the free memory from which on a net may be what it was too little for: needs are estimated."""
 
@@ -15,7 +17,7 @@ def check_room(plan: Plan, choice: Choice) -> None:
     Raises:
         TooLittleMemory: it would not.
     """
-    if needed_bytes(choice.knots) > (free := free_bytes()):
+    if choice.knots > SMALL_KNOTS and needed_bytes(choice.knots) > (free := free_bytes()):
         raise too_little(plan, choice, free)
 
 

@@ -144,7 +144,7 @@ def _lower_the_barrier(
         if steps - lowered >= STALLED and barrier > last_barrier:
             return state, Outcome.NOT_IMPROVING, steps
         steps += 1
-        turn, shift = _step(problem, tension, barrier, shift, state, prepared)
+        turn, shift = _step(problem, tension, shift, state, prepared)
         if not np.isfinite(turn):
             return state, Outcome.SINGULAR if np.isnan(turn) else Outcome.NOT_IMPROVING, steps
         to_tight, to_slack = kernels.ways_to_nothing(structure, barrier, state, step, loosening)
@@ -168,19 +168,21 @@ def _lower_the_barrier(
     return state, Outcome.CONVERGED if close else Outcome.STEPS_SPENT, steps
 
 
-def _step(
-    problem: Problem, tension: float, barrier: float, shift: float, state: State, prepared: Prepared
-) -> tuple[float, float]:
+def _step(problem: Problem, tension: float, shift: float, state: State, prepared: Prepared) -> tuple[float, float]:
     """Write the step at a state, with the tangent shifted until it can be factorised and leads not too far.
+
+    To a step every bar is softer by its slackness over its force density.
 
     Returns:
         the largest change of a bar's vector over its length, infinite if no shift helps and nan if none lets the
         tangent be factorised, and the shift it took.
     """
     structure, loading, step, system = problem.structure, problem.loading, prepared.step, prepared.system
+    yielding = np.where(structure.is_strut, 0.0, state.slack / state.density)
+    softened = structure._replace(flexibility=structure.flexibility + yielding)
     while True:
         turn = np.nan
-        sides = newton_step.linearise(structure, loading, prepared.pattern, tension, 0.0, barrier, state, step)
+        sides = newton_step.linearise(softened, loading, prepared.pattern, tension, 0.0, state, step)
         if shift > 0.0:
             kernels.shift_by_pull(structure, prepared.pattern, state.density, shift, step.blocks)
         if system.factorise(step.blocks) == 0:

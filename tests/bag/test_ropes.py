@@ -176,7 +176,8 @@ def test_ropes_that_cannot_be_are_one_line(name):
 @pytest.mark.parametrize(("number", "shortening", "least", "most"), [(2, 0.1, 4.0, 8.0), (4, 0.2, 15.0, 18.0)])
 def test_ropes_of_a_codend_of_fifty_meshes_open_it_ahead_and_raise_its_drag(number, shortening, least, most):
     tube, short = (measured(plan_with(ropes, shortening, 12.0)) for ropes in (0, number))
-    assert tube is not None and short is not None
+    assert tube is not None
+    assert short is not None
     assert least < short.opening_ahead_deg - tube.opening_ahead_deg < most
     assert short.drag_n > 1.1 * tube.drag_n
     assert short.entry_reaction_n == pytest.approx(short.drag_n, rel=1e-6)
