@@ -173,6 +173,14 @@ def cautions(study: Study) -> list[str]:
         for reason in dict.fromkeys(result.followed.reason for result in led):
             same = _named([result for result in led if result.followed.reason == reason], study)
             found.append(f"{'In waves' if shapes else 'Wrinkles'}: {same}: {reason}.")
+    pressed = [result for result in study.cases if result.followed.contact_share > 0.0]
+    if in_contact := _named(pressed, study):
+        counts = sorted({result.followed.fold_count for result in pressed})
+        found.append(
+            f"Layers of netting press on each other ({ranges_text(tuple(counts))} folds round the net): {in_contact}. "
+            "What they press with depends on the model of contact, what that changes in drag and openings stands in "
+            "their errors, with the spread of the shapes found."
+        )
     in_folds = [result for result in study.cases if result.measures.folded_share > FOLDS_WORTH_TELLING]
     if folded := _named(in_folds, study):
         most = 100.0 * max(result.measures.folded_share for result in in_folds)
