@@ -37,7 +37,7 @@ LARGEST_TURN = 0.5
 """Largest change of a bar's vector in one step, over its length."""
 LEAST_TENSION = 0.01
 """Tension that bars are given at least to start with, over the mean."""
-FARTHEST_TURN = 2.0
+FARTHEST_TURN = 5.0
 """Change of a bar's vector, over its length, that a step may ask for: near a singular tangent steps ask for far more,
 in a direction that leads nowhere, and the tangent is shifted."""
 FINEST = 1e-10
