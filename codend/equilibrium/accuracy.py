@@ -13,6 +13,7 @@ from codend.bag.measures import Measures, drag_of, measure_all, measure_briefly
 from codend.bag.near_ratio import narrower, near_enough
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
+from codend.equilibrium.starts import BRIEFLY
 from codend.net.net import Floats
 from codend.plan.plan import Case, Plan
 from codend.solvers.newton import ONE_STEP, TangentAtEquilibrium, drifted, solve_nearby
@@ -155,7 +156,7 @@ def by_any_method(plan: Plan) -> Plan:
 
 
 def _solved(model: BagModel, case: Case) -> Measures:
-    problem, solution = equilibrium.solve(model, case, (), None)
+    problem, solution = equilibrium.solve(model, case, (), None, None if model.near is None else BRIEFLY)
     return measure_all(model.bag, problem, solution)[2] if solution.report.outcome.converged else Measures.unknown()
 
 
@@ -163,19 +164,21 @@ def by_ratio(model: BagModel, case: Case, measures: Measures) -> np.ndarray:
     """What a sector of nearly the ratio of the counts is off by: the distance to a narrower one, which is further off.
 
     Answers are linear in the mismatch of the counts, as far as that is small; but where the way they change turns, two
-    sectors happen to agree, and ``BY_MISMATCH`` is the least that is told.
+    sectors happen to agree, and ``BY_MISMATCH`` is the least that is told; twice that, where no narrower one is solved.
     """
     near = model.near
     if near is None:
         return np.zeros(4)
+    least = BY_MISMATCH * near.largest * np.abs(measures.estimated)
     other = narrower(model.plan, near)
-    if other is None:
-        return np.full(4, np.nan)
-    here, there = np.array(near.mismatch), np.array(other.mismatch)
-    part = np.linalg.norm(here) / np.linalg.norm(here - there)
-    distance = part * _distance(measures, _solved(model_of(by_any_method(model.plan), 1, 1, near=other), case))
-    sizes = np.abs(measures.estimated)
-    return np.asarray(np.maximum(distance, BY_MISMATCH * near.largest * sizes))
+    while other is not None:
+        compared = _solved(model_of(by_any_method(model.plan), 1, 1, near=other), case)
+        if np.isfinite(compared.drag_n):
+            here, there = np.array(near.mismatch), np.array(other.mismatch)
+            part = np.linalg.norm(here) / np.linalg.norm(here - there)
+            return np.asarray(np.maximum(part * _distance(measures, compared), least))
+        other = narrower(model.plan, other)
+    return 2.0 * least
 
 
 def by_merged_windows(model: BagModel, case: Case, measures: Measures) -> np.ndarray:

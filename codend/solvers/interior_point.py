@@ -35,7 +35,7 @@ in a direction that leads nowhere, and the tangent is shifted."""
 FINEST = 1e-10
 """Residual to which the last barrier is followed: from there Newton's method goes on though bars be nearly slack."""
 STALLED = 80
-"""Steps in a row that do not lower the barrier, after which none will."""
+"""Steps in a row that do not lower the barrier, or under the last one do not end in balance, after which none will."""
 FINISH = replace(DIRECT, switches=(1.0, 0.1, 0.01))
 """Newton's method at the end: the first of these weights parts taut and slack bars as the barrier did."""
 
@@ -128,8 +128,10 @@ def _lower_the_barrier(
             return state, Outcome.NOT_FINITE, steps
         if barrier <= last_barrier and state.residual <= min(tolerance, FINEST):
             return state, Outcome.CONVERGED, steps
-        if steps - lowered >= STALLED and barrier > last_barrier:
-            return state, Outcome.NOT_IMPROVING, steps
+        if steps - lowered >= STALLED:
+            if barrier > last_barrier:
+                return state, Outcome.NOT_IMPROVING, steps
+            break
         steps += 1
         turn, shift = _step(problem, tension, barrier, shift, state, prepared)
         if not np.isfinite(turn):
@@ -137,7 +139,7 @@ def _lower_the_barrier(
         falling = ~structure.is_strut & (step.change < 0.0)
         to_slack = float(np.min(-state.density[falling] / step.change[falling], initial=np.inf))
         size = min(1.0, NEAREST_TO_SLACK * to_slack, LARGEST_TURN / turn if turn > 0.0 else 1.0)
-        if size > 0.5 and shift == 0.0:
+        if size > 0.5 and shift == 0.0 and barrier > last_barrier:
             lowered = steps
             barrier = max((LOWERED if size > 0.9 else LOWERED_WARILY) * barrier, last_barrier)
         shift = 0.1 * shift if shift > FIRST_SHIFT else 0.0

@@ -13,7 +13,7 @@ from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import Measures, measure_all
 from codend.bag.meridian import plan_case
-from codend.equilibrium import accuracy, fidelity
+from codend.equilibrium import accuracy, fidelity, standing_in
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.accuracy import Errors
 from codend.equilibrium.bag_model import BagModel, model_of
@@ -149,15 +149,18 @@ def solve(
         if progress is not None:
             progress(done, len(cases), f"case {case.number}")
         try:
-            problem, solution = equilibrium.solve(model, case, known or neighbours, report)
+            found_on, problem, solution = standing_in.solve(model, choice, case, known or neighbours, report)
         except MemoryError as error:
             raise explained(plan, choice, error) from None
-        result = measured(model.bag, case, problem, solution)
+        result = measured(found_on.bag, case, problem, solution)
         if result.converged:
-            known.append((case, solution))
+            if found_on is model:
+                known.append((case, solution))
             if progress is not None:
                 progress(done, len(cases), f"case {case.number}: its stability and errors")
-            result = _judged(model, result, choice.unseen_weight_n, report)
+            unseen_n = choice.unseen_weight_n if found_on is model else choice.weight_n
+            result = _judged(found_on, result, unseen_n, report)
+            result = replace(result, stands_in=None if found_on is model else found_on.near)
         results[case.number] = result
         if keep is not None:
             keep(result)
