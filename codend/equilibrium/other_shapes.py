@@ -12,7 +12,7 @@ from codend.equilibrium.stability import Stability, stability_of
 from codend.equilibrium.starts import CRUDE, MERIDIAN, RELAXED_TO_THE_END
 from codend.equilibrium.wrinkles import changed_by_wrinkles
 from codend.net.net import Floats
-from codend.plan.plan import Case
+from codend.plan.plan import Case, Plan
 from codend.solvers import newton
 from codend.solvers.newton import TangentAtEquilibrium
 
@@ -20,6 +20,8 @@ VERY_STIFF = 30.0
 """Stiffness of the mean corner over the mean tension of a bar times its length, beyond which twine holds netting open
 or shut in more than one way: behind a hoop it was bent to, both twines of a mesh pull or one alone. A bag of 12 x 8
 meshes of EI 2e-3 N m2 has 1.31 N in one shape and 2.05 N in another, at 650; commercial codends are below 3."""
+ROUGHLY = 1e-5
+"""Tolerance of the others."""
 MOST_KNOTS = 500
 """Of a sector that is relaxed from a crude bag once more: a second."""
 
@@ -33,7 +35,7 @@ def apart_from_other_shapes(
     one is not stable, it is one of many beside that.
     """
     found = tangent.problem
-    plan, loading = by_any_method(model.plan), found.loading
+    plan, loading = _roughly(by_any_method(model.plan)), found.loading
     if plan.rope or plan.window or plan.layer or loading.dead.any() or loading.catch.weight_density != 0.0:
         return np.zeros(4)
     whole = found.net.order == 1
@@ -58,6 +60,12 @@ def apart_from_other_shapes(
     symmetric = measure_all(sector.bag, problem, solution)[2]
     changed = changed_by_wrinkles(sector.bag, case, solution, symmetric_stability, symmetric, touching=False)
     return np.asarray(apart + changed + np.abs(own - symmetric.estimated))
+
+
+def _roughly(plan: Plan) -> Plan:
+    """The plan at a tolerance that relaxation is quick to meet."""
+    model = plan.model.model_copy(update={"tolerance": max(plan.model.tolerance, ROUGHLY)})
+    return plan.model_copy(update={"model": model})
 
 
 def _stiffness(tangent: TangentAtEquilibrium) -> float:

@@ -91,7 +91,7 @@ def test_errors_of_very_stiff_twine_cover_the_shape_that_another_start_leads_to(
     for result, far in ((first, other), (other, first), (full, other)):
         for name, error in QUANTITIES.items():
             off = abs(getattr(result.measures, name) - getattr(far.measures, name))
-            assert off <= 1.001 * getattr(result.errors, error)
+            assert off <= 1.001 * getattr(result.errors, error) + 1e-7 * getattr(result.measures, name)
 
 
 def test_the_turned_net_in_small_waves_is_unstable_with_an_error_that_covers_them():
