@@ -83,9 +83,7 @@ def main() -> None:
     loads, state, step = (problem.structure, problem.loading), run.state, prepared.step
     measures = measure_all(model.bag, problem, solution)[2]
 
-    linearise = microseconds(
-        lambda: newton_step.linearise(*loads, prepared.pattern, run.tension, 0.0, 0.0, state, step)
-    )
+    linearise = microseconds(lambda: newton_step.linearise(*loads, prepared.pattern, run.tension, 0.0, state, step))
     factorise = microseconds(lambda: prepared.system.factorise(step.blocks))
     back = microseconds(lambda: prepared.system.solve(step.right[:1]))
     state_us = microseconds(lambda: newton_state.measure(*loads, run.tension, SWITCH, 0.0, state))

@@ -58,7 +58,7 @@ def bow_wave(
     from codend.report.bow_wave_plot import LONGEST, bow_wave_figure
     from codend.report.own_look import own_look
     from codend.report.style import png
-    from codend.scenes.bow_wave import HULLS, BowWave
+    from codend.scenes.bow_wave import HULLS, LIMIT_ANGLE_DEG, BowWave
 
     if (angle_deg is None) == (hull == "plate"):
         told = "given with --hull plate, and left out with another hull, whose angle is known"
@@ -97,5 +97,7 @@ def bow_wave(
         click.echo("The wave is steady.")
     else:
         click.echo("The wave is not steady: higher than U2 / 2g, which no steady flow reaches; no profile is given.")
-    if wave.slowest_steady_m_s > 0.0:
+    if wave.slowest_steady_m_s == 0.0:
+        click.echo(f"Steady at any speed, as up to a half entrance angle of {LIMIT_ANGLE_DEG:.2f} degrees")
+    else:
         click.echo(f"Steady from          {wave.slowest_steady_m_s:.3g} m/s on at this entrance angle and draught")

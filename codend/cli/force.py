@@ -47,7 +47,7 @@ def force(plan: str, folder: Path, places: tuple[float, ...], wanted_deg: float,
 
     For every case of a plan: alone by the equilibrium of a rhombus under the load it carries; in the net by pulling its
     two knots apart in the solved model, which is made of sectors side by side, whatever model.fidelity says, and knows
-    no wet weight. Writes opening_force.csv into DIR. Takes seconds a mesh, of a net of 40 000 knots about a minute.
+    no wet weight. Writes opening_force.csv into DIR. Takes seconds a mesh, of a net of 40 000 knots 15.
     """
     from codend.io.files import write_table
     from codend.plan.plan import load_plan

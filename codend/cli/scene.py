@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from codend.net.net import Floats
     from codend.scenes.build import BuiltScene
 
-TABLES = ("results.csv", "ropes.csv", "netting.csv", "points.csv")
+TABLES = ("results.csv", "ropes.csv", "netting.csv", "points.csv", "frame.csv", "floats.csv")
 FILES = (*TABLES, "scene.png", "report.html", "motion.png", "motion.gif", "net.pvd")
 GOES_ON = "motion_state.npz"
 """What a motion goes on from; there until it has ended."""
@@ -32,6 +32,18 @@ NETTING_TABLE = {
     "opening_deg": "opening deg",
     "deepest_m": "deepest m",
 }
+FRAME_TABLE = {
+    "name": "frame",
+    "x_m": "x m",
+    "y_m": "y m",
+    "z_m": "z m",
+    "heel_deg": "heel deg",
+    "trim_deg": "trim deg",
+    "yaw_deg": "yaw deg",
+    "force_x_n": "held by x N",
+    "force_z_n": "z N",
+}
+FLOAT_TABLE = {"name": "float", "draft_m": "draft m", "immersed_share": "immersed", "buoyancy_n": "buoyancy N"}
 
 
 @click.command(cls=SeveralPairs)
@@ -44,9 +56,9 @@ NETTING_TABLE = {
 def scene(scene: str, folder: Path, changes: tuple[str, ...], files: tuple[str, ...]) -> int:
     """Equilibrium of towed or moored ropes and netting with weights, floats and doors, and their motion in time.
 
-    Writes results.csv, ropes.csv, netting.csv, points.csv, a figure, net_<n>.vtu and a report into DIR; of a scene
-    with a table [time] also motion.csv, its figure and film, and net.pvd. A motion that was killed goes on from its
-    last output when the same command is given again.
+    Writes results.csv, ropes.csv, netting.csv, points.csv, of a frame frame.csv and floats.csv, a figure, net_<n>.vtu
+    and a report into DIR; of a scene with a table [time] also motion.csv, its figure and film, and net.pvd. A motion
+    that was killed goes on from its last output when the same command is given again.
 
     A codend's plan with a table [vessel] pulses: pulse.csv has its speed, openings and drag in time, pulse_range.csv
     their ranges for every period of heave, with --species what L50 is at the least and the most open, pulse.png shows
@@ -75,6 +87,7 @@ def scene(scene: str, folder: Path, changes: tuple[str, ...], files: tuple[str, 
     from codend.report.vtk import write_bars, write_series
     from codend.scenes.build import build
     from codend.scenes.follow import outputs
+    from codend.scenes.frame_measures import float_rows, frame_rows
     from codend.scenes.measures import cautions, point_rows, result_row, rope_rows, settled, solve_scene
     from codend.scenes.netting_measures import netting_rows
 
@@ -99,16 +112,20 @@ def scene(scene: str, folder: Path, changes: tuple[str, ...], files: tuple[str, 
                 tension = found.solution.bar_tension
                 write_bars(found.solution.positions, built.problem.net.bars, folder / "net_1.vtu", tension_n=tension)
         shape, pulls = found.solution.positions, found.solution.bar_tension
-        if moved and not found.converged:  # netting is told as it is at the end of the motion
-            shape, pulls = last.positions, last.bar_tension
+        holds = found.support
+        if moved and not found.converged:  # netting and frame are told as they are at the end of the motion
+            shape, pulls, holds = last.positions, last.bar_tension, last.support
+        frame, floats = pd.DataFrame(frame_rows(built, shape, holds)), pd.DataFrame(float_rows(built, shape))
         netting = netting_rows(built, shape, pulls)
         tables = {
             "results.csv": pd.DataFrame([result_row(found)]),
             "ropes.csv": ropes,
             "netting.csv": pd.DataFrame(netting),
             "points.csv": pd.DataFrame(point_rows(found)),
+            "frame.csv": frame,
+            "floats.csv": floats,
         }
-        titles = {"results.csv": "Equilibrium", "ropes.csv": "Ropes", "netting.csv": "Netting", "points.csv": "Points"}
+        titles = {name: name.removesuffix(".csv").capitalize() for name in tables} | {"results.csv": "Equilibrium"}
         tables = {name: table for name, table in tables.items() if len(table)}
         for name, table in tables.items():
             write_table(table, folder / name)
@@ -128,7 +145,8 @@ def scene(scene: str, folder: Path, changes: tuple[str, ...], files: tuple[str, 
         page = scene_page(checked, [(titles[name], table) for name, table in tables.items()], figures, notes)
         write_text(page, folder / "report.html")
         (folder / GOES_ON).unlink(missing_ok=True)
-    for table, heads in ((ropes, TABLE), (pd.DataFrame(netting), NETTING_TABLE)):
+    shown_tables = ((ropes, TABLE), (pd.DataFrame(netting), NETTING_TABLE), (frame, FRAME_TABLE), (floats, FLOAT_TABLE))
+    for table, heads in shown_tables:
         shown = [column for column in (*heads, "peak_tension_n", "peak_time_s") if column in table]
         if shown:
             words = [heads.get(column, column) for column in shown]

@@ -5,28 +5,35 @@ from codend.errors import TooLittleMemory
 from codend.plan.plan import Plan
 from codend.solvers.memory import free_bytes, needed_bytes
 
+SMALL_KNOTS = 1000
+"""Nets up to so many, as narrow sectors are, fit wherever the program does."""
 LARGE = 0.2
 """Share of the free memory from which on a net may be what it was too little for: needs are estimated."""
 LEFT = 0.5
 """Share of the free memory that a merged net may take where the estimate for the one before fell short."""
 
 
-def check_room(plan: Plan, choice: Choice) -> float:
+def check_room(plan: Plan, choice: Choice) -> float | None:
     """Refuse a model that would not fit, before it is built; else tell how many bytes are free.
+
+    Of a small one that is not asked, and None.
 
     Raises:
         TooLittleMemory: it would not.
     """
+    if choice.knots <= SMALL_KNOTS:
+        return None
     if needed_bytes(choice.knots) > (free := free_bytes()):
         raise too_little(plan, choice, free, free)
     return free
 
 
-def explained(plan: Plan, choice: Choice, error: MemoryError, free: float) -> MemoryError:
+def explained(plan: Plan, choice: Choice, error: MemoryError, before: float | None) -> MemoryError:
     """Why memory ran out while a model was solved: a net that takes a good part of it, or else something beside.
 
-    ``free`` is what there was before; where an estimate fell short of the need, the merged net is to take half of it.
+    ``before`` is what was free then; where an estimate fell short of the need, the merged net is to take half of it.
     """
+    free = free_bytes() if before is None else before
     return too_little(plan, choice, free, LEFT * free) if needed_bytes(choice.knots) > LARGE * free else error
 
 

@@ -17,6 +17,8 @@ from codend.mechanics.lanes import LANES, take_conjugate_product
 from codend.net.net import Floats, Ints
 
 Complex = NDArray[np.complex128]
+Numbers = NDArray[np.inexact]
+"""Complex, or real where every turn is: in harmonic 0, and in that of half the order."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -125,7 +127,24 @@ def negative_pivots_side_by_side(
 
 
 @njit(cache=True, error_model="numpy")
-def factorise_complex_band(band: Complex) -> None:
+def write_rows(band: Numbers, centre: float, hermitian: bool, rows: Numbers) -> None:
+    """Write a band, or its Hermitian part, less ``centre`` on its diagonal, as ``factorise_band_of_numbers`` takes it.
+
+    Entry (i, j) stands in ``band[half + i - j, j]`` and goes into ``rows[i, half + j - i]``.
+    """
+    width, size = band.shape
+    half = width // 2
+    for i in range(size):
+        for j in range(max(0, i - half), min(size, i + half + 1)):
+            entry = band[half + i - j, j]
+            if hermitian:
+                entry = 0.5 * (entry + np.conj(band[half + j - i, i]))
+            rows[i, half + j - i] = entry
+        rows[i, half] -= centre
+
+
+@njit(cache=True, error_model="numpy")
+def factorise_band_of_numbers(band: Numbers) -> None:
     """Factorise a band in place as L U without pivoting: entry (i, j) in ``band[i, half + j - i]``."""
     size, width = band.shape
     half = width // 2
@@ -141,8 +160,8 @@ def factorise_complex_band(band: Complex) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def solve_complex_band(band: Complex, x: Complex) -> None:
-    """Solve in place with the factors of ``factorise_complex_band``, (unknowns,)."""
+def solve_band_of_numbers(band: Numbers, x: Numbers) -> None:
+    """Solve in place with the factors of ``factorise_band_of_numbers``, (unknowns,)."""
     size, width = band.shape
     half = width // 2
     for i in range(size):
@@ -156,7 +175,7 @@ def solve_complex_band(band: Complex, x: Complex) -> None:
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
 def arnoldi(
-    band: Complex, by_load: Complex, gradient: Complex, first: int, last: int, basis: Complex, projection: Complex
+    band: Numbers, by_load: Numbers, gradient: Numbers, first: int, last: int, basis: Numbers, projection: Numbers
 ) -> None:
     """Carry Arnoldi's method for the inverse of a tangent on from step ``first`` to ``last``.
 
@@ -171,21 +190,21 @@ def arnoldi(
         basis: its rows are orthonormal, ``first`` + 1 of them are there, (steps + 1, unknowns).
         projection: column m holds the parts of the inverse of row m along the rows, (steps + 1, steps).
     """
-    size = basis.shape[1]
+    size, zero = basis.shape[1], 0.0 * basis[0, 0]
     for m in range(first, last):
         new = basis[m + 1]
         new[:] = basis[m]
-        solve_complex_band(band, new)
-        along = 0.0j
+        solve_band_of_numbers(band, new)
+        along = zero
         for i in range(size):
             along += gradient[i] * new[i]
         for i in range(size):
             new[i] += along * by_load[i]
         for _ in range(2):  # once more against round-off
             for row in range(m + 1):
-                old, part = basis[row], 0.0j
+                old, part = basis[row], zero
                 for i in range(size):
-                    part += old[i].conjugate() * new[i]
+                    part += np.conj(old[i]) * new[i]
                 projection[row, m] += part
                 for i in range(size):
                     new[i] -= part * old[i]

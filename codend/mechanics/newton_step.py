@@ -86,9 +86,7 @@ def right_side(structure: Structure, here: State, there: State, step: Step) -> N
 
 
 @njit(cache=True, error_model="numpy")
-def right_sides(
-    structure: Structure, loading: Loading, tension: float, barrier: float, state: State, step: Step
-) -> int:
+def right_sides(structure: Structure, loading: Loading, tension: float, state: State, step: Step) -> int:
     """Write the right sides at a state, and how the bars there harden: all of ``linearise`` but the tangent.
 
     Returns:
@@ -100,8 +98,6 @@ def right_sides(
         hardening[bar] = 0.0
         if density[bar] != 0.0 or gaps[bar] != 0.0 or structure.is_strut[bar]:
             compliance = max(flexibilities[bar], 1.0 / (STIFFEST * tension))
-            if barrier > 0.0 and not structure.is_strut[bar]:
-                compliance += barrier / density[bar] ** 2
             hardening[bar] = 1.0 / (compliance * lengths[bar] ** 3)
     right_side(structure, state, state, step)
     catch, share, sides = loading.catch, state.share, 1
@@ -124,7 +120,6 @@ def linearise(
     pattern: Pattern,
     tension: float,
     shift: float,
-    barrier: float,
     state: State,
     step: Step,
 ) -> int:
@@ -135,7 +130,7 @@ def linearise(
     """
     firsts, seconds, rests = structure.first, structure.second, structure.length
     position, density, blocks, diagonal = state.position, state.density, step.blocks, pattern.diagonal
-    sides = right_sides(structure, loading, tension, barrier, state, step)
+    sides = right_sides(structure, loading, tension, state, step)
     blocks[:] = 0.0
     add_bar_tangent(position, structure, pattern, density, step.hardening, blocks)
     add_tangent(position, structure, loading, pattern, state.share, blocks)

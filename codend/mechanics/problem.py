@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from codend.mechanics.body import Body
 from codend.mechanics.contact import no_contact
 from codend.mechanics.loads import Loading
 from codend.mechanics.points import points_of
@@ -29,6 +30,8 @@ class Problem:
     """Rings of knots in the order in which the net was built, wherever it starts."""
     surface: Surface | None = None
     """What nothing may pass through; None where contact is left out."""
+    body: Body | None = None
+    """A rigid body that floats, whose nodes the net has as held; None where all that is held stays where it is."""
 
     @property
     def bands(self) -> int:
@@ -59,6 +62,7 @@ class Problem:
         catch: Catch | None = None,
         seabed: Seabed | None = None,
         contact: ContactLaw | None = None,
+        body: Body | None = None,
     ) -> "Problem":
         """A net under its own loads.
 
@@ -70,6 +74,7 @@ class Problem:
             catch: what presses on the facets; nothing by default.
             seabed: what carries the nodes that lie on it; none by default.
             contact: how facets and bars of the net press on each other, without friction; not at all by default.
+            body: a rigid body afloat; none by default.
         """
         water = uniform_flow(SEA_WATER_KG_M3, np.zeros(3)) if water is None else water
         dead = wet_weight(net, water.density) if weight else np.zeros_like(net.positions)
@@ -80,7 +85,7 @@ class Problem:
         loading = Loading(dead, water, points_of(net), catch, seabed, no_contact())
         rings = rings_of(net.positions, loading.catch.node_row, net.order)
         surface = None if contact is None else Surface.of(net, contact)
-        return cls(net, structure_of(net), loading, rings, surface)
+        return cls(net, structure_of(net), loading, rings, surface, body)
 
 
 SEA_WATER_KG_M3 = 1025.0

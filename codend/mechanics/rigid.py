@@ -44,15 +44,20 @@ class RigidPattern(NamedTuple):
     """Entry of each bar with itself, (m,)."""
 
 
-def rigid_pattern(structure: Structure) -> RigidPattern:
-    """Entries of the system for the tensions of a net."""
+def rigid_pattern(structure: Structure, on_body: Ints | None = None) -> RigidPattern:
+    """Entries of the system for the tensions of a net, those of all bars at the nodes ``on_body`` of a body besides."""
     bars, nodes = len(structure.first), len(structure.free)
     at_node = np.stack([structure.first, structure.second], axis=1).ravel()
     ends = np.argsort(at_node, kind="stable")
     start = np.searchsorted(at_node[ends], np.arange(nodes + 1))
     meeting = [ends[start[node] : start[node + 1]] // 2 for node in range(nodes)]
     keys = np.concatenate([(here[:, None] * bars + here[None, :]).ravel() for here in meeting])
+    at_nodes = len(keys)
+    if on_body is not None:
+        bar = np.unique(np.flatnonzero(np.isin(at_node, on_body)) // 2)
+        keys = np.concatenate([keys, (bar[:, None] * bars + bar[None, :]).ravel()])
     entries, slots = np.unique(keys, return_inverse=True)
+    slots = slots[:at_nodes]
     return RigidPattern(
         node_start=start.astype(np.int32),
         node_ends=ends.astype(np.int32),

@@ -188,7 +188,7 @@ BAR_ARRAYS = [own.name for own in fields(Net) if own.name.startswith("bar")]
 """Fields of a net that have a row a bar."""
 
 
-def rotate(points: Floats, image: NDArray[np.integer] | int, order: float) -> Floats:
+def rotate(points: Floats, image: ArrayLike, order: float) -> Floats:
     """Turn points (..., 3) about the x axis by ``image`` sectors of a net with ``order`` sectors all round."""
     angle = 2.0 * np.pi * np.asarray(image) / order
     cosine, sine = np.cos(angle), np.sin(angle)

@@ -7,7 +7,7 @@ import math
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import chain, combinations, repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Self
 
@@ -342,7 +342,7 @@ class Plan(Table):
     def sections_of_bands(self, globalisation: int = 1) -> tuple[int, ...]:
         """Number of the section, from 0, of each band between two rows of knots, from the entry to the codline."""
         rows = (part.rows_per_mesh * part.meshes_long // globalisation for part in self.netting)
-        return tuple(number for number, count in enumerate(rows) for _ in range(count))
+        return tuple(chain.from_iterable(repeat(number, count) for number, count in enumerate(rows)))
 
     @property
     def source(self) -> Path:

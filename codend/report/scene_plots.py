@@ -7,10 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from codend.mechanics.body import pose_of
 from codend.net.net import Floats
 from codend.report.style import BLUE, INK, ORANGE, PALE, dress, new_figure, ordered_colours
 from codend.report.vtk import read_nodes
 from codend.scenes.build import BuiltScene
+from codend.scenes.frame import prism_of
+from codend.scenes.frame_tables import FRAME
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -19,6 +22,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_FRAMES = 60
+MOST_NAMES = 16
+"""Points that are named in a figure: of more, names would lie on each other."""
 FRAME_MS = 80
 
 
@@ -35,11 +40,14 @@ def scene_figure(built: BuiltScene, positions: Floats) -> "Figure":
                 middle = positions[nodes[len(nodes) // 2]]
                 name = built.scene.rope_names[rope]
                 panel.annotate(name, middle[[0, 2]], (6, 6), textcoords="offset points", color=BLUE, fontsize=8)
+        for corners in _floats(built, positions, coordinate):
+            panel.fill(*corners.T, facecolor=PALE, edgecolor=INK, lw=0.8, zorder=1)
         for name, node in built.node_of.items():
             held = name in built.held
             x, up = positions[node, 0], positions[node, coordinate]
             panel.plot(x, up, "s" if held else "o", color=INK if held else ORANGE, ms=5)
-            panel.annotate(name, (x, up), (6, -11), textcoords="offset points", color=INK, fontsize=8)
+            if len(built.node_of) <= MOST_NAMES:
+                panel.annotate(name, (x, up), (6, -11), textcoords="offset points", color=INK, fontsize=8)
         panel.set_ylabel(words)
         dress(panel)
     axes[-1].set_xlabel("aft of the vessel (m)" if built.scene.vessel is not None else "along x (m)")
@@ -47,11 +55,31 @@ def scene_figure(built: BuiltScene, positions: Floats) -> "Figure":
     return figure
 
 
+def _floats(built: BuiltScene, positions: Floats, coordinate: int) -> list[Floats]:
+    """Outlines of a frame's floats from the side or from above, each (k, 2)."""
+    from scipy.spatial import ConvexHull
+
+    body, frame = built.frame, built.scene.frame
+    if body is None or frame is None:
+        return []
+    pose, found = pose_of(body, positions), []
+    for table in built.scene.floats:
+        prism = prism_of(table, frame)
+        round_it = np.linspace(0.0, 2.0 * np.pi, 40)
+        section = np.stack([np.cos(round_it), np.sin(round_it)], axis=1) * 0.5 * (table.diameter_m or 0.0)
+        if prism.sides_m:
+            section = 0.5 * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * prism.sides_m
+        own = [prism.foot + np.array([*corner, height]) for corner in section for height in (0.0, prism.height_m)]
+        seen = (pose.origin + np.array(own) @ pose.turn.T)[:, [0, coordinate]]
+        found.append(seen[ConvexHull(seen).vertices])
+    return found
+
+
 def motion_figure(built: BuiltScene, table: "pd.DataFrame") -> "Figure":
     """Depth of the free points and tension of the ropes against time."""
     figure = new_figure(9.0, 6.4)
     depth, tension = figure.subplots(2, 1, sharex=True)
-    free = [name for name in built.node_of if name not in built.held]
+    free = [name for name in built.node_of if name not in built.held or (name == FRAME and built.scene.afloat)]
     _lines(depth, table, free, "z_m")
     _lines(tension, table, built.scene.rope_names, "tension_n")
     depth.set_ylabel("height (m)")

@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from codend.mechanics.drag_laws import drag
 from codend.net.net import Floats, Ints, Net
-from codend.netting.sheet import EDGES
-from codend.scenes.netting_tables import PLANES, SheetTable
+from codend.scenes.netting_tables import SheetTable
 from codend.scenes.tables import RopeTable
 
 Counts = NDArray[np.int64]
@@ -81,26 +80,19 @@ class BarTable:
             lines=1.0,
         )
 
-    def add_sheet(self, table: SheetTable, number: int, nodes: Counts) -> None:
-        """Add the bars of a sheet whose knots are ``nodes``, (k,).
+    def add_sheet(self, table: SheetTable, number: int, nodes: Counts, speed_share: float) -> None:
+        """Add the bars of a sheet whose knots are ``nodes``, (k,), in water at a share of the current's speed.
 
-        A bar stands for g x g real ones (Le Bris et al. 1999, section 3.1): it is g times as long, and g lie side by
-        side. Of the last line of square netting there are (g + 1) / 2, of one in a plane that it goes on
-        beyond g / 2.
+        Drag, which goes as the square of the speed, is that of bars thinner by the square of the share.
         """
-        sheet, twine, g = table.sheet, table.twine, table.globalisation
-        lines = np.where(sheet.outermost, 0.5 * (g + 1), float(g))
-        for edge in EDGES:
-            if table.hold_of(edge) in PLANES:
-                on_edge = np.isin(sheet.bars, sheet.edges[edge].knots).all(axis=1)
-                lines[sheet.outermost & on_edge] = 0.5 * g
+        sheet, twine, lines = table.sheet, table.twine, table.lines
         law, normal, tangential = drag(*table.drag)
         softness = 0.0 if twine.axial_stiffness_n is None else 1.0 / twine.axial_stiffness_n
         self._add(
             nodes[sheet.bars],
-            length=g * twine.bar_m,
+            length=table.globalisation * twine.bar_m,
             flexibility=softness / lines,
-            drag_diameter=lines * twine.drag_width_m,
+            drag_diameter=speed_share**2 * lines * twine.drag_width_m,
             solid_diameter=np.sqrt(lines) * twine.solid_diameter_m,
             density=np.nan if twine.density_kg_m3 is None else twine.density_kg_m3,
             diameter=twine.twine_m,

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.errors import InputError
+from codend.mechanics.body import Body, shortest_period
 from codend.mechanics.problem import Problem
 from codend.mechanics.rigid import draw_in
 from codend.mechanics.seabed import Seabed, no_seabed
@@ -15,9 +16,12 @@ from codend.mechanics.weight import GRAVITY_M_S2, wet_weight
 from codend.net.net import Floats, Net, with_point
 from codend.netting.sheet import EDGES
 from codend.scenes.bar_table import BarTable
+from codend.scenes.frame import ballasted, body_of, markers
+from codend.scenes.frame_tables import FRAME
 from codend.scenes.netting_tables import PLANES
 from codend.scenes.scene import FAST, Scene
 from codend.scenes.sheets import at_points, laced, laid, merged, sewn
+from codend.scenes.shielding import speed_shares as speed_shares_of
 from codend.scenes.tables import VESSEL, PointTable
 
 FINE = 20
@@ -26,6 +30,10 @@ DRAWN_IN, TOO_LONG, MOST_SWEEPS = 1e-7, 5e-3, 20_000
 """By which, relative, bars may be too long at the start of a motion: what is aimed at, and what is refused."""
 SINKS_M = 1e-3
 """How far what lies on the seabed sinks in under its own weight, assumed."""
+
+
+STEPS_A_SWING = 8
+"""Fewest time steps in the shortest swing of a frame by itself; below 3.1 it would swing ever farther."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +57,10 @@ class BuiltScene:
     """Cm of the bars, (m,)."""
     towed: NDArray[np.bool_]
     """Nodes that go with the vessel, (n,)."""
+    frame: Body | None
+    """The scene's frame, held or afloat."""
+    speed_shares: tuple[float, ...]
+    """Speed of the water that every sheet meets, over that of the current."""
 
     @property
     def held(self) -> dict[str, int]:
@@ -65,6 +77,8 @@ def build(scene: Scene) -> BuiltScene:
     lengths = {name: rope.length_m for name, rope in zip(scene.rope_names, scene.rope, strict=True)}
     lacings = [laced(sheet, ends, lengths) for sheet in scene.netting]
     positions: list[Floats] = list(places.values())
+    if scene.frame is not None:
+        positions += list(markers(scene.frame))
     bars = BarTable()
     rope_nodes, rope_bars = {}, []
     for name, rope in zip(scene.rope_names, scene.rope, strict=True):
@@ -78,12 +92,15 @@ def build(scene: Scene) -> BuiltScene:
         bars.add_rope(rope, np.stack([nodes[:-1], nodes[1:]], axis=1))
     firm, pairs = len(positions), []
     sheet_nodes = []
+    firmly = np.array(positions)
+    curves = [[(part, firmly[rope_nodes[part.rope]]) for part in lacing] for lacing in lacings]
+    shapes = [laid(sheet, places, along) for sheet, along in zip(scene.netting, curves, strict=True)]
+    speed_shares = speed_shares_of(scene.netting, shapes)
     for number, (sheet, lacing) in enumerate(zip(scene.netting, lacings, strict=True)):
         nodes = np.arange(len(sheet.sheet.share)) + len(positions)
-        curves = [(part, np.array(positions)[rope_nodes[part.rope]]) for part in lacing]
-        positions += list(laid(sheet, places, curves))
+        positions += list(shapes[number])
         sheet_nodes.append(nodes)
-        bars.add_sheet(sheet, number, nodes)
+        bars.add_sheet(sheet, number, nodes, speed_shares[number])
         pairs += at_points(sheet, nodes, node_of)
         for part in lacing:
             pairs += part.pairs(nodes[part.edge.knots], rope_nodes[part.rope])
@@ -93,7 +110,7 @@ def build(scene: Scene) -> BuiltScene:
     if scene.seabed is not None:
         laid_out[:, 2] = np.maximum(laid_out[:, 2], -scene.seabed.depth_m)
     sheet_nodes = [place[nodes] for nodes in sheet_nodes]
-    held, towed = _held(scene, node_of, sheet_nodes, len(laid_out))
+    held, towed, on_frame = _held(scene, node_of, sheet_nodes, len(laid_out))
     facets = [nodes[sheet.sheet.facets] for sheet, nodes in zip(scene.netting, sheet_nodes, strict=True)]
     weights = [sheet.sheet.facet_weight for sheet in scene.netting]
     net = bars.net(
@@ -110,9 +127,16 @@ def build(scene: Scene) -> BuiltScene:
             lift_area_m2=lift * point.area_m2,
             lift_towards=point.lift_towards,
         )
+    density = scene.water.density_kg_m3
+    if scene.ballast is not None:
+        net = ballasted(net, scene.ballast, node_of, scene.netting, sheet_nodes, density)
+    body = None
+    if scene.frame is not None:
+        body = body_of(scene.frame, scene.floats, on_frame, laid_out, density)
+        _check_step(scene, body)
     built = BuiltScene(
         scene,
-        Problem.of(net, water=_water(scene), seabed=_seabed(scene, net)),
+        Problem.of(net, water=_water(scene), seabed=_seabed(scene, net), body=body if scene.afloat else None),
         node_of,
         tuple(place[nodes] for nodes in rope_nodes.values()),
         tuple(rope_bars),
@@ -121,14 +145,16 @@ def build(scene: Scene) -> BuiltScene:
         bars.lines,
         bars.added_mass,
         towed,
+        body,
+        tuple(speed_shares),
     )
     return _drawn_in(built) if scene.time is not None and scene.time.start == "placed" else built
 
 
 def _held(
     scene: Scene, node_of: dict[str, int], sheet_nodes: Sequence[NDArray[np.int64]], count: int
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Coordinates that are held, (n, 3), and nodes that go with the vessel, (n,)."""
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.int64]]:
+    """Coordinates that are held, (n, 3), nodes that go with the vessel, (n,), and those of the frame, (k,)."""
     held, towed = np.zeros((count, 3), dtype=bool), np.zeros(count, dtype=bool)
     holds: list[tuple[str | None, NDArray[np.int64]]] = [
         (point.held, np.array([node_of[point.name]])) for point in scene.point
@@ -136,11 +162,28 @@ def _held(
     for sheet, nodes in zip(scene.netting, sheet_nodes, strict=True):
         holds += [(sheet.hold_of(edge), nodes[sheet.sheet.edges[edge].knots]) for edge in EDGES]
     holds += [("vessel", np.array([node_of[VESSEL]]))] if scene.vessel is not None else []
+    on_frame = np.zeros(0, dtype=np.int64)
+    if scene.frame is not None:
+        # its origin and its markers, which come after all places
+        on_frame = np.array([node_of[FRAME], len(node_of), len(node_of) + 1])
+        holds.append((FRAME, on_frame))
+        on_frame = np.concatenate([on_frame, *(nodes for hold, nodes in holds[:-1] if hold == FRAME)])
+        on_frame = on_frame[np.sort(np.unique(on_frame, return_index=True)[1])]
     for hold, nodes in holds:
         held[nodes] |= hold in FAST
         held[nodes, 1] |= hold in PLANES
         towed[nodes] |= hold == "vessel"
-    return held, towed
+    return held, towed, on_frame
+
+
+def _check_step(scene: Scene, body: Body) -> None:
+    """Refuse time steps longer than a part of the shortest swing of a frame that floats."""
+    if scene.time is None or not scene.afloat:
+        return
+    longest = shortest_period(body) / STEPS_A_SWING
+    if scene.time.step_s > longest:
+        allowed = f"at most {longest:.3g}, an {STEPS_A_SWING}th of the shortest period of the frame afloat"
+        raise InputError(scene.source, "time.step_s", scene.time.step_s, allowed)
 
 
 def _drawn_in(built: BuiltScene) -> BuiltScene:
@@ -167,6 +210,7 @@ def places_of(scene: Scene) -> dict[str, Floats]:
     """Where every point starts: where it is told, or astern of what it hangs on, in a line at the same height."""
     found = {} if scene.vessel is None else {VESSEL: np.array(scene.vessel.at, dtype=float)}
     found |= {point.name: np.array(point.at, dtype=float) for point in scene.point if point.at is not None}
+    found |= {} if scene.frame is None else {FRAME: np.array(scene.frame.at, dtype=float)}
     while True:
         left = [rope for rope in scene.rope if len(found.keys() & set(rope.ends)) == 1]
         if not left:

@@ -6,14 +6,18 @@ from math import ceil, pi, sin
 
 import numpy as np
 
+from codend.mechanics.body import attitude_deg, pose_of
 from codend.net.net import Floats, Ints
 from codend.scenes.build import BuiltScene
+from codend.scenes.frame_measures import float_rows
+from codend.scenes.frame_tables import FRAME
 from codend.scenes.measures import most_tension
 from codend.scenes.tables import TimeTable, VesselTable
 from codend.solvers.motion import Motion, Path
 from codend.solvers.refusal import passage
 
 State = dict[str, Floats | Ints]
+ATTITUDE = ("heel_deg", "trim_deg", "yaw_deg")
 _EARLY = 1e-9
 """Seconds by which a step may begin before what happens at its start."""
 
@@ -158,15 +162,18 @@ def _note(built: BuiltScene, tension: Floats, time_s: float, peaks: Floats, sinc
 def motion_rows(built: BuiltScene, frame: Frame) -> list[dict[str, float | str]]:
     """Rows of ``motion.csv``: points, whose tension is what holds them, then ropes at their middle, with the largest.
 
-    Then netting at the mean place of its knots, with the largest tension of a real bar. Of a rope ``max_tension_n`` is
+    Then netting at the mean place of its knots, with the largest tension of a real bar, and the floats of a frame at
+    the middles of their feet. Where a frame floats, its own row has how it is turned. Of a rope ``max_tension_n`` is
     the largest in any of its bars since the output before.
     """
     rows: list[dict[str, float | str]] = []
+    body = built.problem.body
 
     def add(name: str, place: Floats, tension: float, most: float) -> None:
         x, y, z = map(float, place)
         at = {"x_m": x, "y_m": y, "z_m": z, "tension_n": tension, "max_tension_n": most}
-        rows.append({"time_s": frame.time_s, "name": name, **at})
+        turned = {} if body is None else dict.fromkeys(ATTITUDE, np.nan)
+        rows.append({"time_s": frame.time_s, "name": name, **at, **turned})
 
     for name, node in built.node_of.items():
         pull = float(np.linalg.norm(frame.support[node])) if node in frame.held else np.nan
@@ -182,4 +189,9 @@ def motion_rows(built: BuiltScene, frame: Frame) -> list[dict[str, float | str]]
         own = built.bar_sheet == number
         most = float((frame.bar_tension[own] / built.bar_lines[own]).max())
         add(table.name, frame.positions[nodes].mean(axis=0), most, np.nan)
+    if body is not None:
+        attitude = attitude_deg(pose_of(body, frame.positions).turn)
+        next(row for row in rows if row["name"] == FRAME).update(zip(ATTITUDE, attitude, strict=True))
+        for one in float_rows(built, frame.positions):
+            add(one["name"], np.array([one["x_m"], one["y_m"], one["z_m"]]), np.nan, np.nan)
     return rows

@@ -5,10 +5,12 @@ from typing import Any
 
 import numpy as np
 
+from codend.mechanics.body import load, pose_of
 from codend.net.net import Floats
 from codend.scenes.build import BuiltScene
+from codend.scenes.frame_measures import frame_cautions
 from codend.scenes.netting_measures import netting_caution
-from codend.solvers import interior_point
+from codend.solvers import floating, interior_point
 from codend.solvers.outcome import Outcome, Solution, SolverReport
 from codend.solvers.reactions import loads_and_supports
 from codend.solvers.solve import find_equilibrium
@@ -163,18 +165,34 @@ def result_row(result: SceneResult) -> dict[str, Any]:
 
 
 def settled(built: BuiltScene, positions: Floats, bar_tension: Floats) -> SceneResult:
-    """Equilibrium of a scene from where its motion has come to, (n, 3) and (m,), by the interior point method."""
+    """Equilibrium of a scene from where its motion has come to, (n, 3) and (m,), by Newton's method with a barrier."""
     report = SolverReport("motion", Outcome.STEPS_SPENT, 0, np.nan, np.nan, np.nan, 0.0)
     start = Solution(positions, bar_tension, np.zeros(built.problem.bands), report)
-    solution = interior_point.solve(built.problem, built.scene.model.tolerance, start)
+    solve = interior_point.solve if built.problem.body is None else floating.solve
+    solution = solve(built.problem, built.scene.model.tolerance, start)
     return SceneResult(built, solution, *loads_and_supports(built.problem, solution))
 
 
 def balance_error(result: SceneResult) -> float:
-    """What loads and supports leave over together, over the sum of the sizes of the supports' forces and the loads."""
-    held = np.where(result.built.problem.net.fixed, result.support, 0.0)
-    sizes = np.linalg.norm(result.load, axis=1).sum() + np.linalg.norm(held, axis=1).sum()
-    return float(np.linalg.norm((result.load + held).sum(axis=0)) / sizes)
+    """What loads and supports leave over together, over the sum of the sizes of the supports' forces and the loads.
+
+    A frame that floats is no support: its weight and what carries it are loads.
+    """
+    problem = result.built.problem
+    held = np.where(problem.net.fixed, result.support, 0.0)
+    own, own_size = np.zeros(3), 0.0
+    if (body := problem.body) is not None:
+        held[body.nodes] = 0.0
+        own, own_size = load(body, pose_of(body, result.solution.positions))[:3], 2.0 * body.weight_n
+    sizes = np.linalg.norm(result.load, axis=1).sum() + np.linalg.norm(held, axis=1).sum() + own_size
+    return float(np.linalg.norm((result.load + held).sum(axis=0) + own) / sizes)
+
+
+def _highest(result: SceneResult) -> float:
+    """Height of what lies highest, but for a frame that floats, m."""
+    body = result.built.problem.body
+    heights = result.solution.positions[:, 2]
+    return float((heights if body is None else np.delete(heights, body.nodes)).max(initial=-np.inf))
 
 
 def cautions(result: SceneResult) -> list[str]:
@@ -183,15 +201,17 @@ def cautions(result: SceneResult) -> list[str]:
     scene = result.built.scene
     if not result.converged:
         found.append(f"No equilibrium was found: {result.solution.report.outcome.value}")
-    elif (highest := float(result.solution.positions[:, 2].max())) > max(
+    elif (highest := _highest(result)) > max(
         0.0, *(float(result.built.problem.net.positions[n, 2]) for n in result.built.node_of.values())
     ) + 1e-6:
         found.append(
             f"Something lies {highest:.3g} m above the surface, of which the model knows nothing: it is in water there."
         )
+    if result.converged:
+        found += frame_cautions(result.built, result.solution.positions)
     if "density_kg_m3" not in scene.water.model_fields_set:
         found.append(f"Sea water of {scene.water.density_kg_m3:g} kg/m3 is assumed: water.density_kg_m3 is not given.")
     laws = sorted({rope.drag[0] for rope in scene.rope})
     if laws:
         found.append(f"Drag of the ropes by {' and '.join(laws)}: depths differ by a fifth from one law to another.")
-    return found + netting_caution(scene)
+    return found + netting_caution(result.built)

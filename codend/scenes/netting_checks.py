@@ -36,6 +36,12 @@ def netting_contradictions(
             if isinstance(on, str) and on not in points:
                 allowed = f"a place [x, y, z], or the name of a point: {', '.join(points) or 'none'}"
                 yield Contradiction(f"{at}.corners.{corner}", allowed)
+        for other in sheet.shields:
+            if other not in names or other == sheet.name:
+                others = [name for name in names if name != sheet.name]
+                yield Contradiction(f"{at}.shielded_by", f"other netting: {', '.join(others) or 'of which is none'}")
+            elif "choo-casarella-1971" in (sheet.law, sheets[names.index(other)].law):
+                yield Contradiction(f"{at}.shielded_by", "left out with a law whose coefficients depend on the speed")
         for edge in EDGES:
             yield from _edge_contradictions(sheet, edge, f"{at}.{edge}", ropes, holds)
     for index, seam in enumerate(seams):
@@ -84,11 +90,11 @@ def carried(first: Set[str], links: Sequence[Set[str]]) -> Set[str]:
 
 
 def links_of(sheets: Sequence[SheetTable], seams: Sequence[SeamTable], ropes: Ends) -> list[Set[str]]:
-    """What joins names of points, ropes and netting to each other, and to "vessel" and "ground" what these hold."""
+    """What joins names of points, ropes and netting to each other, to "vessel", "ground", "frame" what they hold."""
     links: list[Set[str]] = [{name, *ends} for name, ends in ropes.items()]
     for sheet in sheets:
         on = [sheet.ropes_of(edge) for edge in EDGES]
-        held = [hold for edge in EDGES if (hold := sheet.hold_of(edge)) in ("vessel", "ground")]
+        held = [hold for edge in EDGES if (hold := sheet.hold_of(edge)) in ("vessel", "ground", "frame")]
         links.append({sheet.name, *sheet.points, *chain.from_iterable(on), *held})
     links += [{name for name, _ in seam.named} for seam in seams]
     return links

@@ -8,7 +8,6 @@ from codend.mechanics import drag
 from codend.mechanics.weight import GRAVITY_M_S2
 from codend.net.net import Floats
 from codend.scenes.build import BuiltScene
-from codend.scenes.scene import Scene
 
 
 def netting_rows(built: BuiltScene, positions: Floats, bar_tension: Floats) -> list[dict[str, Any]]:
@@ -26,13 +25,14 @@ def netting_rows(built: BuiltScene, positions: Floats, bar_tension: Floats) -> l
         volume = (0.25 * np.pi * net.bar_solid_diameter**2 * net.bar_length)[own].sum()
         density = water.density if table.twine.density_kg_m3 is None else table.twine.density_kg_m3
         force, real = drag_of(built, positions, own), bar_tension[own] / built.bar_lines[own]
+        met = built.speed_shares[number]
         openings = openings_deg(built, number, positions)
         rows.append(
             {
                 "name": table.name,
                 "bars": int(own.sum()),
                 "twine_m": float((net.bar_length * built.bar_lines)[own].sum()),
-                "twine_area_m2": float((net.bar_drag_diameter * net.bar_length)[own].sum()),
+                "twine_area_m2": float((net.bar_drag_diameter * net.bar_length)[own].sum()) / met**2 if met else np.nan,
                 "mass_kg": float(density * volume),
                 "wet_weight_n": float((density - water.density) * volume * GRAVITY_M_S2),
                 "drag_n": float(force[0]),
@@ -44,6 +44,7 @@ def netting_rows(built: BuiltScene, positions: Floats, bar_tension: Floats) -> l
                 "opening_deg": float(np.mean(openings)) if len(openings) else np.nan,
                 "deepest_m": float(-positions[nodes, 2].min()),
                 "law": table.drag[0],
+                "speed_share": met,
             }
         )
     return rows
@@ -68,11 +69,17 @@ def openings_deg(built: BuiltScene, number: int, positions: Floats) -> Floats:
     return np.asarray(np.degrees(2.0 * np.arctan2(across, along)))
 
 
-def netting_caution(scene: Scene) -> list[str]:
+def netting_caution(built: BuiltScene) -> list[str]:
     """What a reader must know of how netting is modelled."""
-    if not scene.netting:
+    if not built.scene.netting:
         return []
-    laws = " and ".join(sorted({table.drag[0] for table in scene.netting}))
-    return [
-        f"Drag of the netting by {laws}, of every bar as if it were alone: netting does not slow the water behind it."
+    laws = " and ".join(sorted({table.drag[0] for table in built.scene.netting}))
+    alone = (
+        f"Drag of the netting by {laws}, of every bar as if it were alone: netting does not slow the water behind it"
+    )
+    behind = [
+        f"{table.name} to {100.0 * share:.3g} %"
+        for table, share in zip(built.scene.netting, built.speed_shares, strict=True)
+        if table.shields
     ]
+    return [f"{alone}, but by Løland (1993) that of {', '.join(behind)}." if behind else f"{alone}."]

@@ -5,10 +5,12 @@ from copy import copy
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Final, Literal, Self
 
+import numpy as np
 from annotated_types import Ge, Le, MinLen
 from pydantic import ValidationError, create_model, model_validator
 from pydantic.fields import FieldInfo
 
+from codend.net.net import Floats
 from codend.netting.sheet import EDGES, EdgeName, Sheet, Taper, diamond_sheet, square_sheet
 from codend.plan.messages import Contradiction
 from codend.plan.tables import Netting, Number, Table, Text, Whole
@@ -29,9 +31,9 @@ TWINE_KEYS: Final = (
     "axial_stiffness_n",
 )
 """Keys that a sheet has in common with a section of a codend, and that mean the same."""
-HOLDS: Final = ("vessel", "ground", "symmetry", "repeats")
-"""What an edge may be held by: every way; in the plane of symmetry, y = 0; in the plane of its own y, as of netting
-that repeats sideways. Ropes are called by their names."""
+HOLDS: Final = ("vessel", "ground", "frame", "symmetry", "repeats")
+"""What an edge may be held by: every way, by three of them; in the plane of symmetry, y = 0; in the plane of its own
+y, as of netting that repeats sideways. Ropes are called by their names."""
 PLANES: Final = ("symmetry", "repeats")
 """Those beyond which there is more of the netting."""
 CORNERS: Final[dict[EdgeName, tuple[int, int]]] = {"fore": (0, 1), "aft": (3, 2), "left": (0, 3), "right": (1, 2)}
@@ -78,6 +80,8 @@ class _SheetTable(Table):
     """None: that of the law."""
     added_mass: Annotated[Number, Ge(0), Le(10)] = 1.0
     """Cm of the twine across its length, that of potential flow if left out."""
+    shielded_by: Text | tuple[Text, ...] | None = None
+    """Netting that it lies behind: the water it meets goes at 1 - 0.46 Cd of the current (Løland 1993); None: none."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -118,6 +122,28 @@ class _SheetTable(Table):
     def aft_meshes(self) -> int:
         """Meshes across the aft edge."""
         return self.meshes_across if self.meshes_across_aft is None else self.meshes_across_aft
+
+    @property
+    def shields(self) -> tuple[str, ...]:
+        """Names of the netting that it lies behind."""
+        given = self.shielded_by
+        return (given,) if isinstance(given, str) else given or ()
+
+    @cached_property
+    def lines(self) -> Floats:
+        """Real bars side by side that each of its bars stands for, (m,).
+
+        A bar stands for g x g real ones (Le Bris et al. 1999, section 3.1): it is g times as long, and g lie side by
+        side. Of the last line of square netting there are (g + 1) / 2, of one in a plane that it goes on
+        beyond g / 2.
+        """
+        sheet, g = self.sheet, self.globalisation
+        lines = np.where(sheet.outermost, 0.5 * (g + 1), float(g))
+        for edge in EDGES:
+            if self.hold_of(edge) in PLANES:
+                on_edge = np.isin(sheet.bars, sheet.edges[edge].knots).all(axis=1)
+                lines[sheet.outermost & on_edge] = 0.5 * g
+        return lines
 
     @property
     def drag(self) -> tuple[str, float, float]:

@@ -1,11 +1,11 @@
 """What the user said of a scene: a TOML file of ropes, netting, points, vessel and water, checked once."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from pydantic import PrivateAttr, model_validator
+from pydantic import Field, PrivateAttr, model_validator
 
 from codend.errors import InputError
 from codend.io.names import as_name
@@ -16,6 +16,8 @@ from codend.plan.messages import Contradiction
 from codend.plan.mistakes import checked
 from codend.plan.overrides import apply_overrides
 from codend.plan.tables import Table, Text
+from codend.scenes.frame_checks import ballast_contradictions, frame_contradictions
+from codend.scenes.frame_tables import FRAME, BallastTable, FloatTable, FrameTable
 from codend.scenes.netting_checks import carried, links_of, netting_contradictions
 from codend.scenes.netting_tables import SeamTable, SheetTable
 from codend.scenes.tables import (
@@ -30,7 +32,7 @@ from codend.scenes.tables import (
     WaterTable,
 )
 
-FAST = ("vessel", "ground")
+FAST = ("vessel", "ground", FRAME)
 """What holds a point every way."""
 NETTING_LENGTH_ERROR = 0.05
 """Netting that flaps is followed with so much in a step; the next one mends it."""
@@ -47,6 +49,9 @@ class Scene(Table):
     netting: tuple[SheetTable, ...] = ()
     seam: tuple[SeamTable, ...] = ()
     point: tuple[PointTable, ...] = ()
+    frame: FrameTable | None = None
+    floats: tuple[FloatTable, ...] = Field(default=(), alias="float")
+    ballast: BallastTable | None = None
     vessel: VesselTable | None = None
     time: TimeTable | None = None
     seabed: SeabedTable | None = None
@@ -65,7 +70,7 @@ class Scene(Table):
         for index, name in enumerate(names):
             if name in names[:index]:
                 yield Contradiction(f"point.{index}.name", "a name that no other point has")
-        known = [*names, *([VESSEL] if self.vessel is not None else [])]
+        known = [*names, *([VESSEL] if self.vessel is not None else []), *([FRAME] if self.frame is not None else [])]
         for index, rope in enumerate(self.rope):
             for key, end in zip(("from", "to"), rope.ends, strict=True):
                 if end not in known:
@@ -80,8 +85,11 @@ class Scene(Table):
         used = {end for rope in self.rope for end in rope.ends} | {
             end for sheet in self.netting for end in sheet.points
         }
+        named = [*names, *rope_names, *(sheet.name for sheet in self.netting)]
+        yield from frame_contradictions(self.frame, self.floats, named, self._on_frame(used), self.time is not None)
+        yield from ballast_contradictions(self.ballast, self.netting, names)
         for index, point in enumerate(self.point):
-            if point.name not in used:
+            if point.name not in used and point.held != FRAME:
                 yield Contradiction(f"point.{index}.name", "a point that a rope or netting runs to", "is on none")
             if point.held in (cannot := self._cannot_hold()):
                 yield Contradiction(f"point.{index}.held", cannot[point.held])
@@ -106,7 +114,7 @@ class Scene(Table):
                 if rope.axial_stiffness_n is None:
                     allowed = "given where a point is held from a time on, for a stop without stretch has no peak"
                     yield Contradiction(f"rope.{index}.axial_stiffness_n", allowed, "is missing")
-        placed = {point.name for point in self.point if point.at is not None} | {VESSEL}
+        placed = {point.name for point in self.point if point.at is not None} | {VESSEL, FRAME}
         reached = carried(placed, [set(rope.ends) for rope in self.rope])
         for index, point in enumerate(self.point):
             if point.name not in reached:
@@ -117,11 +125,18 @@ class Scene(Table):
     def _cannot_hold(self) -> dict[str, str]:
         """What can hold nothing here, and what is allowed instead."""
         found = {}
+        if self.frame is None:
+            found[FRAME] = '"ground", or a table [frame]'
         if self.vessel is None:
             found["vessel"] = '"ground", or a table [vessel]'
         elif self.vessel.speed_m_s > 0.0:
             found["ground"] = "vessel.motion in place of vessel.speed_m_s, for places are as seen from the vessel"
         return found
+
+    def _on_frame(self, used: Set[str]) -> bool:
+        """Whether anything is fastened to the frame, of which points ``used`` are on ropes or netting."""
+        edges = [sheet.hold_of(edge) for sheet in self.netting for edge in EDGES]
+        return FRAME in used or FRAME in edges or any(point.held == FRAME for point in self.point)
 
     def _not_held(self) -> Iterator[Contradiction]:
         """Ropes and netting that hang on nothing."""
@@ -139,7 +154,7 @@ class Scene(Table):
     def _too_short(self) -> Iterator[Contradiction]:
         """Ropes and netting that do not stretch, between held points that are farther apart."""
         places: dict[str | None, Vector] = {
-            point.name: point.at for point in self.point if point.held in FAST and point.at
+            point.name: point.at for point in self.point if point.held in self._fast and point.at
         }
         if self.vessel is not None:
             places[VESSEL] = self.vessel.at
@@ -158,6 +173,16 @@ class Scene(Table):
                 if apart >= reach:
                     allowed = f"given, or the held corners of its {edge} edge nearer than {reach:g} m, not {apart:g} m"
                     yield Contradiction(f"netting.{index}.axial_stiffness_n", allowed, "is missing")
+
+    @property
+    def afloat(self) -> bool:
+        """Whether its frame floats."""
+        return self.frame is not None and self.frame.hold == "floating"
+
+    @property
+    def _fast(self) -> tuple[str, ...]:
+        """What holds points where they are."""
+        return FAST[:2] if self.afloat else FAST
 
     @property
     def rope_names(self) -> tuple[str, ...]:

@@ -106,7 +106,7 @@ class PointTable(Table):
     """What ropes and tables call it."""
     at: Vector | None = None
     """Where it is held, or starts; None: astern of what it hangs on, in a line at the same height."""
-    held: Literal["vessel", "ground", "symmetry"] | None = None
+    held: Literal["vessel", "ground", "frame", "symmetry"] | None = None
     """What holds it, if anything; "symmetry" holds it in y = 0, the plane in which half a gear meets the other."""
     held_from_s: Annotated[Number, Ge(0), Le(1e6)] | None = None
     """From when on it is held fast to the ground where it then is, as a gear that hangs up."""
@@ -139,7 +139,7 @@ class PointTable(Table):
     def _contradictions(self) -> Iterator[Contradiction]:
         if self.name == VESSEL:
             yield Contradiction("name", f'any name but "{VESSEL}", which is the vessel\'s towing point')
-        if self.name in ("ground", "symmetry", "repeats"):
+        if self.name in ("ground", "frame", "symmetry", "repeats"):
             yield Contradiction("name", "any name but those of what may hold netting")
         if self.held is not None and self.at is None:
             yield Contradiction("at", "where it is held: [x, y, z] in m", "is missing")

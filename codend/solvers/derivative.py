@@ -62,7 +62,7 @@ class Linearised:
         tension = solution.mean_tension or reference_tension(problem)
         measure(structure, loading, tension, SWITCH, 0.0, state)
         self.taut = (state.density != 0.0) | structure.is_strut
-        sides = linearise(structure, loading, pattern, tension, NEUTRAL, 0.0, state, step)
+        sides = linearise(structure, loading, pattern, tension, NEUTRAL, state, step)
         self._by_front, self._fronts = step.right[1:sides].copy(), step.gradient[: sides - 1].copy()
         self._sound = self._system.factorise(step.blocks) != -1
         self._solved_by_front = self._system.solve(self._by_front) if self._sound else self._by_front

@@ -97,7 +97,7 @@ def follow(
         loading, step, system = watched.loading, watched.prepared.step, watched.prepared.system
         calmer = loading._replace(contact=loading.contact._replace(turning=1.0 if residual <= EXACT else 0.0))
         while True:
-            sides = newton_step.linearise(structure, calmer, watched.prepared.pattern, tension, shift, 0.0, here, step)
+            sides = newton_step.linearise(structure, calmer, watched.prepared.pattern, tension, shift, here, step)
             negative = system.factorise(step.blocks)
             if (negative == 0 and system.negative_pivots() == 0) or shift > MOST_SHIFT:
                 break

@@ -4,11 +4,20 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from codend.mechanics.harmonics import Complex, arnoldi, factorise_complex_band, solve_complex_band
+from codend.mechanics.harmonics import (
+    Complex,
+    Numbers,
+    arnoldi,
+    factorise_band_of_numbers,
+    solve_band_of_numbers,
+    write_rows,
+)
 from codend.net.net import Floats
 
 NEAREST = 1e-8
 """Relative residual of an eigenvalue of the inverse."""
+HELD = 1e-12
+"""What a solution by the factors, which are made without pivoting, may leave, over it and the largest stiffness."""
 FIRST_STEPS, MORE_STEPS, MOST_STEPS = 26, 13, 150
 """Of Arnoldi's method, before it is first looked what it found, until it is looked again, and in all."""
 
@@ -16,9 +25,9 @@ FIRST_STEPS, MORE_STEPS, MOST_STEPS = 26, 13, 150
 class HarmonicTangent:
     """The tangent K of one harmonic: a band B, less u v^T where the catch's front follows the net."""
 
-    def __init__(self, band: Complex, front: tuple[Floats, Floats] | None = None) -> None:
+    def __init__(self, band: Numbers, front: tuple[Floats, Floats] | None = None) -> None:
         self.band = band
-        """Entry (i, j) in ``band[half + i - j, j]``, (2 half + 1, unknowns)."""
+        """Entry (i, j) in ``band[half + i - j, j]``, (2 half + 1, unknowns); real where the harmonic's turns are."""
         self.front = front
         """u and v, (unknowns,)."""
 
@@ -32,56 +41,46 @@ class HarmonicTangent:
         """Half-bandwidth."""
         return len(self.band) // 2
 
-    def dense(self) -> Complex:
+    def dense(self) -> Numbers:
         """All entries, (unknowns, unknowns)."""
-        return self @ np.eye(self.size, dtype=complex)
+        return np.asarray(self @ np.eye(self.size, dtype=self.band.dtype))
 
-    def __matmul__(self, vectors: Complex) -> Complex:
+    def __matmul__(self, vectors: Numbers) -> Numbers:
         """Products with vectors, (unknowns, k)."""
         from scipy.sparse import dia_array
 
         below = np.arange(len(self.band)) - self.half
-        product: Complex = np.asarray(dia_array((self.band, -below), shape=(self.size, self.size)) @ vectors)
+        product: Numbers = np.asarray(dia_array((self.band, -below), shape=(self.size, self.size)) @ vectors)
         return product if self.front is None else product - np.outer(self.front[0], self.front[1] @ vectors)
 
-    def _adjoint(self) -> Complex:
-        """The band of B^H."""
-        adjoint = np.zeros_like(self.band)
-        for row in range(len(self.band)):
-            below, values = row - self.half, self.band[row].conj()
-            inside = slice(max(-below, 0), self.size - max(below, 0))
-            adjoint[2 * self.half - row, inside.start + below : inside.stop + below] = values[inside]
-        return adjoint
-
-    def _factors(self, centre: float) -> Complex:
-        """Factors of B less ``centre`` on its diagonal, row by row."""
-        rows = np.zeros((self.size, len(self.band)), dtype=complex)
-        for row in range(len(self.band)):
-            below = row - self.half
-            inside = slice(max(-below, 0), self.size - max(below, 0))
-            rows[inside.start + below : inside.stop + below, len(self.band) - 1 - row] = self.band[row, inside]
-        rows[:, self.half] -= centre
-        factorise_complex_band(rows)
+    def _factors(self, centre: float, hermitian: bool = False) -> Numbers:
+        """Factors of B, or of its Hermitian part, less ``centre`` on its diagonal, row by row."""
+        rows = np.zeros((self.size, len(self.band)), dtype=self.band.dtype)
+        write_rows(self.band, centre, hermitian, rows)
+        factorise_band_of_numbers(rows)
         return rows
 
-    def nearest(self, centre: float, wanted: int) -> tuple[Complex, Complex] | None:
-        """The eigenvalues nearest to a real number and their vectors, by Arnoldi's method on the inverse; None if late.
+    def nearest(self, centre: float, wanted: int, first_steps: int = FIRST_STEPS) -> tuple[Complex, Complex] | None:
+        """The eigenvalues nearest to a real number and their vectors, by Arnoldi's method on the inverse.
+
+        None if late, and where the factors are of no use.
 
         The residual of an eigenvalue of the projection is the last entry of its vector times the next row's length.
         """
         band, most = self._factors(centre), min(MOST_STEPS, self.size - 1)
-        by_load, gradient = np.zeros((2, self.size), dtype=complex)
+        kind = band.dtype
+        by_load, gradient = np.zeros((2, self.size), dtype=kind)
         if self.front is not None:
             by_load[:], gradient[:] = self.front
-            solve_complex_band(band, by_load)
+            solve_band_of_numbers(band, by_load)
             by_load /= 1.0 - np.sum(gradient * by_load)
-        basis = np.zeros((most + 1, self.size), dtype=complex)
-        projection = np.zeros((most + 1, most), dtype=complex)
+        basis = np.zeros((most + 1, self.size), dtype=kind)
+        projection = np.zeros((most + 1, most), dtype=kind)
         start = np.random.default_rng(0).standard_normal(self.size)
         basis[0] = start / np.sqrt(np.sum(start**2))
         steps = 0
         while steps < most:
-            last = min(steps + MORE_STEPS if steps else max(FIRST_STEPS, 3 * wanted), most)
+            last = min(steps + MORE_STEPS if steps else max(first_steps, 3 * wanted), most)
             arnoldi(band, by_load, gradient, steps, last, basis, projection)
             steps = last
             if not np.isfinite(projection[:, :steps]).all():
@@ -90,6 +89,11 @@ class HarmonicTangent:
             chosen = np.argsort(-np.abs(inverse))[:wanted]
             residual = np.abs(projection[steps, steps - 1] * parts[-1, chosen])
             if np.all(residual <= NEAREST * np.abs(inverse[chosen])):
+                # the first solution is the start's
+                solution = basis[:2].T @ projection[:2, :1]
+                left = np.linalg.norm(self @ solution - centre * solution - basis[:1].T)
+                if left > HELD * np.abs(self.band[self.half]).max() * np.linalg.norm(solution):
+                    return None
                 found = np.asarray(centre + 1.0 / inverse[chosen], dtype=np.complex128)
                 return found, np.einsum("mi,mk->ik", basis[:steps], parts[:, chosen])
         return None
@@ -108,12 +112,13 @@ class HarmonicTangent:
             negative: negative eigenvalues of H.
             basis: Y, (unknowns, moves).
         """
-        factors = HarmonicTangent(0.5 * (self.band + self._adjoint()))._factors(0.0)
+        # sides may be complex where the band is real
+        factors = self._factors(0.0, hermitian=True).astype(np.complex128)
 
         def solve(sides: Complex) -> Complex:
             solved = sides.copy()
             for side in solved:
-                solve_complex_band(factors, side)
+                solve_band_of_numbers(factors, side)
             return solved
 
         return negative_beside(negative, solve, basis, () if self.front is None else (self.front,))

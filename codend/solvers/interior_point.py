@@ -14,6 +14,7 @@ import numpy as np
 from codend.mechanics import newton_step
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
+from codend.net.net import Floats
 from codend.solvers import newton
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import reference_tension
@@ -50,6 +51,9 @@ class InteriorPointSettings:
     since left by much, a higher one takes fewer steps: lowered too early, bars hit slackness one after the other."""
     last_barrier: float = 1e-12
     """Likewise; a higher one leaves more to Newton's method."""
+    slack_apart: bool = False
+    """Whether what a bar is short of its length is followed apart from its tension, as the method is known, instead of
+    as the barrier over it. Where a start is far off, that takes two thirds of the steps; near one it costs some."""
 
 
 def solve(
@@ -120,6 +124,7 @@ def _lower_the_barrier(
     tensions = tension if start is None else np.maximum(start.bar_tension, LEAST_TENSION * tension)
     state.density[:] = tensions / structure.length
     measure(structure, loading, tension, 1.0, barrier, state)
+    twine, slack = ~structure.is_strut, barrier / state.density
     steps, lowered, shift = 0, 0, 0.0
     while steps < settings.steps_allowed:
         if progress is not None:
@@ -133,34 +138,51 @@ def _lower_the_barrier(
                 return state, Outcome.NOT_IMPROVING, steps
             break
         steps += 1
-        turn, shift = _step(problem, tension, barrier, shift, state, prepared)
+        yielding = np.where(structure.is_strut, 0.0, slack / state.density)
+        turn, shift = _step(problem, tension, yielding, shift, state, prepared)
         if not np.isfinite(turn):
             return state, Outcome.SINGULAR, steps
-        falling = ~structure.is_strut & (step.change < 0.0)
-        to_slack = float(np.min(-state.density[falling] / step.change[falling], initial=np.inf))
+        to_slack = _to_nothing(state.density[twine], step.change[twine])
         size = min(1.0, NEAREST_TO_SLACK * to_slack, LARGEST_TURN / turn if turn > 0.0 else 1.0)
-        if size > 0.5 and shift == 0.0 and barrier > last_barrier:
+        if settings.slack_apart:
+            change = barrier / state.density - slack - yielding * step.change
+            share = min(1.0, NEAREST_TO_SLACK * _to_nothing(slack[twine], change[twine]))
+            slack += share * change
+        else:
+            share = size
+        if min(size, share) > 0.5 and shift == 0.0 and barrier > last_barrier:
             lowered = steps
-            barrier = max((LOWERED if size > 0.9 else LOWERED_WARILY) * barrier, last_barrier)
+            barrier = max((LOWERED if min(size, share) > 0.9 else LOWERED_WARILY) * barrier, last_barrier)
         shift = 0.1 * shift if shift > FIRST_SHIFT else 0.0
         newton_step.take(structure, loading, tension, 1.0, barrier, size, state, state, step, new)
         state, new = new, state
+        if not settings.slack_apart:
+            slack = barrier / state.density
     close = barrier <= last_barrier and state.residual <= tolerance
     return state, Outcome.CONVERGED if close else Outcome.STEPS_SPENT, steps
 
 
+def _to_nothing(values: Floats, changes: Floats) -> float:
+    """Share of a step, infinite if there is none, at which the first of some values falls to 0."""
+    falling = changes < 0.0
+    return float(np.min(-values[falling] / changes[falling], initial=np.inf))
+
+
 def _step(
-    problem: Problem, tension: float, barrier: float, shift: float, state: State, prepared: Prepared
+    problem: Problem, tension: float, yielding: Floats, shift: float, state: State, prepared: Prepared
 ) -> tuple[float, float]:
     """Write the step at a state, with the tangent shifted until it can be factorised and leads not too far.
+
+    ``yielding`` is what the barrier adds to the strain of every bar per newton, (m,).
 
     Returns:
         the largest change of a bar's vector over its length, infinite if no shift helps, and the shift it took.
     """
     structure, loading, step, system = problem.structure, problem.loading, prepared.step, prepared.system
+    softened = structure._replace(flexibility=structure.flexibility + yielding)
     while True:
         turn = np.inf
-        sides = newton_step.linearise(structure, loading, prepared.pattern, tension, shift, barrier, state, step)
+        sides = newton_step.linearise(softened, loading, prepared.pattern, tension, shift, state, step)
         if system.factorise(step.blocks) == 0:
             solved = system.solve(step.right[:sides])
             _, asked, determinant = newton_step.finish_step(structure, state, state, solved, step)

@@ -176,9 +176,9 @@ def advance(system: Any, iteration: Iteration, shift: float, fresh: bool) -> tup
     tension, switch, step = iteration.tension, iteration.switch, iteration.step
     state, first, second = iteration.state, iteration.first, iteration.second
     if fresh:
-        sides = linearise(structure, loading, pattern, tension, shift, 0.0, state, step)
+        sides = linearise(structure, loading, pattern, tension, shift, state, step)
     else:
-        sides = right_sides(structure, loading, tension, 0.0, state, step)
+        sides = right_sides(structure, loading, tension, state, step)
     right, solved = step.right, step.solved[:sides]
     negative = factorise(system, step.blocks) if fresh else 0
     if negative < 0 or (negative > 0 and state.marks[0]["residual"] > NEARBY):

@@ -23,6 +23,7 @@ from codend.mechanics.bars import bar_lengths, carried
 from codend.mechanics.loads import add_moving_force
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Ints
+from codend.solvers.body_motion import BodyMotion
 from codend.solvers.linear_systems import fitting_system, narrow_numbering
 
 DAMPING = 0.1
@@ -80,12 +81,15 @@ class Motion:
         if not np.all(self.mass > 0.0):
             raise ValueError("bars in motion need a mass: give their diameter")
         bars, nodes = len(net.bars), len(net.positions)
-        self.pattern = rigid.rigid_pattern(self.structure)
+        self.pattern = rigid.rigid_pattern(self.structure, None if problem.body is None else problem.body.nodes)
         row, column = self.pattern.row, self.pattern.column
         place = narrow_numbering(row, column, bars)
         self.system = fitting_system(place[:, None], place[row], place[column], WIDEST_BAND)
         self.time, self.last_step = 0.0, 0.0
         self.position = np.array(positions, dtype=np.float64, order="C")
+        self.body: BodyMotion | None = None
+        if problem.body is not None:
+            self.body = BodyMotion(problem.body, self.structure, self.pattern, self.position)
         self.velocity = np.zeros((nodes, 3)) if velocities is None else np.array(velocities, dtype=np.float64)
         self.towed = np.zeros(nodes, dtype=bool) if towed is None else towed
         self.path, self._start = path, self.position[self.towed].copy()
@@ -132,6 +136,7 @@ class Motion:
             "density": self.density.copy(),
             "free": self.structure.free.copy(),
             "clock": clock,
+            **({} if self.body is None else self.body.state()),
         }
 
     def set_state(self, state: dict[str, Floats | Ints]) -> None:
@@ -141,6 +146,8 @@ class Motion:
         self.structure.free[:], self.density = state["free"], np.array(state["density"])
         self.time, self.last_step, unsettled, self.worst_length = map(float, state["clock"])
         self.unsettled = int(unsettled)
+        if self.body is not None:
+            self.body.set_state(state["body"])
 
     def hold(self, node: int, ground: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         """Hold a node fast from now on to the ground, whose velocity as seen here is ``ground``, (3,), m/s."""
@@ -152,7 +159,8 @@ class Motion:
         """Of bars, points and the water that goes with them, half a step before the places."""
         self._measure()
         blocks = self._bare_masses()
-        return 0.5 * float(np.einsum("ni,nij,nj", self.velocity, blocks, self.velocity))
+        own = 0.0 if self.body is None else self.body.energy_j
+        return own + 0.5 * float(np.einsum("ni,nij,nj", self.velocity, blocks, self.velocity))
 
     def step(self, dt: float) -> None:
         """Advance by ``dt`` seconds; where one step does not meet the lengths, in shorter ones.
@@ -191,6 +199,10 @@ class Motion:
         self.velocity += kick * self._acceleration
         before = self.position.copy()
         self.position += dt * self.velocity
+        if self.body is not None:
+            twist = self.body.pulled(pulls - self._force, kick)
+            self.body.velocities(twist, self.velocity)
+            self.body.advance(twist, dt, self.position)
         if not np.isfinite(self.position).all():
             return False
         surface = self.problem.surface
@@ -219,6 +231,7 @@ class Motion:
         self._force[:] = 0.0
         add_moving_force(self.position, self.velocity, structure, loading, self._share, self._force)
         blocks = self._bare_masses()
+        bare = blocks.copy() if self.body is not None else blocks
         of_points = blocks[loading.points.node, 0, 0].copy()
         here = self.position, self.velocity
         motion.add_bar_drag(*here, structure, water, self.mass, self.added, self.density, kick, dt, blocks)
@@ -226,6 +239,9 @@ class Motion:
         motion.add_seabed(*here, loading.seabed, kick, dt, self._force, blocks)
         contact.add_stiffness(*here, loading.contact, kick, dt, self._force, blocks)
         motion.invert(blocks, structure.free, self._inverse)
+        if self.body is not None:
+            self.body.start_step(bare, blocks, self._gradient, dt)
+            self.body.set_free(self._force, kick)
 
     def _move_supports(self, dt: float) -> None:
         if self.path is not None:
@@ -245,7 +261,10 @@ class Motion:
         give = structure.flexibility * np.sqrt(self._square) / weights[0]
         rigid.accelerations(self._inverse, self._force, self._acceleration)
         free_move = dt * (self.velocity + kick * self._acceleration)
+        self._moved(free_move, kick, dt, None)
         rigid.tension_system(self.pattern, self._gradient, self._inverse, self._all, self._entries)
+        if self.body is not None:
+            self.body.couple(self._entries)
         self._entries[self.pattern.diagonal] += rest**2 * give / squared
         self._factored = None
         # the first time without the term in dt^2, which is what the papers solve
@@ -260,7 +279,9 @@ class Motion:
             pulls = np.zeros_like(free_move)
             rigid.add_pulls(structure, self._gradient, density, pulls)
             rigid.accelerations(self._inverse, pulls, self._acceleration)
-            bar_lengths(self.position + free_move + squared * self._acceleration, structure, self._length)
+            move = free_move + squared * self._acceleration
+            self._moved(move, kick, dt, pulls)
+            bar_lengths(self.position + move, structure, self._length)
             aim = np.maximum(rest * (1.0 + give * density - known), 0.5 * rest)
             error = self._length / aim - 1.0
             last, worst = worst, float(np.max(np.where(self.taut, np.abs(error), error), initial=0.0))
@@ -274,6 +295,11 @@ class Motion:
             return None
         self.worst_length = max(self.worst_length, worst)
         return density
+
+    def _moved(self, move: Floats, kick: float, dt: float, pulls: Floats | None) -> None:
+        """Write those of a body's nodes into the moves of a step, (n, 3): under its loads, and pulls (n, 3) besides."""
+        if self.body is not None:
+            self.body.moves(self.body.pulled(np.zeros_like(move) if pulls is None else pulls, kick), dt, move)
 
     def _one_sided(self, right: Floats) -> Floats | None:
         """Force densities q with A q = right where they are above 0 and A q > right elsewhere, A the step's matrix.

@@ -153,7 +153,7 @@ def tangent_at(problem: Problem, solution: Solution, prepared: Prepared) -> Tang
     prepared = run.prepared
     step, system = prepared.step, prepared.system
     sides = newton_step.linearise(
-        problem.structure, run.loading, prepared.pattern, run.tension, NEUTRAL, 0.0, run.state, step
+        problem.structure, run.loading, prepared.pattern, run.tension, NEUTRAL, run.state, step
     )
     singular = system.factorise(step.blocks) == -1
     return TangentAtEquilibrium(replace(problem, loading=run.loading), solution, prepared, sides - 1, singular)

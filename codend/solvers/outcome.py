@@ -29,6 +29,7 @@ class Outcome(Enum):
     NO_VOLUME = "The catch found has no volume, or less than none: it was refused; start from another shape."
     FRONT_BEHIND = "The front of the catch found lies behind the codline: it was refused; start from another shape."
     INSIDE_OUT = "Most of the netting on the catch found faces inward: it was refused; start from another shape."
+    TURNS_OVER = "The equilibrium of the frame found is one it would heel or turn from: refused; follow it in time."
     COMPRESSED = "The only solution found has bars in compression, which twine cannot carry: it was refused."
     NO_MERIDIAN = "Newton's method found no meridian from any start: model a sector, or start from a larger catch."
     SLOPE_REVERSED = "The meridian found runs back upstream, which is no equilibrium of a towed bag: it was refused."
@@ -58,6 +59,7 @@ _REFUSED = (
     Outcome.FRONT_BEHIND,
     Outcome.INSIDE_OUT,
     Outcome.COMPRESSED,
+    Outcome.TURNS_OVER,
 )
 
 

@@ -6,7 +6,9 @@ from codend.mechanics.newton_state import State, empty_state
 from codend.mechanics.newton_step import Step, empty_step
 from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import Pattern, pattern_of
+from codend.net.net import Ints
 from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
+from codend.solvers.mirrored_system import MirroredSystem
 
 
 @dataclass(frozen=True)
@@ -19,16 +21,19 @@ class Prepared:
     step: Step
 
 
-def prepare(structure: Structure, bands: int, like: Prepared | None = None) -> Prepared:
+def prepare(structure: Structure, bands: int, like: Prepared | None = None, mirror: Ints | None = None) -> Prepared:
     """Number the unknowns of a structure, once for all its equilibria with a catch that fills so many bands.
 
     ``like`` is what was prepared of a net of the same joints: its numbering is taken, and nothing that is written to.
+    ``mirror`` are the nodes' images in the plane y = 0, where net and loads are mirrored in it and stay so, (n,).
     """
     pattern = pattern_of(structure) if like is None else like.pattern
-    numbered = None if like is None else like.system
-    return Prepared(
-        pattern=pattern,
-        system=numbered.beside() if isinstance(numbered, BandedSystem) else linear_system(structure, pattern),
-        states=(empty_state(structure, bands), empty_state(structure, bands), empty_state(structure, bands)),
-        step=empty_step(structure, pattern),
-    )
+    system: LinearSystem
+    if mirror is not None:
+        system = MirroredSystem(structure, pattern, mirror)
+    elif like is not None and isinstance(like.system, BandedSystem):
+        system = like.system.beside()
+    else:
+        system = linear_system(structure, pattern)
+    states = (empty_state(structure, bands), empty_state(structure, bands), empty_state(structure, bands))
+    return Prepared(pattern, system, states, empty_step(structure, pattern))

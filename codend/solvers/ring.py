@@ -162,14 +162,16 @@ class Ring:
         """Tangent of a harmonic at the equilibrium that was gathered last."""
         count = len(self.axis_moves(harmonic)) * len(self.on_axis)
         half = self.even.shape[2] - 1
-        band = np.zeros((2 * half + 1, self.size + count), dtype=complex)
         reach = len(self.even) - 1
         turns = np.exp(2j * np.pi * harmonic / self.order * np.arange(-reach, reach + 1))
+        if real := 2 * harmonic in (0, self.order):
+            turns = turns.real
+        band = np.zeros((2 * half + 1, self.size + count), dtype=turns.dtype)
         for turn, part in zip(turns, self._bands, strict=True):
             band[:, : self.size] += turn * part
         if count:
             row, column, value = self._values_at_axis(harmonic)
-            np.add.at(band, (half + row - column, column), value)
+            np.add.at(band, (half + row - column, column), value.real if real else value)
         front = None
         if harmonic == 0 and self.fronted:
             front = self._of_harmonic_0(self.step.right[1]), self._of_harmonic_0(self.step.gradient[0])

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from codend.mechanics.problem import Problem
-from codend.solvers import dynamic_relaxation, gentle, interior_point, newton
+from codend.solvers import dynamic_relaxation, floating, gentle, in_turns, interior_point, newton
+from codend.solvers.body_system import moored
 from codend.solvers.outcome import Progress, Solution, Solver
 
 IN_ORDER: Sequence[Solver] = (interior_point.solve, newton.solve, dynamic_relaxation.solve)
@@ -31,6 +32,8 @@ def find_equilibrium(
         The solution of the first solver that finds one. Where none does, positions and tensions are nan, and the report
         tells what was tried.
     """
+    if problem.body is not None:
+        return _afloat(problem, tolerance, start, progress)
     attempts: list[str] = []
     spent_ms = 0.0
     for solve in IN_ORDER if problem.surface is None else UNDER_CONTACT:
@@ -45,3 +48,18 @@ def find_equilibrium(
         spent_ms += polished.report.solve_ms
         solution = polished if polished.report.outcome.converged else solution
     return replace(solution, report=replace(solution.report, attempts=tuple(attempts), solve_ms=spent_ms))
+
+
+def _afloat(problem: Problem, tolerance: float, start: Solution | None, progress: Progress | None) -> Solution:
+    """Equilibrium of a net with a floating body: at once, or in turns."""
+    found = floating.solve(problem, tolerance, start, progress)
+    if found.report.outcome.converged or not moored(problem):
+        return found
+
+    def held(net: Problem, from_there: Solution | None) -> tuple[Problem, Solution]:
+        return net, find_equilibrium(net, tolerance, from_there, progress)
+
+    _, turned = in_turns.solve(problem, tolerance, held, start)
+    attempts = (*found.report.attempts, *turned.report.attempts)
+    spent_ms = found.report.solve_ms + turned.report.solve_ms
+    return replace(turned, report=replace(turned.report, attempts=attempts, solve_ms=spent_ms))

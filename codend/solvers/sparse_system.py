@@ -51,10 +51,7 @@ class SparseSystem:
         from scipy.sparse import csc_array
         from scipy.sparse.linalg import splu
 
-        # the entries are gathered, never added up by scipy, which would drop zeros and with them the pattern
-        matrix = csc_array(
-            (blocks.reshape(-1)[self._gather], self._indices, self._starts), shape=(self.size, self.size)
-        )
+        matrix = csc_array((self._entries(blocks), self._indices, self._starts), shape=(self.size, self.size))
         self._factors = None
         try:
             self._factors = splu(
@@ -66,6 +63,10 @@ class SparseSystem:
         except RuntimeError:
             return -1
         return 0
+
+    def _entries(self, blocks: Floats) -> Floats:
+        """Entries by column: gathered, not added up by scipy, which would drop zeros and with them the pattern."""
+        return blocks.reshape(-1)[self._gather]
 
     def solve(self, right: Floats) -> Floats:
         """See ``LinearSystem``."""

@@ -94,7 +94,8 @@ def solve_parts(
     waiting = [number for number, path in enumerate(paths) if why_not_whole(path, inputs) is not None]
     for number in waiting:
         paths[number].unlink(missing_ok=True)
-    done, runs = sum(len(_numbers(study.designs, i)) for i in set(range(count)) - set(waiting)), len(study.designs)
+    runs, size = len(study.designs), _chunk_size(study.designs)
+    done = sum(len(_numbers(runs, size, i)) for i in set(range(count)) - set(waiting))
     for chunk, table in done_by_workers(solve_chunk, _chunks(study, waiting), min(workers, len(waiting)), scheduler):
         write_part(table, paths[chunk.number], inputs)
         done += len(chunk.runs)
@@ -114,15 +115,15 @@ def _chunk_size(designs: Designs) -> int:
     return max(1, min(CASES_IN_A_CHUNK // cases, len(designs) // LEAST_CHUNKS))
 
 
-def _numbers(designs: Designs, chunk: int) -> range:
-    size = _chunk_size(designs)
-    return range(1 + chunk * size, 1 + min((chunk + 1) * size, len(designs)))
+def _numbers(runs: int, size: int, chunk: int) -> range:
+    return range(1 + chunk * size, 1 + min((chunk + 1) * size, runs))
 
 
 def _chunks(study: StudyPlan, numbers: Sequence[int]) -> Iterator[Chunk]:
+    count, size = len(study.designs), _chunk_size(study.designs)
     named, text = any(base.name for base in study.designs.bases), study.designs.text_keys
     for number in numbers:
-        runs = tuple(study.designs.run(i) for i in _numbers(study.designs, number))
+        runs = tuple(study.designs.run(i) for i in _numbers(count, size, number))
         yield Chunk(number, runs, study.species, named, text)
 
 

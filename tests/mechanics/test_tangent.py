@@ -269,7 +269,7 @@ def check_linearisation(problem: Problem, sides: int) -> None:
     stretch = 1.0 / net.bar_length - 1.0 / state.length
     state.density[:] = carried(structure.is_strut, stretch) / net.bar_flexibility
     newton_state.measure(structure, loading, 1.0, 1.0, 0.0, state)
-    assert sides == newton_step.linearise(structure, loading, pattern, 1.0, 0.0, 0.0, state, step)
+    assert sides == newton_step.linearise(structure, loading, pattern, 1.0, 0.0, state, step)
 
     def out_of_balance(at):
         share = complex_loads.shares(problem, at)

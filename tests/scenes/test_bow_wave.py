@@ -1,6 +1,8 @@
 """The closed forms of a bow wave hold each other up, and the paper's own measurements stand beside them."""
 
+import ast
 import math
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -10,10 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from codend.cli.main import main
+from codend.scenes import bow_wave
 from codend.scenes.bow_wave import HULLS, LIMIT_ANGLE_DEG, STEADY_LIMIT, BowWave, steady_limit
-
-TABLE_1_MM = {"height": 129.46, "from the stem": 145.21}
-"""GD table 1: means of 14 runs at 2 m/s, draught 0.2 m, entrance and flare 20 degrees."""
+from validation.bow_wave import TABLE_1, formula
 
 waves = st.builds(
     BowWave,
@@ -73,9 +74,44 @@ def test_the_limit_of_steady_waves_meets_standstill_at_the_papers_angle():
 
 
 def test_beside_the_papers_table_1_the_crest_is_a_tenth_too_high_and_a_quarter_too_far_back():
-    wave = BowWave(2.0, 0.2, 20.0, 20.0)
-    assert 1e3 * wave.length_unit_m * wave.height == pytest.approx(1.10 * TABLE_1_MM["height"], rel=0.01)
-    assert 1e3 * wave.length_unit_m * wave.crest == pytest.approx(1.28 * TABLE_1_MM["from the stem"], rel=0.01)
+    height, behind = formula()
+    both = TABLE_1[-1]
+    assert height == pytest.approx(1.10 * both.height, rel=0.01)
+    assert behind == pytest.approx(1.28 * both.behind_stem, rel=0.01)
+
+
+@given(waves)
+def test_water_at_the_contact_line_goes_along_it_and_along_the_side(wave):
+    # along the hull t, out m and up z: on the line m = zeta tan(gamma), z = zeta, whatever the surface across it does
+    flare, t = math.radians(wave.flare_deg), np.linspace(0.05, 1.9, 40) * wave.crest
+    u, w = wave.velocity(t)
+    velocity = np.stack([u, w * math.sin(flare), w * math.cos(flare)])
+    slope = wave.slope(t)
+    line = np.stack([np.ones_like(t), slope * math.tan(flare), slope])
+    np.testing.assert_allclose(np.cross(velocity, line, axis=0), 0.0, atol=1e-12)
+    np.testing.assert_allclose((velocity**2).sum(axis=0), 1.0 - 2.0 * wave.profile(t), rtol=1e-12)
+    # the hull's side leans out by the flare: nothing goes through it
+    np.testing.assert_allclose(-velocity[1] * math.cos(flare) + velocity[2] * math.sin(flare), 0.0, atol=1e-14)
+
+
+def test_the_file_imports_nothing_of_the_rest():
+    tree = ast.parse(Path(bow_wave.__file__).read_text(encoding="utf-8"))
+    named = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
+    named |= {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    assert named == {"math", "dataclasses", "typing", "numpy", "numpy.typing"}
+
+
+@pytest.mark.parametrize(
+    ("hull", "right"), [("model-10", 10.0), ("model-20", 20.0), ("model-30", 30.0), ("wigley", None)]
+)
+def test_a_hull_opens_at_the_angle_of_its_waterline(hull, right):
+    # GD 4: y = x tan(a) - 3 / (2 L) x^2 tan(a); Wigley: y = B / 2 (1 - (1 - 2 x / L)^2), B = L / 10
+    length, x = 1.5, 1e-7
+    if right is None:
+        y = 0.05 * length * (1.0 - (1.0 - 2.0 * x / length) ** 2)
+    else:
+        y = x * math.tan(math.radians(right)) * (1.0 - 1.5 * x / length)
+    assert HULLS[hull].entrance_angle_deg == pytest.approx(math.degrees(math.atan2(y, x)), rel=1e-5)
 
 
 @pytest.mark.parametrize("hull", [*HULLS, "plate"])

@@ -1,9 +1,12 @@
 """Sheets of netting in scenes: closed forms, symmetry, merging, seams, motion, and what is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from codend.errors import InputError
+from codend.mechanics.problem import Problem
 from codend.mechanics.weight import GRAVITY_M_S2
 from codend.scenes.build import build
 from codend.scenes.follow import follow, motion_rows
@@ -12,6 +15,7 @@ from codend.scenes.netting_measures import netting_rows
 from codend.scenes.scene import scene_from_dict
 from codend.solvers.motion import Motion
 from codend.solvers.refusal import passage
+from codend.solvers.solve import find_equilibrium
 
 WATER = 1025.0
 
@@ -58,6 +62,34 @@ def test_a_wall_that_repeats_sideways_hangs_as_its_closed_form(speed_m_s):
     foot = result.solution.positions[result.built.node_of["c"]] / 10.0
     assert -foot[2] == pytest.approx(np.arcsinh(u) / u, rel=1e-4)
     assert foot[0] == pytest.approx((np.sqrt(1.0 + u * u) - 1.0) / u, rel=2e-4)
+
+
+CABLE = (lambda u: np.arcsinh(u) / u, lambda u: (np.sqrt(1.0 + u * u) - 1.0) / u)
+CHAIN = (lambda u: 2.0 * np.arctan(np.tanh(0.5 * u)) / u, lambda u: np.log(np.cosh(u)) / u)
+
+
+@pytest.mark.parametrize(
+    ("law", "twine", "depth", "drift"),
+    [
+        ("le-bris-1999", "upright", *CABLE),
+        ("le-bris-1999", "cross-flow", *CABLE),
+        ("bessonneau-1997", "upright", *CHAIN),
+        ("bessonneau-1997", "cross-flow", *CABLE),
+    ],
+)
+def test_a_wall_of_twine_one_way_hangs_as_the_closed_form_of_its_law(law, twine, depth, drift):
+    # BM97: gd(u) / u and ln cosh(u) / u of upright twine, as of cross-flow twine asinh(u) / u
+    data, both = strip(100, 0.5, law)
+    built = build(scene_from_dict(data))
+    net = built.problem.net
+    across = np.abs(np.diff(net.positions[net.bars], axis=1)[:, 0, 1]) > 1e-9
+    normal = np.where(across == (twine == "cross-flow"), net.bar_normal_drag, 0.0)
+    bare = replace(net, bar_normal_drag=normal)
+    found = find_equilibrium(Problem.of(bare, water=built.problem.loading.water), 1e-10)
+    assert found.report.outcome.converged
+    foot, u = found.positions[built.node_of["c"]] / 10.0, 0.5 * both
+    assert -foot[2] == pytest.approx(depth(u), rel=1e-4)
+    assert foot[0] == pytest.approx(drift(u), rel=2e-4)
 
 
 def test_the_wall_in_motion_comes_to_the_same_rest():
@@ -133,6 +165,29 @@ def test_netting_hangs_on_ropes_knot_by_knot_and_the_balance_is_shown():
     assert any("does not slow the water" in note for note in cautions(result))
 
 
+def test_a_wall_behind_another_meets_the_wake_that_loland_tells():
+    # r = 1 - 0.46 Cd, Cd = 1.36 x twine area over the area between the corners
+    front = wall(False, "square", normal=1.36)
+    ahead = front["netting"][0]
+    corners = [[5.0, -0.25, 0.0], [5.0, 0.25, 0.0], "d behind", "c behind"]
+    behind = {**ahead, "name": "rear", "corners": corners}
+    points = [{**p, "name": f"{p['name']} behind", "at": [p["at"][0] + 5.0, *p["at"][1:]]} for p in front["point"]]
+    data = {**front, "netting": [ahead, behind], "point": front["point"] + [p for p in points if p["name"][0] in "cd"]}
+    alone, shielded = (
+        solved({**data, "netting": [ahead, {**behind, **more}]}) for more in ({}, {"shielded_by": "wall"})
+    )
+    twine = row(alone)["twine_area_m2"]
+    area = 0.5 * np.hypot(0.5, 0.1)
+    share = 1.0 - 0.46 * 1.36 * twine / area
+    assert row(shielded, 1)["speed_share"] == pytest.approx(share, rel=1e-2)
+    assert row(shielded)["speed_share"] == 1.0
+    assert row(shielded, 1)["twine_area_m2"] == pytest.approx(twine)
+    at = alone.solution.positions
+    drag = [netting_rows(r.built, at, alone.solution.bar_tension)[1]["drag_n"] for r in (alone, shielded)]
+    assert drag[1] / drag[0] == pytest.approx(row(shielded, 1)["speed_share"] ** 2, rel=1e-12)
+    assert any("by Løland (1993) that of rear to" in note for note in cautions(shielded))
+
+
 def test_two_halves_sewn_together_are_one_sheet():
     whole = wall(False, "diamond")
     sheet = whole["netting"][0]
@@ -189,6 +244,7 @@ def test_netting_that_a_rope_pierces_is_seen():
         ({"corners": ["a", "b", "d"]}, "netting.0.corners.3 is missing"),
         ({"left": "symmetry", "corners": ["a", "b", "d", [0, 1, 0]]}, "a place in the plane of symmetry, y = 0"),
         ({"meshes_across_aft": 100, "mesh": "square"}, "netting.0.meshes_across_aft"),
+        ({"shielded_by": "rear"}, "netting.0.shielded_by"),
         ({"knot_mm": 3.0}, "netting.0.knot_mm = 3.0 is not a known key"),
         ({"name": "head"}, "allowed: a name that no other netting, rope or point has"),
         ({"meshes_across": 80, "globalisation": 20}, "netting.0.axial_stiffness_n is missing"),

@@ -206,3 +206,16 @@ def test_the_command_writes_its_table_and_says_what_twine_without_stretch_does(t
     assert list(table["filled_meshes"]) == [4.0, 5.0]
     assert (table["opening_force_in_net_n"] > table["opening_force_alone_n"]).all()
     assert "does not stretch" in CliRunner().invoke(main, [*arguments, "--opening", "4"]).output
+
+
+@pytest.mark.parametrize("name", ["diamond", "knotted", "t90"])
+def test_half_of_a_mirrored_net_carries_the_force_of_the_whole(name, monkeypatch):
+    plan = make_plan(24, 20, filled=5.0, **PLANS[name])
+    case = plan.cases()[0]
+    half = pull_mesh(plan, case, 8.0)
+    assert any("one half" in line for line in half.attempts)
+    monkeypatch.setattr(pulling, "_mirrored", lambda bag, mesh, problem: (bag, None))
+    whole = pull_mesh(plan, case, 8.0)
+    assert not any("one half" in line for line in whole.attempts)
+    assert half.opening_force_in_net_n == pytest.approx(whole.opening_force_in_net_n, rel=1e-7)
+    assert half.slack_bars == whole.slack_bars

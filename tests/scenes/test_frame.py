@@ -1,0 +1,215 @@
+"""Frames of a scene, held and afloat, and ballast: closed forms, balances, motion, and what is refused."""
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from codend.cli.main import main
+from codend.errors import InputError
+from codend.mechanics.body import pose_of
+from codend.mechanics.weight import GRAVITY_M_S2
+from codend.scenes.build import build
+from codend.scenes.frame_measures import float_rows, frame_cautions, frame_rows
+from codend.scenes.measures import balance_error, solve_scene
+from codend.scenes.scene import scene_from_dict
+from codend.solvers import in_turns
+from codend.solvers.solve import find_equilibrium
+from validation.floating_frame import (
+    WATER,
+    balances,
+    beams,
+    drafts,
+    hung,
+    moored,
+    periods,
+    settles,
+    solved,
+    spins,
+    tangents,
+)
+from validation.random_frames import WRONG, left_over, random_frame
+
+ROUND = {"name": "a", "at": [0, 0, 0], "height_m": 1.0, "diameter_m": 1.0}
+TOML = """
+title = "A frame"
+frame = { hold = "floating", mass_kg = 100.0, inertia_kg_m2 = [50.0, 60.0, 70.0] }
+time = { end_s = 0.5, output_s = 0.25, step_s = 0.01 }
+point = [{ name = "a", at = [-2.0, 0.0, 0.0], held = "frame" }, { name = "A", at = [-9.0, 0.0, -5.0], held = "ground" }]
+rope = [{ from = "a", to = "A", length_m = 9.0, diameter_mm = 20.0, mass_kg_m = 1.0, bars = 8 }]
+
+[[float]]
+name = "front"
+at = [-2.0, 0.0, -0.1]
+height_m = 0.5
+length_m = 0.3
+width_m = 4.0
+
+[[float]]
+name = "rear"
+at = [2.0, 0.0, -0.1]
+height_m = 0.5
+diameter_m = 1.2
+"""
+
+
+@pytest.mark.parametrize("group", [drafts, periods, spins, balances, tangents, settles])
+def test_a_floating_frame_agrees_with_its_closed_forms_and_balances(group):
+    for one in group():
+        assert one.off <= one.allowed, one
+
+
+def test_a_held_frame_carries_what_hangs_on_it():
+    result = solved(hung(0.5, "held"))
+    row = frame_rows(result.built, result.solution.positions, result.support)[0]
+    assert balance_error(result) < 1e-8
+    # held where it is placed, its beams 0.1 m deep: weight, two weights, netting and moorings against buoyancy
+    floats = float_rows(result.built, result.solution.positions)
+    assert row["buoyancy_n"] == pytest.approx(sum(one["buoyancy_n"] for one in floats))
+    assert row["force_z_n"] == pytest.approx(row["weight_n"] - row["buoyancy_n"] - row["pull_z_n"])
+    assert row["force_x_n"] == pytest.approx(-row["pull_x_n"])
+    assert (row["z_m"], row["trim_deg"], row["hold"]) == (0.0, 0.0, "held")
+
+
+def test_a_frame_on_one_mooring_turns_into_the_current():
+    data = moored(0.5)
+    data["rope"] = [rope for rope in data["rope"] if rope["name"] != "mooring b"]
+    data["point"] = [point for point in data["point"] if point["name"] not in ("b", "B")]
+    result = solved(data)
+    row = frame_rows(result.built, result.solution.positions, result.support)[0]
+    # the mooring, at (-2, 1.5) of it, lies in one vertical plane with the drag at its middle, but for its heel
+    assert row["yaw_deg"] == pytest.approx(np.degrees(np.arctan2(1.5, 2.0)), abs=0.1)
+    assert row["y_m"] == pytest.approx(4.0, abs=0.01)
+
+
+def test_without_a_mooring_it_drifts_and_no_equilibrium_is_told():
+    data = beams(water={"density_kg_m3": WATER, "flow_m_s": [0.5, 0.0, 0.0]})
+    data["point"] += [{"name": "drag", "at": [0, 0, 0], "held": "frame", "area_m2": 2.0, "drag": 1.0}]
+    assert not solve_scene(build(scene_from_dict(data))).converged
+
+
+def test_a_frame_that_is_too_heavy_hangs_on_its_moorings_and_that_is_told():
+    data = moored(0.5)
+    data["frame"] = {**data["frame"], "mass_kg": 5000.0}
+    result = solved(data)
+    assert any("under water" in note for note in frame_cautions(result.built, result.solution.positions))
+
+
+def test_a_float_cut_at_its_foot_is_told():
+    weight = {"name": "weight", "at": [4.0, 0.0, 0.0], "held": "frame", "wet_weight_n": 1450.0}
+    result = solved(beams(point=[weight]))
+    told = frame_cautions(result.built, result.solution.positions)
+    assert any("front is out of the water" in note or "crosses the foot" in note for note in told)
+
+
+def ballasted(**ballast):
+    data = hung(0.3, "held")
+    data["point"] = [
+        {key: value for key, value in point.items() if key not in ("mass_kg", "wet_weight_n") or "drag" in point}
+        for point in data["point"]
+    ]
+    return data | {"ballast": ballast}
+
+
+@pytest.mark.parametrize("where", [{"points": ["foot 1", "foot -1"]}, {"edges": ["wall.aft"]}])
+def test_ballast_hangs_where_its_table_says(where):
+    result = solved(ballasted(mass_kg=10.0, density_kg_m3=11340.0, **where))
+    net = result.built.problem.net
+    assert net.point_mass.sum() == pytest.approx(10.0)
+    assert net.point_wet_weight.sum() == pytest.approx(10.0 * GRAVITY_M_S2 * (1.0 - WATER / 11340.0))
+    foot = set(result.built.sheet_nodes[0][result.built.scene.netting[0].sheet.edges["aft"].knots].tolist())
+    hung_at = {int(node) for node, mass in zip(net.point_node, net.point_mass, strict=True) if mass > 0.0}
+    assert hung_at <= foot
+    assert len(hung_at) == (2 if "points" in where else len(foot))
+
+
+def test_ballast_at_points_is_a_weight_at_each():
+    one = solved(ballasted(mass_kg=10.0, wet_weight_n=80.0, points=["foot 1", "foot -1"]))
+    other = solved(hung(0.3, "held"))
+    assert one.solution.positions == pytest.approx(other.solution.positions, abs=1e-9)
+
+
+def test_a_motion_goes_on_from_a_state_as_it_would_have():
+    from codend.scenes.follow import follow
+
+    built = build(scene_from_dict(moored(1.0, time={"end_s": 1.0, "output_s": 0.5, "step_s": 0.0125})))
+    start = built.problem.net.positions
+    frames = list(follow(built, start))
+    again = list(follow(built, start, frames[1].state))
+    assert np.array_equal(again[-1].positions, frames[-1].positions)
+    assert pose_of(built.frame, frames[-1].positions).origin[0] > 1e-3
+
+
+def test_the_command_writes_frame_and_floats(tmp_path):
+    import pandas as pd
+
+    scene = tmp_path / "frame.toml"
+    scene.write_text(TOML)
+    result = CliRunner().invoke(main, ["scene", str(scene), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 0, result.output
+    frame, floats = (pd.read_csv(tmp_path / "out" / name) for name in ("frame.csv", "floats.csv"))
+    assert frame["hold"].tolist() == ["floating"]
+    assert floats["buoyancy_n"].sum() == pytest.approx(frame["buoyancy_n"][0])
+    motion = pd.read_csv(tmp_path / "out" / "motion.csv")
+    assert motion[motion["name"] == "frame"]["trim_deg"].notna().all()
+    assert {"front", "rear"} <= set(motion["name"])
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"frame": None}, 'point.0.held = "frame" is not allowed; allowed: "ground", or a table [frame]'),
+        ({"float": []}, "float = [] is missing; allowed: one table [[float]] at least"),
+        ({"float": [{"name": "a", "at": [0, 0, 0], "height_m": 1.0}]}, "float.0.length_m is missing"),
+        ({"float": [{**ROUND, "width_m": 1.0}]}, "float.0.width_m = 1.0 contradicts diameter_m"),
+        ({"float": [{**ROUND, "name": "port"}]}, "float.0.name"),
+        ({"frame": {"hold": "floating"}, "float": [{"name": "a", "at": [0, 0, 0], "height_m": 1.0, "diameter_m": 1.0}]},
+         "frame.mass_kg is missing"),
+        ({"ballast": {"mass_kg": 1.0, "points": ["port"]}}, "ballast.density_kg_m3 is missing"),
+        ({"ballast": {"mass_kg": 1.0, "wet_weight_n": 9.0, "points": ["nowhere"]}}, "ballast.points.0"),
+        ({"ballast": {"mass_kg": 1.0, "wet_weight_n": 9.0, "edges": ["wall.aft"]}}, "ballast.edges.0"),
+        ({"ballast": {"mass_kg": 1.0, "wet_weight_n": 9.0}}, "ballast.points is missing"),
+        ({"time": {"end_s": 1.0, "output_s": 0.5, "step_s": 0.2}}, "time.step_s = 0.2 is not allowed; allowed: at "),
+    ],
+)  # fmt: skip
+def test_mistakes_in_a_frame_are_one_line_with_the_key(change, message):
+    data = {key: value for key, value in {**beams(), **change}.items() if value is not None}
+    with pytest.raises(InputError) as refused:
+        build(scene_from_dict(data, "scene.toml"))
+    assert any(message in line for line in refused.value.lines), refused.value.lines
+
+
+def test_a_frame_and_its_net_in_turns_come_to_the_same_as_at_once():
+    built = build(scene_from_dict(hung(0.5)))
+    at_once = solve_scene(built).solution
+
+    def held(problem, start):
+        return problem, find_equilibrium(problem, 1e-10, start)
+
+    _, turned = in_turns.solve(built.problem, 1e-9, held)
+    assert turned.report.outcome.converged
+    assert turned.positions == pytest.approx(at_once.positions, abs=1e-6)
+    assert turned.bar_tension == pytest.approx(at_once.bar_tension, abs=1e-5)
+
+
+def test_a_frame_too_high_to_stand_turns_over_and_is_found_on_its_head():
+    # it floats upright by symmetry, but would not stay so
+    data = beams()
+    data["frame"] = {**data["frame"], "centre": [0.0, 0.0, 60.0]}
+    row = frame_rows((result := solved(data)).built, result.solution.positions, result.support)[0]
+    assert abs(row["heel_deg"]) == pytest.approx(180.0, abs=1e-6) or abs(row["trim_deg"]) > 90.0
+    assert row["buoyancy_n"] == pytest.approx(row["weight_n"], rel=1e-8)
+
+
+def test_a_frame_moored_by_its_rear_turns_about_though_it_lay_in_balance():
+    data = moored(0.5)
+    data["rope"] = [rope for rope in data["rope"] if rope["name"] != "mooring b"]
+    data["point"] = [point for point in data["point"] if point["name"] not in ("b", "B")]
+    places = {"a": [2.0, 0.0, 0.0], "A": [-20.0, 0.0, -10.0]}
+    data["point"] = [{**point, "at": places.get(point["name"], point["at"])} for point in data["point"]]
+    row = frame_rows((result := solved(data)).built, result.solution.positions, result.support)[0]
+    assert abs(row["yaw_deg"]) == pytest.approx(180.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_random_frames_are_found_in_balance(seed):
+    assert left_over(solved(random_frame(seed))) < WRONG
