@@ -80,7 +80,7 @@ def test_errors_of_very_stiff_twine_cover_the_shape_that_another_start_leads_to(
     twine |= {"knot_mm": 5.0, "axial_stiffness_n": 5000.0, "twines": 2} if knots else {"twine_mm": 2.0}
     bag = (25.0, 0.09 / np.pi, 3.0 if knots else 5.0)
     first, other = (
-        solve(small("diamond", *bag, {"fidelity": "sector", "method": method}, **twine)).cases[0]
+        solve(small("diamond", *bag, {"fidelity": "sector", "method": method, "wrinkles": False}, **twine)).cases[0]
         for method in ("auto", "dynamic-relaxation")
     )
     assert other.measures.drag_n > 1.3 * first.measures.drag_n
