@@ -44,8 +44,9 @@ class Sourced(_Table, Generic[N]):
 
 
 Share = Sourced[Annotated[Number, Ge(0), Le(0.9)]]
-Ratio = Sourced[Annotated[Number, Ge(0.01), Le(2)]]
-"""Of a fish's length. No fish is thinner than a hundredth of it, and none passes a mesh as a thread would."""
+Ratio = Sourced[Annotated[Number, Ge(0.01), Le(1)]]
+"""Of a fish's length. No fish is thinner than a hundredth of it, and none passes a mesh as a thread would; none that
+trawls meet is higher or wider than it is long."""
 Spread = Sourced[Annotated[Number, Ge(0), Le(0.5)]]
 
 
@@ -89,7 +90,7 @@ class Behaviour(_Table):
 
     One of length L pushes with F1 (L / L1)^n.
     """
-    push_length_cm: Sourced[Annotated[Number, Gt(0), Le(500)]] | None = None
+    push_length_cm: Sourced[Annotated[Number, Ge(1), Le(500)]] | None = None
     """L1; left out, 30 cm."""
     push_exponent: Sourced[Annotated[Number, Ge(0), Le(4)]] | None = None
     """n; left out, 2: as the section of a muscle, which is assumed."""

@@ -87,15 +87,24 @@ def shown_progress() -> Iterator[ShownProgress]:
     columns = (BarColumn(bar_width=20), *left, TextColumn("{task.description}", markup=False))
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("starting", total=None)
-        yield lambda done, total, doing: bar.update(task, completed=done, total=total, description=doing)
+
+        def report(done: int, total: int, doing: str) -> None:
+            if bar.tasks[0].total not in (None, total):
+                bar.reset(task, total=total)
+            bar.update(task, completed=done, total=total, description=doing)
+
+        yield report
 
 
 def _progress_lines() -> ShownProgress:
     begun = last = monotonic()
+    parts = 0
 
     def report(done: int, total: int, doing: str) -> None:
-        nonlocal last
+        nonlocal begun, last, parts
         now = monotonic()
+        # other work has parts of another length
+        begun, parts = now if parts not in (0, total) else begun, total
         if now - last > SECONDS_BETWEEN_LINES:
             last = now
             share = (

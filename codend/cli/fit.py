@@ -78,7 +78,9 @@ def fit(
     with shown_progress() as progress:
         progress(0, 3, "fitting")
         if compare:
-            report = _compared(data, design, 1000 if replicates is None else replicates, seed, choices["reading"])
+            report = _compared(
+                data, design, 1000 if replicates is None else replicates, seed, choices["reading"], progress
+            )
             good = True
         else:
             asked = {"curve": curve, "n_bootstrap": replicates or 0, "seed": seed, **choices}
@@ -113,7 +115,7 @@ def _fitted(
         return _gears_report(gears, at, reference_length), gears.converged
     from codend.selectivity.fits.analysis import fit_field_data
 
-    fitted = fit_field_data(data, design, **asked)
+    fitted = fit_field_data(data, design, **asked, progress=progress)
     progress(1, 3, "every curve, predictions")
     return _trial_report(fitted, at, reference_length), fitted.converged
 
@@ -201,14 +203,16 @@ def _gears_report(fitted: "GearFit", at: Sequence[str], reference_length: float 
     )
 
 
-def _compared(data: str, design: str, replicates: int, seed: int, reading: "HaulReading") -> "FitReport":
+def _compared(
+    data: str, design: str, replicates: int, seed: int, reading: "HaulReading", progress: ShownProgress
+) -> "FitReport":
     from codend.report.fit_page import FitReport
     from codend.report.fit_words import comparison_lead, comparison_notes, comparison_summary
     from codend.selectivity.fits.catch_comparison import compare_catches
 
     if design != "paired":
         raise InputError(OPTIONS, "--design", design, "paired, with --compare")
-    found = compare_catches(data, replicates, seed, reading)
+    found = compare_catches(data, replicates, seed, reading, progress)
     return FitReport(
         title=f"Catch comparison of {Path(found.data.source).name}",
         summary=comparison_summary(found),

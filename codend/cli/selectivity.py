@@ -88,11 +88,12 @@ def selectivity(
     trial, names = None, calibrated.split(",") if calibrated is not None else []
     if field is not None:
         from codend.selectivity.predicted_and_observed.calibrate import calibrated_names
-        from codend.selectivity.predicted_and_observed.trial import read_trial, set_beside
+        from codend.selectivity.predicted_and_observed.trial import check_selection, read_trial, set_beside
 
         if calibrated is not None:
             calibrated_names(names)  # a name that will not do ends the command before the work
         trial = read_trial(field, read.plan.catch_density_kg_m3, **choices)
+        check_selection(trial)
         also = [_trialled(other, data, species, choices) for other, data in others]
     with shown_progress() as progress:
         found = predict(read, species, n_bootstrap=replicates, samples=samples, seed=seed, progress=progress)
@@ -133,13 +134,14 @@ def _trialled(folder: str, data: str, species: "Sequence[Species]", choices: dic
     from codend.selectivity.escape.catches import read_run
     from codend.selectivity.escape.predict import hauls_for
     from codend.selectivity.predicted_and_observed.retention_likelihood import Trialled
-    from codend.selectivity.predicted_and_observed.trial import read_trial
+    from codend.selectivity.predicted_and_observed.trial import check_selection, read_trial
 
     run = read_run(folder)
     hauls = hauls_for(run, species)
     if len(hauls) > 1:
         raise InputError(OPTIONS, "--also", folder, "a run at one speed", f"has {len(hauls)} speeds")
     trial = read_trial(data, run.plan.catch_density_kg_m3, **choices)
+    check_selection(trial)
     return Trialled(hauls[0], trial.data, trial.volume_m3)
 
 

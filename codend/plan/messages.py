@@ -183,6 +183,9 @@ def _is_model(annotation: Any) -> bool:
 def _annotation_at(annotation: Any, location: Sequence[str | int]) -> Any:
     """The annotation, with its bounds, at a location below a model."""
     for part in location:
+        if get_origin(annotation) in (Union, UnionType) and isinstance(part, str):
+            # a table that may be left out
+            annotation = next((one for one in get_args(annotation) if _is_model(one)), annotation)
         if _is_model(annotation):
             field = annotation.model_fields[str(part)]
             annotation = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation

@@ -175,10 +175,18 @@ def cautions(study: Study) -> list[str]:
     for near in dict.fromkeys(result.stands_in for result in study.cases if result.stands_in is not None):
         same = _named([result for result in study.cases if result.stands_in == near], study)
         wide = " and ".join(map(str, near.columns))
-        counts = " and ".join(f"{near.order * columns:.1f}" for columns in near.columns)
+        stands_for = " and ".join(f"{near.order * columns:.1f}" for columns in near.columns)
         found.append(
             f"No equilibrium was found with the meshes round that the plan has: {same}. In its place stands a sector "
-            f"{wide} meshes wide, as of {counts} meshes round; the estimates cover what that changes."
+            f"{wide} meshes wide, as of {stands_for} meshes round; the estimates cover what that changes."
+        )
+    pressed = [result for result in study.cases if result.followed.contact_share > 0.0]
+    if in_contact := _named(pressed, study):
+        counts = sorted({result.followed.fold_count for result in pressed})
+        found.append(
+            f"Layers of netting press on each other ({ranges_text(tuple(counts))} folds round the net): {in_contact}. "
+            "What they press with depends on the model of contact, what that changes in drag and openings stands in "
+            "their errors, with the spread of the shapes found."
         )
     in_folds = [result for result in study.cases if result.measures.folded_share > FOLDS_WORTH_TELLING]
     if folded := _named(in_folds, study):

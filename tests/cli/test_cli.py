@@ -535,6 +535,16 @@ def test_progress_without_a_terminal_is_a_plain_line_every_ten_seconds(monkeypat
     assert capsys.readouterr().err.splitlines() == told
 
 
+def test_time_left_is_that_of_the_work_at_hand(monkeypatch, capsys):
+    clock = iter([0.0, 1.0, 50.0, 65.0])
+    monkeypatch.setattr(console, "monotonic", lambda: next(clock))
+    with console.shown_progress() as progress:
+        progress(0, 3, "fitting")
+        progress(0, 100, "bootstrap")
+        progress(50, 100, "bootstrap")
+    assert capsys.readouterr().err.splitlines()[-1] == "50 of 100 done (50%, 15 s left), bootstrap"
+
+
 def test_progress_in_a_terminal_is_a_bar_that_is_gone_in_the_end(monkeypatch):
     class Terminal(io.StringIO):
         def isatty(self) -> bool:

@@ -16,5 +16,5 @@ def hauls():
 @pytest.mark.parametrize("push_n", [0.0, 1.0, 2.0])
 def test_all_published_effects_have_the_right_sign_with_one_push(hauls, push_n):
     found = published_effects.effects(hauls, SPECIES, push_n)
-    assert len(found) == 8
+    assert len(found) == 9
     assert [one.name for one in found if not one.sign_right] == []

@@ -46,10 +46,44 @@ class Hole(NamedTuple):
     held_along: float
 
 
+class Turns(NamedTuple):
+    """Turns off a rotation, rad, and cosine and sine of twice each, (k,)."""
+
+    angle: NDArray[np.float64]
+    cosine: NDArray[np.float64]
+    sine: NDArray[np.float64]
+
+
 @njit(cache=True, nogil=True)
 def longest_turned(hole: Hole, phi: float, fish: Fish, rotation: float) -> float:
     """Longest fish at a given rotation, m: min of d / h_1 over the sides."""
     return min(_by_side(sides_of(hole, phi), fish, rotation))
+
+
+@njit(cache=True, nogil=True)
+def longest_turned_by(
+    hole: Hole, phi: float, fish: Fish, rotation: float, turns: Turns, lengths: NDArray[np.float64]
+) -> None:
+    """Write the longest fish at a rotation, and at that and each of some ``turns`` (k,), into ``lengths`` (k + 1,), m.
+
+    Of ellipses h^2 = (S + D cos 2(nu - theta)) / 2 (see ``_support``) is linear in cos and sin of twice the turn, and
+    of the three d^2 / h^2 the least is asked.
+    """
+    if fish.n != 2.0:
+        lengths[0] = longest_turned(hole, phi, fish, rotation)
+        for k in range(len(turns.angle)):
+            lengths[k + 1] = longest_turned(hole, phi, fish, rotation + turns.angle[k])
+        return
+    nu1, d1, nu2, d2, nu3, d3 = sides_of(hole, phi)
+    squares, difference = 0.5 * (fish.a * fish.a + fish.b * fish.b), 0.5 * (fish.a * fish.a - fish.b * fish.b)
+    c1, s1 = difference * math.cos(2.0 * (nu1 - rotation)), difference * math.sin(2.0 * (nu1 - rotation))
+    c2, s2 = difference * math.cos(2.0 * (nu2 - rotation)), difference * math.sin(2.0 * (nu2 - rotation))
+    c3, s3 = difference * math.cos(2.0 * (nu3 - rotation)), difference * math.sin(2.0 * (nu3 - rotation))
+    for k in range(len(lengths)):
+        cosine = turns.cosine[k - 1] if k > 0 else 1.0
+        sine = turns.sine[k - 1] if k > 0 else 0.0
+        least = min(d1 * d1 / (squares + c1 * cosine + s1 * sine), d2 * d2 / (squares + c2 * cosine + s2 * sine))
+        lengths[k] = math.sqrt(min(least, d3 * d3 / (squares + c3 * cosine + s3 * sine)))
 
 
 @njit(cache=True, nogil=True)
@@ -105,9 +139,10 @@ def best_rotation(hole: Hole, phi: float, fish: Fish, steps: int) -> float:
         return best
     q = fish.n / (fish.n - 1.0)
     between = math.atan((fish.a / fish.b) ** (q / (q - 2.0))) if q > 2.0 else 0.0
+    turned = 0.0, quarter, between, -between
     for side in (0, 2):
-        for turned in (0.0, quarter, between, -between):
-            tried = sides[2 * side] - turned
+        for k in range(4 if between > 0.0 else 2):
+            tried = sides[2 * side] - turned[k]
             length = min(_by_side(sides, fish, tried))
             if length > value:
                 best, value = tried, length

@@ -136,11 +136,12 @@ def predict_haul(
     every = [*of_catches, terms_of_haul(haul, of_catches, species)]
     length_cm = species.length_cm
     retention = np.array([terms.retention(length_cm) for terms in of_catches])
-    retention = np.vstack([retention, haul.time_shares(species) @ retention])
+    # a mean of ones may be more than one by round-off, and fish that escape are no negative number
+    retention = np.vstack([retention, np.minimum(haul.time_shares(species) @ retention, 1.0)])
     per_class = species.haul.fish.value / len(length_cm)
 
     model, shares = _logit_model(length_cm), shares_of_ends(haul, species)
-    of_ends = shares @ retention[:-1]
+    of_ends = np.minimum(shares @ retention[:-1], 1.0)
     fitted = maximise(model, per_class * retention, per_class * (1.0 - retention))
     ends = maximise(model, per_class * of_ends, per_class * (1.0 - of_ends))
     logit, errors = _l50_sr(model, fitted)

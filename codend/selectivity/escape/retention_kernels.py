@@ -15,9 +15,11 @@ from codend.selectivity.escape.passage_kernels import (
     RECTANGLE,
     Fish,
     Hole,
+    Turns,
     best_rotation,
     ideal_openings,
     longest_turned,
+    longest_turned_by,
     sides_of,
 )
 from codend.selectivity.escape.yielding_kernels import Effort, Passing, best_opening
@@ -169,6 +171,8 @@ def tables_of(crowd: Crowd, values: Floats, nodes: Nodes) -> Floats:
     nettings = np.max(crowd.netting) + 1 if nodes.openings and len(crowd.netting) else 0
     tables = np.zeros((nettings, len(nodes.shape), nodes.openings + 1, len(nodes.rotation) + 1))
     sought = np.ones(nettings, dtype=np.bool_)
+    angle = math.radians(values[_ROTATION]) * nodes.rotation
+    turns = Turns(angle, np.cos(2.0 * angle), np.sin(2.0 * angle))
     for mesh in range(len(crowd.netting) if nettings else 0):
         netting = crowd.netting[mesh]
         if not sought[netting] or crowd.shape[mesh] == RECTANGLE:
@@ -180,10 +184,7 @@ def tables_of(crowd: Crowd, values: Floats, nodes: Nodes) -> Floats:
             for i in range(1, nodes.openings):
                 phi = 0.5 * math.pi * i / nodes.openings
                 best = best_rotation(hole, phi, fish, nodes.steps)
-                tables[netting, node, i, 0] = longest_turned(hole, phi, fish, best)
-                for k in range(len(nodes.rotation)):
-                    turned = best + math.radians(values[_ROTATION]) * nodes.rotation[k]
-                    tables[netting, node, i, k + 1] = longest_turned(hole, phi, fish, turned)
+                longest_turned_by(hole, phi, fish, best, turns, tables[netting, node, i])
     return tables
 
 

@@ -44,8 +44,19 @@ class Passing(NamedTuple):
 @njit(cache=True, nogil=True)
 def force_to(hole: Hole, computed: float, phi: float) -> float:
     """Push that brings a mesh from the computed half opening angle to another one, N: across, or along to close it."""
+    return _force_against(hole, computed, _resting(hole, computed), phi)
+
+
+@njit(cache=True, nogil=True)
+def _resting(hole: Hole, computed: float) -> float:
+    """Load and moment that balance at the computed half opening angle, as a load across, N."""
+    return hole.load * math.tan(computed) + hole.bending * (computed - hole.rest) / math.cos(computed)
+
+
+@njit(cache=True, nogil=True)
+def _force_against(hole: Hole, computed: float, across: float, phi: float) -> float:
+    """``force_to`` with ``across`` as ``_resting`` has it."""
     sine, cosine = math.sin(phi), math.cos(phi)
-    across = hole.load * math.tan(computed) + hole.bending * (computed - hole.rest) / math.cos(computed)
     missing = hole.load * sine + hole.bending * (phi - hole.rest) - across * cosine
     if phi >= computed:
         return max(hole.held_across * missing / cosine, 0.0)
@@ -72,16 +83,17 @@ def best_opening(hole: Hole, phi: float, passing: Passing, effort: Effort, ideal
     if effort.push <= 0.0 or hole.shape == RECTANGLE:
         return phi
     best, value = phi, longest_by(hole, phi, passing, effort.steps)
+    across = _resting(hole, phi)
     for side in (1.0, -1.0):
         reached = phi
         for k in range(len(ideals)):
             ideal = ideals[k] if side > 0.0 else ideals[len(ideals) - 1 - k]
             if not side * (ideal - phi) > 0.0:  # behind, or nan
                 continue
-            if _left_over(hole, phi, ideal, passing, effort) >= 0.0:
+            if _left_over(hole, phi, across, ideal, passing, effort) >= 0.0:
                 tried = reached = ideal
             else:
-                tried = _edge_of_reach(hole, phi, reached, ideal, passing, effort)
+                tried = _edge_of_reach(hole, phi, across, reached, ideal, passing, effort)
             length = longest_by(hole, tried, passing, effort.steps)
             if length > value:
                 best, value = tried, length
@@ -89,17 +101,18 @@ def best_opening(hole: Hole, phi: float, passing: Passing, effort: Effort, ideal
 
 
 @njit(cache=True, nogil=True)
-def _left_over(hole: Hole, computed: float, phi: float, passing: Passing, effort: Effort) -> float:
+def _left_over(hole: Hole, computed: float, across: float, phi: float, passing: Passing, effort: Effort) -> float:
     """Push of the longest fish that passes at an opening, less what brings the mesh there, N."""
     push = effort.push
     if effort.exponent != 0.0:
-        push *= (longest_by(hole, phi, passing, effort.steps) / effort.at) ** effort.exponent
-    return push - force_to(hole, computed, phi)
+        longer = longest_by(hole, phi, passing, effort.steps) / effort.at
+        push *= longer * longer if effort.exponent == 2.0 else longer**effort.exponent
+    return push - _force_against(hole, computed, across, phi)
 
 
 @njit(cache=True, nogil=True)
 def _edge_of_reach(
-    hole: Hole, computed: float, within: float, beyond: float, passing: Passing, effort: Effort
+    hole: Hole, computed: float, across: float, within: float, beyond: float, passing: Passing, effort: Effort
 ) -> float:
     """The last opening within reach between one that is and one that is not: by bisection, and regula falsi between."""
     spare, lacking = math.nan, math.nan
@@ -111,7 +124,7 @@ def _edge_of_reach(
             middle = within + min(max(spare / (spare - lacking), 0.01), 0.99) * (beyond - within)
         else:
             middle = 0.5 * (within + beyond)
-        left = _left_over(hole, computed, middle, passing, effort)
+        left = _left_over(hole, computed, across, middle, passing, effort)
         if left >= 0.0:
             within, spare = middle, left
         else:

@@ -11,7 +11,7 @@ import numpy as np
 
 from codend.errors import OPTIONS, InputError
 from codend.selectivity.fits.between_hauls import BetweenHauls, fit_between_hauls
-from codend.selectivity.fits.bootstrap import Bootstrap, double_bootstrap
+from codend.selectivity.fits.bootstrap import Bootstrap, Told, double_bootstrap
 from codend.selectivity.fits.choices import (
     LEAST_UNITS,
     RandomTerms,
@@ -95,6 +95,7 @@ def fit_field_data(
     n_bootstrap: int = 0,
     seed: int = 0,
     reading: HaulReading = AS_IT_STANDS,
+    progress: Told | None = None,
 ) -> FieldFit:
     """Fit a retention curve to a covered-codend or paired-gear trial.
 
@@ -111,6 +112,7 @@ def fit_field_data(
         n_bootstrap: replicates of the double bootstrap; 0 for none.
         seed: of the bootstrap.
         reading: what the user says of the form of the table, its lengths and the rows that are wanted.
+        progress: told how many refits of the bootstrap are done, of how many, and what is being done.
 
     Raises:
         InputError: bad data (see `read_field_data`) or a choice that does not exist.
@@ -132,7 +134,9 @@ def fit_field_data(
     hauls = fit_hauls(field_data, model, overdispersion) if several else ()
     selects = pooled.outcome not in NO_SELECTION
     between = fit_between_hauls(field_data, model, hauls) if several and selects else None
-    bootstrap = double_bootstrap(field_data, pooled, n_bootstrap, seed) if n_bootstrap and pooled.converged else None
+    bootstrap = None
+    if n_bootstrap and pooled.converged:
+        bootstrap = double_bootstrap(field_data, pooled, n_bootstrap, seed, progress)
     one_stage = None
     if terms.terms and len(field_data.haul_names) >= LEAST_UNITS and selects:
         one_stage = fit_trial(field_data, curve, estimated, fixed, terms)

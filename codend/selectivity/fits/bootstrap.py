@@ -8,6 +8,7 @@ refitted together.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -22,6 +23,10 @@ from codend.selectivity.fits.scoring import maximise
 
 Array = NDArray[np.float64]
 
+Told = Callable[[int, int, str], None]
+"""Told how many parts of a long work are done, of how many, and what is being done."""
+
+REFITS_AT_ONCE: Final = 50  # between two words on how far they are
 COUNTS_AT_ONCE: Final = 2_000_000  # bounds the memory of the drawn counts
 # with more failed refits the percentiles of the others no longer describe the estimator, and none are given
 MOST_FAILED: Final = 0.1
@@ -67,7 +72,9 @@ class Bootstrap:
         return lower, upper
 
 
-def double_bootstrap(data: FieldData, fit: Fit, n_replicates: int = 1000, seed: int = 0) -> Bootstrap:
+def double_bootstrap(
+    data: FieldData, fit: Fit, n_replicates: int = 1000, seed: int = 0, progress: Told | None = None
+) -> Bootstrap:
     """Resample and refit a converged pooled fit of `data`; with a single haul only its fish are resampled."""
     if not fit.converged:
         raise ValueError("only a converged fit can be bootstrapped")
@@ -79,8 +86,12 @@ def double_bootstrap(data: FieldData, fit: Fit, n_replicates: int = 1000, seed: 
     parts = []
     for first in range(0, n_replicates, block):
         test, other = resample(data, min(block, n_replicates - first), rng)
-        maximum = maximise(model, test @ merge, other @ merge)
-        parts.append(public_parameters(model, maximum.theta[maximum.converged])[0])
+        for begin in range(0, len(test), REFITS_AT_ONCE):
+            if progress is not None:
+                progress(first + begin, n_replicates, "bootstrap")
+            some = slice(begin, begin + REFITS_AT_ONCE)
+            maximum = maximise(model, test[some] @ merge, other[some] @ merge)
+            parts.append(public_parameters(model, maximum.theta[maximum.converged])[0])
     replicates = np.concatenate(parts)
 
     bare = Bootstrap(fit.model, fit.estimates, replicates, n_replicates, n_replicates - len(replicates))

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc, expit, log_expit, logit, xlogy
 
 from codend.errors import OPTIONS, InputError
-from codend.selectivity.fits.bootstrap import COUNTS_AT_ONCE, resample
+from codend.selectivity.fits.bootstrap import COUNTS_AT_ONCE, REFITS_AT_ONCE, Told, resample
 from codend.selectivity.fits.fielddata import FieldData, read_field_data
 from codend.selectivity.fits.haul_table import AS_IT_STANDS, HaulReading
 
@@ -86,6 +86,7 @@ def compare_catches(
     n_bootstrap: int = 1000,
     seed: int = 0,
     reading: HaulReading = AS_IT_STANDS,
+    progress: Told | None = None,
 ) -> CatchComparison:
     """Catch comparison of a paired trial, `test` against `control`, over the lengths at which fish were counted.
 
@@ -94,6 +95,7 @@ def compare_catches(
         n_bootstrap: replicates; 0 for no bands.
         seed: of the bootstrap.
         reading: as in `fit_field_data`.
+        progress: likewise.
 
     Raises:
         InputError: bad data, or fish of fewer than three lengths, or in one gear only.
@@ -128,8 +130,13 @@ def compare_catches(
         rng, parts = np.random.default_rng(seed), []
         block = max(1, COUNTS_AT_ONCE // (8 * field.haul.size))
         for first in range(0, n_bootstrap, block):
-            drawn = resample(field, min(block, n_bootstrap - first), rng)
-            parts.append(_averaged(at_rows, offset, drawn[0] @ merge, drawn[1] @ merge, at_lengths)[0])
+            drawn_test, drawn_other = resample(field, min(block, n_bootstrap - first), rng)
+            for begin in range(0, len(drawn_test), REFITS_AT_ONCE):
+                if progress is not None:
+                    progress(first + begin, n_bootstrap, "bootstrap")
+                some = slice(begin, begin + REFITS_AT_ONCE)
+                drawn = drawn_test[some] @ merge, drawn_other[some] @ merge
+                parts.append(_averaged(at_rows, offset, *drawn, at_lengths)[0])
         lower, upper, lower_all, upper_all = _limits(shares[0], np.concatenate(parts))
     return CatchComparison(
         data=field,

@@ -80,8 +80,8 @@ class Calibration:
 
     @property
     def identified(self) -> NDArray[np.bool_]:
-        """Whether the data limit each number at all, and leave it within its range, (k,)."""
-        return np.asarray(self.limited.any(axis=1) & ~self.at_bound)
+        """Whether the data limit each number at all, and leave it within its range, (k,); none where none explains."""
+        return np.asarray(self.limited.any(axis=1) & ~self.at_bound & self.explains)
 
     @property
     def explains(self) -> bool:

@@ -11,6 +11,7 @@ from codend.selectivity.fits.analysis import fit_field_data
 from codend.selectivity.fits.choices import allowed_choice
 from codend.selectivity.fits.fielddata import catch_volumes_m3, is_simulated
 from codend.selectivity.fits.haul_table import AS_IT_STANDS, HaulReading
+from codend.selectivity.fits.scoring import Outcome
 from codend.selectivity.predicted_and_observed.calibrate import calibrate, calibrated_names
 from codend.selectivity.predicted_and_observed.retention_likelihood import Trialled
 from codend.selectivity.predicted_and_observed.together import FieldTrial, Together, set_together
@@ -41,6 +42,19 @@ def read_trial(
     fit = fit_field_data(path, design, curve, split, reading=reading)
     volume_m3 = catch_volumes_m3(path, fit.data, catch_density_kg_m3, reading)
     return FieldTrial(fit, is_simulated(path, reading), volume_m3)
+
+
+def check_selection(trial: FieldTrial) -> None:
+    """Refuse a trial whose fish tell of no selection: nothing computed can stand beside it.
+
+    Raises:
+        InputError: retention does not rise with length.
+    """
+    outcome = trial.fit.pooled.outcome
+    if outcome in (Outcome.FLAT, Outcome.FALLING):
+        gear = "codend" if trial.data.design == "covered" else "test"
+        allowed = "fish of which the longer are retained the more"
+        raise InputError(trial.data.source, gear, None, allowed, f"tells of no selection: {outcome.value}")
 
 
 def set_beside(

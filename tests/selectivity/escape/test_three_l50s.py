@@ -71,3 +71,12 @@ def test_an_l50_lies_within_the_lengths_or_is_none_with_a_word(to_cm, word):
     assert ((inside >= 5.0) & (inside <= to_cm)).all()
     assert np.isnan(found.logit[-1]).all() == bool(word)
     assert word in answers([found])[0]
+
+
+def test_a_haul_of_many_catches_retains_no_more_than_all_fish_of_a_length():
+    """Shares of the haul's time add to one but for round-off, whatever their number."""
+    volumes = np.linspace(0.1, 1.0, 13)
+    catches = [catch(i, v, 25.0, 0.0) for i, v in enumerate(volumes, start=1)]
+    found = predict_haul(SPECIES, hauls_of(catches)[0], n_bootstrap=20, samples=0)
+    assert found.retention.max() == 1.0
+    assert np.isfinite(found.lower_95[-1]).all()

@@ -92,6 +92,15 @@ def test_bootstrap_is_reproducible_and_depends_on_its_seed() -> None:
     assert not np.array_equal(one, other)
 
 
+def test_a_bootstrap_tells_how_far_it_is_and_moves_no_number_for_it() -> None:
+    data = one_trial(logit_trial(n_hauls=3), seed=1)
+    fit = fit_pooled(data, selection_model(data, "logit"))
+    told: list[tuple[int, int, str]] = []
+    found = double_bootstrap(data, fit, 120, 1, lambda *said: told.append(said)).replicates
+    assert [(done, total) for done, total, _ in told] == [(0, 120), (50, 120), (100, 120)]
+    assert np.array_equal(found, double_bootstrap(data, fit, 120, 1).replicates)
+
+
 def test_resampling_draws_counted_fish_haul_by_haul() -> None:
     """Whole fish only, whole hauls' totals, in cells that had fish, and the right mean: raised numbers play no part."""
     data = replace(one_trial(logit_trial(n_hauls=4), seed=2), other_raising=np.full(4 * LENGTH_CM.size, 7.0))

@@ -107,6 +107,7 @@ def test_fish_that_no_numbers_explain_are_no_calibration_and_give_no_species(tmp
     (found,) = set_beside([prediction], read_trial(file, 1000.0, "covered"), ["push", "contact"])
     assert found.calibration is not None
     assert not found.calibration.explains
+    assert not found.calibration.identified.any()
     assert found.calibration.species == SPECIES
     assert found.calibrated is None
 

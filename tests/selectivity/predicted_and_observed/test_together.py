@@ -26,7 +26,7 @@ from codend.selectivity.predicted_and_observed.calibrate import Calibration, cal
 from codend.selectivity.predicted_and_observed.simulate import computed_trial
 from codend.selectivity.predicted_and_observed.together import FieldTrial, together_table
 from codend.selectivity.predicted_and_observed.together_l50 import as_counted, haul_l50_sr, together_l50_table
-from codend.selectivity.predicted_and_observed.trial import read_trial, set_beside
+from codend.selectivity.predicted_and_observed.trial import check_selection, read_trial, set_beside
 from validation.calibration_study import changed
 
 SPECIES = load_species(example_species_path())
@@ -358,3 +358,18 @@ def test_the_command_refuses_half_of_a_question(tmp_path):
         result = CliRunner().invoke(main, [*asked, *more])
         assert result.exit_code == 2
         assert word in result.output
+
+
+@pytest.mark.parametrize("share", [0.5, "falling"])
+def test_hauls_that_tell_of_no_selection_are_refused_before_they_are_set_beside_anything(share, file, tmp_path):
+    table = pd.read_csv(file, comment="#")
+    met = table["codend"] + table["cover"]
+    rising = np.linspace(0.05, 0.95, 1 + int(np.ptp(table["length_cm"])))
+    falling = rising[::-1][(table["length_cm"] - table["length_cm"].min()).astype(int)]
+    table["codend"] = np.round(met * (falling if share == "falling" else share))
+    table["cover"] = met - table["codend"]
+    table.to_csv(tmp_path / "hauls.csv", index=False)
+    with pytest.raises(
+        InputError, match=r"hauls\.csv: codend tells of no selection: .*the longer are retained the more"
+    ):
+        check_selection(read_trial(tmp_path / "hauls.csv", 1000.0, "covered"))
