@@ -109,10 +109,10 @@ def near_pairs(position: Floats, move: Floats, reach: float, sheet: Sheet) -> tu
             _write_box(position, move, parts[part], images[part], 0, sheet.rotations, half, boxes[part])
         start, contents, low, cell, shape = _sorted_into_cells(boxes, sheet.cell)
         first, last = np.zeros(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
-        seekers = len(position) if kind_now == NODE_TRIANGLE else len(sheet.edge)
+        seekers = len(sheet.node) if kind_now == NODE_TRIANGLE else len(sheet.edge)
         for seeker in range(seekers):
             if kind_now == NODE_TRIANGLE:
-                own[0], own_image[0] = seeker, 0
+                own[0], own_image[0] = sheet.node[seeker], 0
             else:
                 own[:], own_image[:] = sheet.edge[seeker], sheet.edge_image[seeker]
             shared = sheet.on_axis[own[:size]].all()

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from codend.mechanics.contact import Contact
-from codend.mechanics.contact_search import free_share, near_pairs, within_reach
+from codend.mechanics.contact_search import free_share, least_distance, near_pairs, within_reach
 from codend.mechanics.sheet import Sheet, sheet_of
 from codend.net.net import Floats, Net
 
@@ -65,6 +65,10 @@ class Surface:
     def free_part(self, position: Floats, move: Floats, pairs: Contact) -> float:
         """Share of a move, at most 1, after which the pairs that it brings near keep a tenth of their distance."""
         return float(free_share(position, move, pairs))
+
+    def least_distance(self, position: Floats) -> float:
+        """Least distance of the parts near each other in a shape, m; inf where none are."""
+        return float(least_distance(position, self.near(position)))
 
     def free_share(self, position: Floats, move: Floats) -> float:
         """Share of a move of the nodes, (n, 3), at most 1, after which all parts keep a tenth of their distance."""

@@ -96,6 +96,9 @@ class _Run:
         self.barrier, self.last = FIRST_BARRIER * unit, LAST_BARRIER * unit
         state.position[:] = problem.net.positions if start is None else start.positions
         self.pose = rigid.pose_of(self.body, state.position)
+        if start is None:
+            self.pose = rigid.afloat(self.body, self.pose, -float(problem.loading.dead[:, 2].sum()))
+            rigid.place(self.body, self.pose, state.position)
         tensions = self.tension if start is None else np.maximum(start.bar_tension, 0.01 * self.tension)
         state.density[:] = tensions / problem.structure.length
         self._measure(state, self.pose, 1.0)

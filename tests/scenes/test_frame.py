@@ -200,6 +200,21 @@ def test_a_frame_too_high_to_stand_turns_over_and_is_found_on_its_head():
     assert row["buoyancy_n"] == pytest.approx(row["weight_n"], rel=1e-8)
 
 
+@pytest.mark.parametrize("above_m", [-3.0, 0.5, 3.0])
+def test_a_frame_placed_far_from_the_surface_floats_as_one_placed_in_it(above_m):
+    data = moored(0.5)
+    for rope in data["rope"]:
+        rope["length_m"] = max(rope["length_m"], 24.0 if rope["name"] != "line" else 0.0)
+    right = frame_rows((result := solved(data)).built, result.solution.positions, result.support)[0]
+    lift = np.array([0.0, 0.0, above_m])
+    for table in (*data["float"], *(point for point in data["point"] if point.get("held") == "frame")):
+        table["at"] = (lift + table["at"]).tolist()
+    data["frame"] = {**data["frame"], "at": lift.tolist(), "centre": (lift + data["frame"]["centre"]).tolist()}
+    row = frame_rows((result := solved(data)).built, result.solution.positions, result.support)[0]
+    for key in ("x_m", "z_m", "heel_deg", "trim_deg", "yaw_deg", "buoyancy_n"):
+        assert row[key] == pytest.approx(right[key], abs=1e-6)
+
+
 def test_a_frame_moored_by_its_rear_turns_about_though_it_lay_in_balance():
     data = moored(0.5)
     data["rope"] = [rope for rope in data["rope"] if rope["name"] != "mooring b"]
