@@ -41,8 +41,8 @@ to 0.5 (``python -m validation.weight_left_out``): where the sector is stable th
 and 2.8 w, where it is not by 0.66, 0.64, 0.5 and 6.8 w, and on other nets by up to 0.85 and 8.9 w: there the net lies
 in waves, which ``wrinkles`` tells of. Merged meshes bear the weight, but in a bag of fewer rows and wider
 meshes: they may be off by as much. On 60 nets of ``--seed 11``, none used, one was outside, by 1.3: its full net, not
-stable, is known no better than that. On 77 of ``--nets 80 --seed 2`` all but one radius were within, off by 0.68 w where
-0.5 w was told: it is 0.75 w since."""
+stable, is known no better than that. On 77 of ``--nets 80 --seed 2`` all but one radius were within, off by 0.68 w
+where 0.5 w was told: it is 0.75 w since."""
 
 OF_THE_CATCH = np.array([0.0, 0.0, 1.5, 0.0])
 """What the catch's own weight changes beyond that, in its w: it presses from below, and bags it out. On 128 nets
