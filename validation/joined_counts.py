@@ -8,7 +8,7 @@ mostly have none there, and then the error is not known. Exits with 1 if ``auto`
 exceeds its estimate or, in drag, where nothing stands in, what was asked for.
 
 Of ``--pairs 40`` all 44 cases are solved, 81 to 74 (drag to 31 %) and 83 to 21 (3.9 %) by a sector that stands in,
-where none is found of the exact ones; the others in at most 12 s with errors of at most 0.69 of the estimate in drag, 0.67
+where none is found of the exact ones; the others in at most 12 s, with at most 0.69 of the estimate in drag, 0.67
 in volume, 0.75 in radius and 0.71 in opening.
 """
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from codend.mechanics.body import place, pose_of
 from codend.mechanics.problem import Problem
 from codend.mechanics.surface import ContactLaw
 from codend.solvers import floating, in_turns, interior_point, slack
@@ -64,22 +65,40 @@ def find(
 
 
 def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tuple[Problem, Solution]:
-    """Equilibrium of a scene whose frame floats: at once, or in turns with the netting under contact."""
-    found = floating.solve(problem, tolerance, None, progress)
+    """The same of a net with a frame that floats: at once where nothing touches, else frame and net in turns.
+
+    The turns begin where the frame floats if netting may pass through netting.
+    """
+    body = problem.body
+    assert body is not None
     touching = problem.touching_by(contact_law(problem))
+    found = floating.solve(problem, tolerance, progress=progress)
     if found.report.outcome.converged and passage(touching, found.positions) is None:
         return problem, found
+    pose = floating.pose_found(problem, tolerance, progress)
+    if pose is None:
+        return problem, found
+    before, positions = pose_of(body, problem.net.positions), problem.net.positions.copy()
+    sheets = np.setdiff1d(problem.net.facets, np.flatnonzero(problem.net.fixed.any(axis=1)))
+    positions[sheets] = pose.origin + (positions[sheets] - before.origin) @ (pose.turn @ before.turn.T).T
+    place(body, pose, positions)
 
     def held(net: Problem, start: Solution | None) -> tuple[Problem, Solution]:
-        if net.surface is None or start is None:
+        if start is None or net.surface is None:
             return find(net, tolerance, True, progress)
         net = net.touching_at(start.positions)
-        settled = slack.solve(net, tolerance, start, progress=progress)
-        return net.touching_at(settled.positions) if settled.report.outcome.converged else net, settled
+        found = slack.solve(net, tolerance, start, progress=progress)
+        if not found.report.outcome.converged:
+            return net, found
+        # lengths met to the tolerance leave tensions of taut moorings off by more than the frame may feel
+        found = polished(net, tolerance, found, progress)
+        return net.touching_at(found.positions), found
 
-    touching, turned = in_turns.solve(problem, tolerance, held)
-    attempts, spent_ms = found.report.attempts + turned.report.attempts, found.report.solve_ms + turned.report.solve_ms
-    return touching, replace(turned, report=replace(turned.report, attempts=attempts, solve_ms=spent_ms))
+    moved = replace(problem, net=replace(problem.net, positions=positions))
+    settled, turned = in_turns.solve(moved, tolerance, held)
+    attempts = (*found.report.attempts, *turned.report.attempts)
+    spent_ms = 2.0 * found.report.solve_ms + turned.report.solve_ms
+    return settled, replace(turned, report=replace(turned.report, attempts=attempts, solve_ms=spent_ms))
 
 
 def contact_law(problem: Problem, tension: float | None = None) -> ContactLaw:

@@ -173,11 +173,16 @@ def result_row(result: SceneResult) -> dict[str, Any]:
 
 
 def settled(built: BuiltScene, positions: Floats, bar_tension: Floats) -> SceneResult:
-    """Equilibrium of a scene from where its motion has come to, (n, 3) and (m,), by Newton's method with a barrier."""
+    """Equilibrium of a scene from where its motion has come to, (n, 3) and (m,), by Newton's method with a barrier.
+
+    Of netting that would pass through itself there: as ``solve_scene`` finds it, under contact.
+    """
     report = SolverReport("motion", Outcome.STEPS_SPENT, 0, np.nan, np.nan, np.nan, 0.0)
     start = Solution(positions, bar_tension, np.zeros(built.problem.bands), report)
     solve = interior_point.solve if built.problem.body is None else floating.solve
     solution = solve(built.problem, built.scene.model.tolerance, start)
+    if built.scene.model.contact and solution.report.outcome is Outcome.PASSED_THROUGH:
+        return solve_scene(built)
     return SceneResult(built, solution, *loads_and_supports(built.problem, solution))
 
 

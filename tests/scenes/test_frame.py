@@ -10,10 +10,13 @@ from codend.mechanics.body import pose_of
 from codend.mechanics.weight import GRAVITY_M_S2
 from codend.scenes.build import build
 from codend.scenes.frame_measures import float_rows, frame_cautions, frame_rows
-from codend.scenes.measures import balance_error, solve_scene
+from codend.scenes.measures import balance_error, result_row, solve_scene
 from codend.scenes.scene import scene_from_dict
 from codend.solvers import in_turns
+from codend.solvers.refusal import passage
 from codend.solvers.solve import find_equilibrium
+from validation.cage.gear import box
+from validation.floating_cage import afloat, pulls
 from validation.floating_frame import (
     WATER,
     balances,
@@ -228,3 +231,15 @@ def test_a_frame_moored_by_its_rear_turns_about_though_it_lay_in_balance():
 @pytest.mark.parametrize("seed", range(8))
 def test_random_frames_are_found_in_balance(seed):
     assert left_over(solved(random_frame(seed))) < WRONG
+
+
+def test_a_floating_cage_in_a_current_is_held_by_its_anchors():
+    result = solved(afloat(box(1.0, merged=10)))
+    drag, held = pulls(result)
+    assert held == pytest.approx(drag, rel=1e-8)
+    assert balance_error(result) < 1e-8
+    row = frame_rows(result.built, result.solution.positions, result.support)[0]
+    # the current is along a plane of symmetry: no yaw, no heel, no way to the side
+    assert (row["yaw_deg"], row["heel_deg"], row["y_m"] - 0.5) == pytest.approx((0.0, 0.0, 0.0), abs=1e-8)
+    assert passage(result.built.problem, result.solution.positions) is None
+    assert result_row(result)["contact_share"] > 0.0
