@@ -24,6 +24,7 @@ SECTIONS = {
     "work_precision": "validation.work_precision",
     "stability": "validation.stability",
     "wrinkles": "validation.wrinkles",
+    "folds": "validation.folds",
     "motion": "validation.motion_map",
 }
 """Name and module, with a function ``section(quick)``, of every section, in the report's order."""

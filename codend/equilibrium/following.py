@@ -3,12 +3,13 @@
 A harmonic k of a ring of n sectors fits into a sector w of them wide where k w / n is whole. The narrowest that growing
 harmonics fit are followed, each started along its growing shape, and the widest of them once more shaken; what still
 grows of a shape is followed on in a wider one. Where only the whole net has room and has too many knots, a merged net
-takes its place. Where layers of netting meet, the start is followed once more with contact between them, if the plan
-has it so; else following stops there.
+takes its place. Where layers of netting meet, the start is followed once more with contact between them, unless the
+plan forbids it: following stops there then.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import islice
 from math import gcd
 
 import numpy as np
@@ -18,19 +19,17 @@ from codend.bag.loads import problem_of
 from codend.bag.measures import Measures, measure_all
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
+from codend.equilibrium.folds import fold_count, follow_under_contact, in_contact_share, is_pierced, limp_of
 from codend.equilibrium.stability import Stability, stability_of
 from codend.equilibrium.start_shapes import all_round_start
-from codend.mechanics.contact import add_force
 from codend.mechanics.problem import Problem
-from codend.mechanics.surface import ContactLaw, Surface
 from codend.net.net import Floats, rotate
-from codend.plan.plan import Case
+from codend.plan.plan import Case, Plan
 from codend.solvers import gentle, newton
 from codend.solvers.clock import Clock
 from codend.solvers.gentle import End, Motion
 from codend.solvers.harmonics import Growth
 from codend.solvers.outcome import Progress, Solution
-from codend.solvers.refusal import passage
 
 MOST_KNOTS = 3000
 """Of a sector that is followed, or of the whole net: some seconds a shape."""
@@ -38,16 +37,15 @@ WIDTHS = 3
 """Narrowest sectors that are followed."""
 MOST_WIDENINGS = 2
 """How often what still grows of a shape is followed on in a wider one."""
-CONTACT_STEPS = 250
-CONTACT_BEGINS_M, OF_A_BAR = 2e-3, 0.05
-"""Distance at which contact begins, at most, and over the shortest bar: where the codline gathers netting it is no
-farther apart than that before it touches."""
-PUSH = 0.1
-"""What layers press on each other with at half of that distance, over 1.2 and the mean tension of the bars."""
 ALONG, SHAKEN = 0.05, 0.01
 """Largest move along a growing shape, and moves at random, to start with, over a bar."""
 COVERING = 3.0
 """What wrinkles change, at most, over what was found: the shapes found are some of many."""
+ENOUGH_SHAPES = 3
+"""Shapes in contact whose spread is the error of the one that lasts among them."""
+INNER_LAYERS = np.array([5e-4, 5e-4, 5e-4, 0.0]), np.array([0.0, 0.0, 0.0, 0.3])
+"""What it changes whether the pressure of the catch acts on the inner layers of a fold, which it does here: share of
+drag, volume and radius, and opening in degrees (a prototype's, on a T90 codend of 100 meshes round)."""
 
 
 @dataclass(frozen=True)
@@ -64,13 +62,19 @@ class Shape:
     harmonic: int
     """Harmonic that was followed to it."""
 
+    @property
+    def growth(self) -> tuple[bool, float]:
+        """Whether it is not known to last, and how strongly it grows, over a bar's stiffness under tension."""
+        strengths = [-float(growth.eigenvalues[0].real) / self.stability.scale for growth in self.stability.growths]
+        return self.stability.stable != "yes", max(strengths, default=0.0)
+
 
 @dataclass(frozen=True)
 class Followed:
     """What became of an equilibrium of which something grows."""
 
     shape: Shape | None
-    """The shape that stands in its place, that of the narrowest sector; None where none does."""
+    """The shape that stands in its place, one that lasts, of the narrowest sector; None where none does."""
     reason: str
     """Why it does, or why none does, and how wide the sector is, in words."""
     drag_spread_n: float
@@ -79,10 +83,17 @@ class Followed:
     folds: bool
     """Whether layers of netting met."""
     changed: Floats
-    """What wrinkles change at most, by the shapes that were found: drag, volume, largest radius and opening ahead."""
+    """What wrinkles change at most, by the shapes that were found: drag, volume, largest radius and opening ahead. In
+    contact it is their spread."""
     spent_ms: float
     contact_share: float = float("nan")
     """Share of the knots of the shape that stands which other netting presses on; nan without contact."""
+    fold_count: int = 0
+    """Most folds of any ring of the shape that stands, all round."""
+    covered: bool = False
+    """Whether that is all they may change: the shape lasts, and in contact it is one of several."""
+    shapes_found: int = 0
+    """Shapes in balance that the starts led to."""
 
 
 LYING_ON_ITSELF = "netting lies on netting in this shape: contact is not modelled"
@@ -113,60 +124,81 @@ def follow(
                 return replace(NOT_FOLLOWED, reason=reason)
             base, g = other, other[0].globalisation
             merged = f", {g} x {g} meshes merged into one, for the whole net has more than {MOST_KNOTS} knots"
-        run = _Following(case, progress)
+        at_rest = measure_all(base[0].bag, base[3], base[1])[2]
+        if model.plan.model.contact is not False and is_pierced(base[3], base[1]):
+            limp = _symmetric(replace(base[0], plan=limp_of(model.plan)), case)
+            base = base if limp is None else limp
+            merged += ", from the shape of limp twine, for that of this twine lies through itself"
+        run = _Following(model.plan, case, progress)
         run.pursue(*base, MOST_WIDENINGS)
+        run.widen()
         spent_ms = clock.ms
-    at_rest = measure_all(base[0].bag, base[3], base[1])[2]
     return _told(run, at_rest, merged, spent_ms)
 
 
 class _Following:
     """The shapes that are found on the way."""
 
-    def __init__(self, case: Case, progress: Progress | None) -> None:
-        self.case, self.progress = case, progress
+    def __init__(self, plan: Plan, case: Case, progress: Progress | None) -> None:
+        self.plan, self.case, self.progress = plan, case, progress
         self.shapes: list[Shape] = []
         self.touching, self.lost = 0, 0
         self.in_contact = False
         """Whether contact was tried."""
 
     def pursue(
-        self, model: BagModel, solution: Solution, stability: Stability, problem: Problem, widenings: int
+        self,
+        model: BagModel,
+        solution: Solution,
+        stability: Stability,
+        problem: Problem,
+        widenings: int,
+        most: int | None = None,
     ) -> None:
-        """Follow what grows of an equilibrium, and what then still grows of that."""
-        for wide, sectors, growth, start in _starts(model, self.case, solution, stability):
+        """Follow what grows of an equilibrium from so many starts at most, and what then still grows of that."""
+        for of_start, sectors, growth, rest, start in islice(_starts(model, self.case, solution, stability), most):
+            wide = of_start
+            if wide.plan is not self.plan:  # the start is of another twine
+                wide = model_of(self.plan, wide.globalisation, wide.sectors)
             wide_problem = problem_of(wide.bag, wide.plan, self.case)
             tolerance = model.plan.model.tolerance
-            motion = gentle.follow(wide_problem, tolerance, start, wide.prepared, self.progress)
-            if motion.end is End.TOUCHING and wide.plan.model.contact is True:
+            touches = problem.surface is not None
+            if not touches:
+                motion = gentle.follow(wide_problem, tolerance, start, wide.prepared, self.progress)
+                touches = motion.end is End.TOUCHING and wide.plan.model.contact is not False
+            if touches:
                 self.in_contact = True
-                wide_problem, motion = self._under_contact(wide, wide_problem, start, motion)
+                found = follow_under_contact(wide, wide_problem, rest, start, self.progress)
+                if found is None:
+                    self.touching += 1
+                    continue
+                wide_problem, motion = found
             if motion.end is not End.SETTLED:
                 self.touching += motion.end is End.TOUCHING
                 self.lost += motion.end is End.STEPS_SPENT
                 continue
             shape = self._shape(wide, wide_problem, motion, growth)
-            if shape.stability.stable == "no" and widenings > 0 and sectors > 1:
+            if shape.stability.stable == "no" and widenings > 0 and sectors > 1 and not touches:
                 before = len(self.shapes)
                 self.pursue(wide, motion.solution, shape.stability, wide_problem, widenings - 1)
                 if len(self.shapes) > before:
                     continue
             self.shapes.append(shape)
 
-    def _under_contact(
-        self, model: BagModel, problem: Problem, start: Solution, before: Motion
-    ) -> tuple[Problem, Motion]:
-        """The problem with contact and where it leads from a start; as before where the start itself is pierced."""
-        begins = min(CONTACT_BEGINS_M, OF_A_BAR * float(problem.structure.length.min()))
-        law = ContactLaw(begins, PUSH * float(start.bar_tension.mean()) / begins)
-        touching = replace(problem, surface=Surface.of(problem.net, law))
-        if passage(touching, start.positions) is not None:
-            return problem, before
-        tolerance = model.plan.model.tolerance
-        motion = gentle.follow(touching, tolerance, start, model.prepared, self.progress, CONTACT_STEPS)
-        if motion.end is not End.SETTLED:
-            return problem, before
-        return touching.touching_at(motion.solution.positions), motion
+    def widen(self) -> None:
+        """Follow on in wider sectors, under contact, the shape of which the least grows, until one lasts."""
+        for _ in range(MOST_WIDENINGS):
+            best, before = self.best, len(self.shapes)
+            if best is None or best.problem.surface is None or best.stability.stable == "yes":
+                return
+            self.pursue(best.model, best.solution, best.stability, best.problem, 0, 1)
+            if len(self.shapes) == before:
+                return
+
+    @property
+    def best(self) -> Shape | None:
+        """The shape that lasts on the narrowest sector; where none does, that of which the least grows."""
+        return min(self.shapes, key=lambda shape: (*shape.growth, shape.meshes), default=None)
 
     def _shape(self, model: BagModel, problem: Problem, motion: Motion, growth: Growth) -> Shape:
         tangent = newton.tangent_at(problem, motion.solution, model.prepared)
@@ -179,16 +211,6 @@ class _Following:
             meshes_wide(model.bag, max(max(part.open_meshes) for part in model.plan.netting)),
             growth.harmonic,
         )
-
-
-def in_contact_share(problem: Problem, solution: Solution) -> float:
-    """Share of the knots that other netting presses on; nan without contact."""
-    if problem.surface is None:
-        return float("nan")
-    force = np.zeros_like(solution.positions)
-    add_force(solution.positions, problem.loading.contact, force)
-    pressed = np.linalg.norm(force, axis=1) > 1e-6 * float(solution.bar_tension.mean())
-    return float(pressed.mean())
 
 
 def meshes_wide(bag: Bag, meshes_round: int) -> int:
@@ -210,26 +232,38 @@ def _fitting(model: BagModel, stability: Stability) -> Iterator[tuple[int, Growt
 
 def _starts(
     model: BagModel, case: Case, solution: Solution, stability: Stability
-) -> Iterator[tuple[BagModel, int, Growth, Solution]]:
-    """Models so many sectors wide, what grows there, and where to start: along it, and of the widest shaken as well."""
+) -> Iterator[tuple[BagModel, int, Growth, Solution, Solution]]:
+    """Models so many sectors wide, what grows there, the shape at rest, and where to start.
+
+    That is along what grows, and of the widest shaken as well.
+    """
     order, sectors = model.bag.net.sectors, model.sectors
     fitting = list(_fitting(model, stability))
     if not fitting:
         return
+    if len(solution.bar_tension) % (sectors or 1) or (len(solution.positions) - 1) % (sectors or 1):
+        return  # sections of different counts, whose narrower sectors are not numbered alike
     for width, growth in fitting:
         wide = model
         if width > 1:
             wide = model_of(model.plan, model.globalisation, (sectors or 1) * width)
-        start = all_round_start(model.bag, solution.positions, solution.bar_tension, width)
-        bar = float(np.median(wide.bag.net.bar_length))
-        free = ~wide.bag.net.fixed
-        turn = np.exp(2j * np.pi * growth.harmonic * np.arange(width) / order)
-        moves = (growth.shape[:-1, None] * turn[None, :, None]).real
-        along = rotate(moves, np.arange(width)[None], order).reshape(-1, 3)
-        along = np.concatenate([along, growth.shape[-1:].real]) * free
-        yield wide, order, growth, _moved(start, ALONG * bar / np.linalg.norm(along, axis=1).max() * along)
-    shake = np.random.default_rng(case.number).standard_normal(start.positions.shape)
-    yield wide, order, growth, _moved(start, SHAKEN * bar * shake * free)
+        rest, start = along(model, wide, solution, growth)
+        yield wide, order, growth, rest, start
+    shake = np.random.default_rng(case.number).standard_normal(rest.positions.shape) * ~wide.bag.net.fixed
+    yield wide, order, growth, rest, _moved(rest, SHAKEN * float(np.median(wide.bag.net.bar_length)) * shake)
+
+
+def along(model: BagModel, wide: BagModel, solution: Solution, growth: Growth) -> tuple[Solution, Solution]:
+    """The shape at rest in a wider model, and that moved a little along what grows of it."""
+    order, abreast = model.bag.net.sectors, model.sectors or 1
+    width = order // wide.bag.net.sectors
+    rest = all_round_start(model.bag, solution.positions, solution.bar_tension, width, abreast=abreast)
+    turn = np.exp(2j * np.pi * growth.harmonic * np.arange(width) / order)
+    moves = (growth.shape[:-1].reshape(-1, 1, abreast, 3) * turn[None, :, None, None]).real
+    moved = rotate(moves, np.arange(width)[None, :, None], order).reshape(-1, 3)
+    moved = np.concatenate([moved, growth.shape[-1:].real]) * ~wide.bag.net.fixed
+    bar = float(np.median(wide.bag.net.bar_length))
+    return rest, _moved(rest, ALONG * bar / np.linalg.norm(moved, axis=1).max() * moved)
 
 
 def _moved(start: Solution, by: Floats) -> Solution:
@@ -241,14 +275,20 @@ def _merged(model: BagModel, case: Case) -> tuple[BagModel, Solution, Stability,
     for g in model.plan.globalisations:
         if g <= model.globalisation:
             continue
-        sector = model_of(model.plan, g, 1)
-        problem, solution = equilibrium.solve(sector, case, (), None)
-        if not solution.report.outcome.converged:
-            continue
-        stability = stability_of(sector, newton.tangent_at(problem, solution, sector.prepared))
-        if list(_fitting(sector, stability)):
-            return sector, solution, stability, problem
+        found = _symmetric(replace(model, globalisation=g), case)
+        if found is not None and list(_fitting(found[0], found[2])):
+            return found
     return None
+
+
+def _symmetric(model: BagModel, case: Case) -> tuple[BagModel, Solution, Stability, Problem] | None:
+    """The equilibrium of a sector of a model's plan with as many meshes merged, and its stability; None if none."""
+    sector = model_of(model.plan, model.globalisation, 1)
+    problem, solution = equilibrium.solve(sector, case, (), None)
+    if not solution.report.outcome.converged:
+        return None
+    stability = stability_of(sector, newton.tangent_at(problem, solution, sector.prepared))
+    return sector, solution, stability, problem
 
 
 def _told(run: _Following, at_rest: Measures, merged: str, spent_ms: float) -> Followed:
@@ -259,18 +299,30 @@ def _told(run: _Following, at_rest: Measures, merged: str, spent_ms: float) -> F
     found = Followed(
         None, "", float(spread[0]), float(spread[3]), False, COVERING * np.ptp(all_values, axis=0), spent_ms
     )
-    if run.touching:
-        why = "no shape in contact was found" if run.in_contact else "contact is not modelled"
+    found = replace(found, shapes_found=len(run.shapes))
+    if run.touching and not (run.in_contact and run.shapes):
+        why = "no start without a crossing was found" if run.in_contact else "contact is not modelled"
         reason = f"followed{merged} until layers of netting met: {why}, the symmetric shape stands"
         return replace(found, reason=reason, folds=True)
-    if not run.shapes:
-        return replace(found, reason=f"followed{merged}, but to no shape in balance: the symmetric shape stands")
-    shape = min(run.shapes, key=lambda shape: (shape.stability.stable != "yes", shape.meshes))
+    shape = run.best
+    if shape is None:
+        layers = ", with layers of netting that touch" if run.in_contact else ""
+        reason = f"followed{merged}, but to no shape in balance{layers}: the symmetric shape stands"
+        return replace(found, reason=reason, folds=run.in_contact)
     where = "in the whole net" if shape.model.bag.net.order == 1 else f"in a sector {shape.meshes} meshes wide"
     reason = f"followed {where}{merged}, the narrowest that harmonic {shape.harmonic} fits, which grows"
     if shape.model.bag.net.order == 1 and shape.harmonic == 0:
         reason = f"followed {where}{merged}, from which something grows"
     share = in_contact_share(shape.problem, shape.solution)
     if shape.problem.surface is not None:
-        reason += ", with contact between layers"
-    return replace(found, shape=shape, reason=reason, folds=share > 0.0, contact_share=share)
+        reason += f", with contact between layers; {len(run.shapes)} starts settled"
+        reason += f", {run.lost} did not" if run.lost else ""
+    folds = fold_count(shape.solution.positions, shape.problem.rings, shape.model.bag.net.order)
+    lasts = shape.stability.stable == "yes"
+    if shape.problem.surface is not None:
+        lasts = lasts and len(run.shapes) >= ENOUGH_SHAPES
+        if lasts:
+            of_size, by_itself = INNER_LAYERS
+            found = replace(found, changed=spread + of_size * shape.measures.estimated + by_itself)
+    found = replace(found, shape=shape, reason=reason, covered=lasts, folds=share > 0.0)
+    return replace(found, contact_share=share, fold_count=folds)

@@ -18,16 +18,18 @@ START = SolverReport("start", Outcome.NOT_IMPROVING, 0, np.inf, np.inf, np.inf, 
 
 
 def all_round_start(
-    sector: Bag, positions: Floats, tension: Floats, sectors: int, wider: Bag | None = None
+    sector: Bag, positions: Floats, tension: Floats, sectors: int, wider: Bag | None = None, abreast: int = 1
 ) -> Solution:
     """A start for a bag of several sectors, from the shape (n, 3) and tensions (m,) of one without hinges.
 
     Nodes and bars of the wider net are numbered row by row, and those that differ by whole sectors one after the other.
-    Ropes of ``wider``, which the sector has smeared, pull as these do where they start.
+    Ropes of ``wider``, which the sector has smeared, pull as these do where they start. What is given may itself be so
+    many narrower sectors ``abreast``, numbered likewise.
     """
-    turned = rotate(positions[:-1, None], np.arange(sectors)[None], sector.net.order).reshape(-1, 3)
+    places = positions[:-1].reshape(-1, 1, abreast, 3)
+    turned = rotate(places, np.arange(sectors)[None, :, None], sector.net.order).reshape(-1, 3)
     own = np.delete(tension, sector.ropes)
-    pulls = np.repeat(own, sectors)
+    pulls = np.repeat(own.reshape(-1, 1, abreast), sectors, axis=1).ravel()
     nodes = [turned, positions[-1:]]
     if wider is not None and len(wider.ropes):
         by_row = np.argsort(sector.bar_band[sector.ropes], kind="stable")

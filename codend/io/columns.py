@@ -45,6 +45,8 @@ RESULT_COLUMNS = [
     "opening_ahead_least_deg",
     "opening_ahead_most_deg",
     "contact_share",
+    "fold_count",
+    "shapes_found",
 ]
 
 STRAP_COLUMNS = ["max_strap_tension_n"]

@@ -17,6 +17,8 @@ from codend.mechanics.weight import GRAVITY_M_S2
 from codend.net.net import Floats, Ints
 
 UP = np.array([0.0, 0.0, 1.0])
+FULL = 0.9
+"""Share of all its buoyancy to which a body is taken to be loaded at most, to start with."""
 MARKER_M = 0.01
 """How far from the origin the two nodes are that tell how the body is turned."""
 
@@ -188,6 +190,29 @@ def mass_matrix(body: Body, turn: Floats) -> Floats:
     found[:3, :3], found[:3, 3:], found[3:, :3] = mass, -mass @ centre, centre @ mass
     found[3:, 3:] = about - centre @ mass @ centre
     return found
+
+
+def afloat(body: Body, pose: Pose, weight_n: float) -> Pose:
+    """The pose raised or lowered to where its floats carry it and ``weight_n`` besides, if some are not in the surface.
+
+    Out of the water or under it, nothing tells how it would float.
+    """
+    if immersed(body, pose).cut.all():
+        return pose
+    carried = min(body.weight_n + max(weight_n, 0.0), FULL * buoyancies(body, immersed(body, _at(pose, -1e6))).sum())
+    reach = body.size_m + float(body.column_height.max())
+    low, high = -reach, reach
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if buoyancies(body, immersed(body, _at(pose, middle))).sum() > carried:
+            low = middle
+        else:
+            high = middle
+    return _at(pose, 0.5 * (low + high))
+
+
+def _at(pose: Pose, height: float) -> Pose:
+    return Pose(np.array([*pose.origin[:2], height]), pose.turn)
 
 
 def shortest_period(body: Body) -> float:

@@ -46,8 +46,9 @@ class Contact(NamedTuple):
     """k, N/m: parts at half of D press on each other with 1.2 k D."""
     rotations: Floats
     """Cosine and sine for the images -K .. K, (2 K + 1, 2)."""
-    turning: float = 1.0
-    """Share in the tangent of the turning of the pushes with the net, which has negative pivots; the rest has none."""
+    exact: float = 1.0
+    """Share in the tangent of what is negative definite of a pair: at 1 it is the force's own, at 0 it keeps a net's
+    pivots positive where that is far from balance."""
 
 
 def no_contact() -> Contact:
@@ -146,9 +147,10 @@ def add_force(position: Floats, contact: Contact, force: Floats) -> None:
 
 @njit(cache=True, error_model="numpy")
 def add_tangent(position: Floats, contact: Contact, pattern: Pattern, blocks: Floats) -> None:
-    """Add the part of contact to the tangent."""
+    """Add the part of contact to the tangent, with the share ``exact`` of what is negative definite of each pair."""
     found, first, second = room(), np.zeros((2, 3)), np.zeros((2, 3, 2, 3))
     h, by_place, lines, inverse = np.zeros((3, 3)), np.zeros((2, 4, 3)), np.zeros((2, 3)), np.zeros((2, 2))
+    whole = np.zeros((12, 12))
     for pair in range(len(contact.kind)):
         write_corners(position, contact.node, contact.image, contact.rotations, pair, found.corner)
         free, square = nearest(contact.kind[pair], found)
@@ -157,8 +159,6 @@ def add_tangent(position: Floats, contact: Contact, pattern: Pattern, blocks: Fl
             continue
         counts, by_c, bend = turned_apart(found.corner, contact.even[pair], first, second)
         weight, apart = found.weight, found.apart
-        # across the gap the barrier's second derivative by the distance, over 2
-        stiff = 2.0 * curve * square + slope
         _places(found, free, lines, by_place, inverse)
         for i in range(4):
             edge_i, sign_i = side_of(i)
@@ -172,15 +172,33 @@ def add_tangent(position: Floats, contact: Contact, pattern: Pattern, blocks: Fl
                         for k in range(free):
                             for m in range(free):
                                 bent -= by_place[k, i, a] * inverse[k, m] * by_place[m, j, b]
-                        along = 0.5 * gi * gj / square
-                        value = counts * (stiff * along + contact.turning * slope * (bent - along))
-                        if by_c != 0.0 and contact.turning != 0.0:
+                        value = counts * (curve * gi * gj + slope * bent)
+                        if by_c != 0.0:
                             ci, cj = sign_i * first[edge_i, a], sign_j * first[edge_j, b]
                             cij = sign_i * sign_j * second[edge_i, a, edge_j, b]
                             value += energy * (bend * ci * cj + by_c * cij) + by_c * slope * (ci * gj + gi * cj)
-                        h[a, b] = value
+                        whole[3 * i + a, 3 * j + b] = value
+        if contact.exact < 1.0:
+            _take_negative(whole, 1.0 - contact.exact)
+        for i in range(4):
+            for j in range(4):
+                for a in range(3):
+                    for b in range(3):
+                        h[a, b] = whole[3 * i + a, 3 * j + b]
                 row, column = contact.image[pair, i], contact.image[pair, j]
                 add_turned_block(blocks, pattern.contact_slot[pair, i, j], 1.0, h, row, column, contact.rotations)
+
+
+@njit(cache=True, error_model="numpy")
+def _take_negative(matrix: Floats, share: float) -> None:
+    """Take from a symmetric matrix a share of what is negative definite in it."""
+    values, vectors = np.linalg.eigh(matrix)
+    for k in range(len(values)):
+        if values[k] >= 0.0:
+            break
+        for i in range(len(values)):
+            for j in range(len(values)):
+                matrix[i, j] -= share * values[k] * vectors[i, k] * vectors[j, k]
 
 
 @njit(cache=True, error_model="numpy")

@@ -109,10 +109,10 @@ def near_pairs(position: Floats, move: Floats, reach: float, sheet: Sheet) -> tu
             _write_box(position, move, parts[part], images[part], 0, sheet.rotations, half, boxes[part])
         start, contents, low, cell, shape = _sorted_into_cells(boxes, sheet.cell)
         first, last = np.zeros(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
-        seekers = len(position) if kind_now == NODE_TRIANGLE else len(sheet.edge)
+        seekers = len(sheet.node) if kind_now == NODE_TRIANGLE else len(sheet.edge)
         for seeker in range(seekers):
             if kind_now == NODE_TRIANGLE:
-                own[0], own_image[0] = seeker, 0
+                own[0], own_image[0] = sheet.node[seeker], 0
             else:
                 own[:], own_image[:] = sheet.edge[seeker], sheet.edge_image[seeker]
             shared = sheet.on_axis[own[:size]].all()
@@ -221,13 +221,15 @@ def least_distance(position: Floats, contact: Contact) -> float:
 
 @njit(cache=True, error_model="numpy")
 def free_share(position: Floats, move: Floats, contact: Contact) -> float:
-    """Share of a move, at most 1, after which every pair keeps ``LEFT_OVER`` of its distance."""
+    """Share of a move, at most 1, after which every pair that might meet keeps ``LEFT_OVER`` of its distance."""
     found, share = room(), 1.0
     start, way = np.zeros((4, 3)), np.zeros((4, 3))
     for pair in range(len(contact.kind)):
         kind = contact.kind[pair]
         write_corners(position, contact.node, contact.image, contact.rotations, pair, start)
         write_corners(move, contact.node, contact.image, contact.rotations, pair, way)
+        if _pass_by(kind, start, way):
+            continue
         speed = _closing_speed(kind, way)
         if speed == 0.0:
             continue
@@ -249,6 +251,23 @@ def free_share(position: Floats, move: Floats, contact: Contact) -> float:
                 break
         share = min(share, at)
     return share
+
+
+@njit(cache=True)
+def _pass_by(kind: int, start: Floats, way: Floats) -> bool:
+    """Whether the boxes of where the parts of a pair go do not meet."""
+    own = 1 if kind == NODE_TRIANGLE else 2
+    for j in range(3):
+        low, high, there_low, there_high = np.inf, -np.inf, np.inf, -np.inf
+        for i in range(4):
+            a, b = start[i, j], start[i, j] + way[i, j]
+            if i < own:
+                low, high = min(low, a, b), max(high, a, b)
+            else:
+                there_low, there_high = min(there_low, a, b), max(there_high, a, b)
+        if low > there_high or high < there_low:
+            return True
+    return False
 
 
 @njit(cache=True)

@@ -44,6 +44,10 @@ class Problem:
             return self
         return replace(self, loading=self.loading._replace(contact=self.surface.near(position)))
 
+    def touching_by(self, law: ContactLaw) -> "Problem":
+        """The problem with contact by a law, of which nothing acts yet."""
+        return replace(self, surface=Surface.of(self.net, law))
+
     def cannot_strain(self, positions: Floats) -> NDArray[np.bool_]:
         """Bars that no move of what is free makes longer, held lengthwise at both ends, (m,)."""
         net = self.net

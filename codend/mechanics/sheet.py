@@ -19,6 +19,8 @@ class Sheet(NamedTuple):
     """Ends of sides and bars, each once, (e, 2)."""
     edge_image: Ints
     """Images of the ends, that of the first 0, (e, 2)."""
+    node: Ints
+    """Nodes of these, (k,): others are places and no parts."""
     even: Floats
     """Root of ``contact.PARALLEL`` times the square of an edge's length as built, m2, (e,)."""
     fixed: NDArray[np.bool_]
@@ -62,6 +64,7 @@ def sheet_of(net: Net) -> Sheet:
         face_image=np.ascontiguousarray(images, dtype=np.int32),
         edge=np.ascontiguousarray(edge, dtype=np.int32),
         edge_image=np.ascontiguousarray(image, dtype=np.int32),
+        node=np.unique(edge).astype(np.int32),
         even=np.sqrt(PARALLEL) * square,
         fixed=np.asarray(net.fixed.all(axis=1)),
         on_axis=on_axis,

@@ -4,10 +4,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from codend.mechanics.contact import Contact
-from codend.mechanics.contact_search import free_share, near_pairs, within_reach
+from codend.mechanics.contact_search import free_share, least_distance, near_pairs, within_reach
 from codend.mechanics.sheet import Sheet, sheet_of
 from codend.net.net import Floats, Net
 
@@ -44,25 +43,33 @@ class Surface:
 
     def near(self, position: Floats) -> Contact:
         """What is near what in a shape, (n, 3)."""
-        reach = SEEN * self.law.distance_m
-        pairs = self._pairs(position, np.zeros_like(position), reach)
-        return _chosen(pairs, within_reach(position, pairs, reach))
+        return self.nearest_of(self.on_the_way(position, np.zeros_like(position)), position)
+
+    def on_the_way(self, position: Floats, move: Floats) -> Contact:
+        """What a move of the nodes, (n, 3), brings near each other at its start, its end or on the way, and more."""
+        law = self.law
+        node, image, kind, weight, even = near_pairs(position, move, SEEN * law.distance_m, self.sheet)
+        return Contact(node, image, kind, weight, even, law.distance_m, law.stiffness_n_m, self.sheet.rotations)
+
+    def nearest_of(self, pairs: Contact, position: Floats) -> Contact:
+        """Those of some pairs that are near each other in a shape, (n, 3)."""
+        which = within_reach(position, pairs, SEEN * self.law.distance_m)
+        return pairs._replace(
+            node=pairs.node[which],
+            image=pairs.image[which],
+            kind=pairs.kind[which],
+            weight=pairs.weight[which],
+            even=pairs.even[which],
+        )
+
+    def free_part(self, position: Floats, move: Floats, pairs: Contact) -> float:
+        """Share of a move, at most 1, after which the pairs that it brings near keep a tenth of their distance."""
+        return float(free_share(position, move, pairs))
+
+    def least_distance(self, position: Floats) -> float:
+        """Least distance of the parts near each other in a shape, m; inf where none are."""
+        return float(least_distance(position, self.near(position)))
 
     def free_share(self, position: Floats, move: Floats) -> float:
         """Share of a move of the nodes, (n, 3), at most 1, after which all parts keep a tenth of their distance."""
-        return float(free_share(position, move, self._pairs(position, move, 0.0)))
-
-    def _pairs(self, position: Floats, move: Floats, reach: float) -> Contact:
-        law = self.law
-        node, image, kind, weight, even = near_pairs(position, move, reach, self.sheet)
-        return Contact(node, image, kind, weight, even, law.distance_m, law.stiffness_n_m, self.sheet.rotations, 1.0)
-
-
-def _chosen(contact: Contact, which: NDArray[np.integer]) -> Contact:
-    return contact._replace(
-        node=contact.node[which],
-        image=contact.image[which],
-        kind=contact.kind[which],
-        weight=contact.weight[which],
-        even=contact.even[which],
-    )
+        return self.free_part(position, move, self.on_the_way(position, move))

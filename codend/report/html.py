@@ -18,6 +18,7 @@ from codend.report.choice_words import reason_text
 from codend.report.net_plan import plan_svg
 from codend.report.page_tables import results_tables, solving_table
 from codend.report.size_words import size_sentences
+from codend.report.strap_words import slack_straps
 from codend.studies.case_result import CaseResult
 from codend.studies.study import Study
 
@@ -172,6 +173,14 @@ def cautions(study: Study) -> list[str]:
         for reason in dict.fromkeys(result.followed.reason for result in led):
             same = _named([result for result in led if result.followed.reason == reason], study)
             found.append(f"{'In waves' if shapes else 'Wrinkles'}: {same}: {reason}.")
+    pressed = [result for result in study.cases if result.followed.contact_share > 0.0]
+    if in_contact := _named(pressed, study):
+        counts = sorted({result.followed.fold_count for result in pressed})
+        found.append(
+            f"Layers of netting press on each other ({ranges_text(tuple(counts))} folds round the net): {in_contact}. "
+            "What they press with depends on the model of contact, what that changes in drag and openings stands in "
+            "their errors, with the spread of the shapes found."
+        )
     in_folds = [result for result in study.cases if result.measures.folded_share > FOLDS_WORTH_TELLING]
     if folded := _named(in_folds, study):
         most = 100.0 * max(result.measures.folded_share for result in in_folds)
@@ -179,7 +188,7 @@ def cautions(study: Study) -> list[str]:
             f"Netting on the catch lies in folds, up to {most:.2g} % of it: {folded}. The catch's pressure is right in "
             "sum over the layers of a fold, not on each; no error estimate covers that."
         )
-    return found
+    return found + slack_straps(study, _named)
 
 
 def input_sections(tables: Mapping[str, Any]) -> list[dict[str, Any]]:

@@ -16,6 +16,7 @@ from codend.mechanics.weight import GRAVITY_M_S2, wet_weight
 from codend.net.net import Floats, Net, with_point
 from codend.netting.sheet import EDGES
 from codend.scenes.bar_table import BarTable
+from codend.scenes.enclosure import facing_alike
 from codend.scenes.frame import ballasted, body_of, markers
 from codend.scenes.frame_tables import FRAME
 from codend.scenes.netting_tables import PLANES
@@ -111,8 +112,9 @@ def build(scene: Scene) -> BuiltScene:
         laid_out[:, 2] = np.maximum(laid_out[:, 2], -scene.seabed.depth_m)
     sheet_nodes = [place[nodes] for nodes in sheet_nodes]
     held, towed, on_frame = _held(scene, node_of, sheet_nodes, len(laid_out))
-    facets = [nodes[sheet.sheet.facets] for sheet, nodes in zip(scene.netting, sheet_nodes, strict=True)]
+    sides = [nodes[sheet.sheet.facets] for sheet, nodes in zip(scene.netting, sheet_nodes, strict=True)]
     weights = [sheet.sheet.facet_weight for sheet in scene.netting]
+    facets = facing_alike(sides, weights, laid_out)
     net = bars.net(
         place, laid_out, held, np.concatenate([np.zeros((0, 3), int), *facets]), np.concatenate([[], *weights])
     )

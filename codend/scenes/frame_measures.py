@@ -68,6 +68,8 @@ def frame_cautions(built: BuiltScene, positions: Floats) -> list[str]:
         return []
     found = ["The frame floats on a level surface, without waves."]
     turn = rigid.pose_of(body, positions).turn
+    if turn[2, 2] < 0.0:
+        found.append("The frame floats on its head: it would not stay upright, or was placed far from how it floats.")
     for table, row in zip(built.scene.floats, float_rows(built, positions), strict=True):
         sides = prism_of(table, frame).sides_m
         if sides:

@@ -8,16 +8,21 @@ import numpy as np
 from codend.mechanics.body import load, pose_of
 from codend.net.net import Floats
 from codend.scenes.build import BuiltScene
+from codend.scenes.equilibrium import find
 from codend.scenes.frame_measures import frame_cautions
-from codend.scenes.netting_measures import netting_caution
+from codend.scenes.netting_measures import contact_share, netting_caution, volume_m3
 from codend.solvers import floating, interior_point
 from codend.solvers.outcome import Outcome, Solution, SolverReport
 from codend.solvers.reactions import loads_and_supports
-from codend.solvers.solve import find_equilibrium
 
 TO_AND_FRO_DEG, SEVERAL = 2.0, 2
 """Of a warp followed to 1 % no bar does so, of one that is off by 10 % or more 3 to 20 (motion as in
 ``validation.motion_map``, 10 bars or more)."""
+
+LIES_ON_NETTING = (
+    "Netting lies on netting here and presses on it without friction: of several shapes in balance this is the one to "
+    "which the net moves when the current sets in on the net at rest."
+)
 
 
 @dataclass(frozen=True)
@@ -25,6 +30,7 @@ class SceneResult:
     """The equilibrium of a scene."""
 
     built: BuiltScene
+    """The scene, its problem with the contact that acts."""
     solution: Solution
     load: Floats
     """On each node, N, (n, 3)."""
@@ -42,10 +48,10 @@ def solve_scene(built: BuiltScene) -> SceneResult:
 
     Bars between supports that hold them lengthwise carry nothing that could be told; theirs is told as 0.
     """
-    solution = find_equilibrium(built.problem, built.scene.model.tolerance)
-    tension = np.where(built.problem.cannot_strain(solution.positions), 0.0, solution.bar_tension)
+    problem, solution = find(built.problem, built.scene.model.tolerance, built.scene.model.contact)
+    tension = np.where(problem.cannot_strain(solution.positions), 0.0, solution.bar_tension)
     solution = replace(solution, bar_tension=tension)
-    return SceneResult(built, solution, *loads_and_supports(built.problem, solution))
+    return SceneResult(replace(built, problem=problem), solution, *loads_and_supports(problem, solution))
 
 
 def end_tensions(tension: Floats) -> tuple[float, float]:
@@ -155,6 +161,8 @@ def result_row(result: SceneResult) -> dict[str, Any]:
         "max_tension_rope": top["name"] if ropes and result.converged else "",
         "deepest_m": float(-result.solution.positions[:, 2].min()),
         "highest_m": float(result.solution.positions[:, 2].max()),
+        "volume_m3": volume_m3(built, result.solution.positions),
+        "contact_share": contact_share(built, result.solution.positions),
         "method": report.method,
         "iterations": report.iterations,
         "residual": report.residual,
@@ -165,11 +173,16 @@ def result_row(result: SceneResult) -> dict[str, Any]:
 
 
 def settled(built: BuiltScene, positions: Floats, bar_tension: Floats) -> SceneResult:
-    """Equilibrium of a scene from where its motion has come to, (n, 3) and (m,), by Newton's method with a barrier."""
+    """Equilibrium of a scene from where its motion has come to, (n, 3) and (m,), by Newton's method with a barrier.
+
+    Of netting that would pass through itself there: as ``solve_scene`` finds it, under contact.
+    """
     report = SolverReport("motion", Outcome.STEPS_SPENT, 0, np.nan, np.nan, np.nan, 0.0)
     start = Solution(positions, bar_tension, np.zeros(built.problem.bands), report)
     solve = interior_point.solve if built.problem.body is None else floating.solve
     solution = solve(built.problem, built.scene.model.tolerance, start)
+    if built.scene.model.contact and solution.report.outcome is Outcome.PASSED_THROUGH:
+        return solve_scene(built)
     return SceneResult(built, solution, *loads_and_supports(built.problem, solution))
 
 
@@ -209,6 +222,8 @@ def cautions(result: SceneResult) -> list[str]:
         )
     if result.converged:
         found += frame_cautions(result.built, result.solution.positions)
+    if result.converged and contact_share(result.built, result.solution.positions) > 0.0:
+        found.append(LIES_ON_NETTING)
     if "density_kg_m3" not in scene.water.model_fields_set:
         found.append(f"Sea water of {scene.water.density_kg_m3:g} kg/m3 is assumed: water.density_kg_m3 is not given.")
     laws = sorted({rope.drag[0] for rope in scene.rope})

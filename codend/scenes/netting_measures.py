@@ -4,10 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from codend.mechanics import drag
+from codend.mechanics import contact, drag
 from codend.mechanics.weight import GRAVITY_M_S2
 from codend.net.net import Floats
 from codend.scenes.build import BuiltScene
+from codend.scenes.enclosure import enclosed_m3, openings
 
 
 def netting_rows(built: BuiltScene, positions: Floats, bar_tension: Floats) -> list[dict[str, Any]]:
@@ -67,6 +68,29 @@ def openings_deg(built: BuiltScene, number: int, positions: Floats) -> Floats:
     fore, right, aft, left = positions[built.sheet_nodes[number][table.sheet.meshes]].transpose(1, 0, 2)
     across, along = (np.linalg.norm(b - a, axis=1) for a, b in ((left, right), (fore, aft)))
     return np.asarray(np.degrees(2.0 * np.arctan2(across, along)))
+
+
+def volume_m3(built: BuiltScene, positions: Floats) -> float:
+    """Volume within netting that is open nowhere but where it is held or hangs on ropes; nan of other netting.
+
+    Openings are closed by fans from their middles, which of one in a plane is that plane.
+    """
+    net = built.problem.net
+    rim = np.array(net.fixed.all(axis=1))
+    rim[np.concatenate([np.zeros(0, dtype=int), *built.rope_nodes])] = True
+    loops = openings(net.facets, net.facet_weight)
+    if not loops or not all(rim[loop].all() for loop in loops):
+        return np.nan
+    return enclosed_m3(net.facets, net.facet_weight, positions)
+
+
+def contact_share(built: BuiltScene, positions: Floats) -> float:
+    """Share of the knots of netting on which other netting or ropes press."""
+    if not built.sheet_nodes:
+        return 0.0
+    push = np.zeros_like(positions)
+    contact.add_force(np.ascontiguousarray(positions), built.problem.loading.contact, push)
+    return float(np.mean(np.any(push[np.unique(np.concatenate(built.sheet_nodes))] != 0.0, axis=1)))
 
 
 def netting_caution(built: BuiltScene) -> list[str]:

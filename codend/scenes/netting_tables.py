@@ -108,6 +108,11 @@ class _SheetTable(Table):
             yield Contradiction("globalisation", f"a common divisor of its counts: {', '.join(map(str, common))}")
         elif (many := max(counts[:2]) * self.meshes_long // self.globalisation**2) > MOST_MESHES:
             yield Contradiction("globalisation", f"so high that at most {MOST_MESHES} meshes are left, not {many}")
+        else:
+            sheet = self.sheet
+            if len(np.unique(sheet.bars)) < len(sheet.share):
+                allowed = "a count that leaves every knot on a bar: tapered so, one hangs on nothing"
+                yield Contradiction("meshes_across_aft", allowed)
         for edge in EDGES:
             if isinstance(on := getattr(self, edge), tuple) and (not on or set(on) & set(HOLDS)):
                 yield Contradiction(edge, f"a rope, ropes end to end, or one of {', '.join(HOLDS)}")

@@ -74,6 +74,14 @@ def solve(
     return Solution.ended(report, state.position, state.density * state.length, state.share)
 
 
+def pose_found(problem: Problem, tolerance: float, progress: Progress | None = None) -> rigid.Pose | None:
+    """Where the body floats if its net may pass through itself: near to where it does when that may not."""
+    run = _Run(problem, progress)
+    run.set_start(None)
+    outcome, _ = run.to_equilibrium(tolerance)
+    return run.pose if outcome in (Outcome.CONVERGED, Outcome.PASSED_THROUGH) else None
+
+
 class _Run:
     """Steps from a start to wherever they get."""
 
@@ -96,6 +104,9 @@ class _Run:
         self.barrier, self.last = FIRST_BARRIER * unit, LAST_BARRIER * unit
         state.position[:] = problem.net.positions if start is None else start.positions
         self.pose = rigid.pose_of(self.body, state.position)
+        if start is None:
+            self.pose = rigid.afloat(self.body, self.pose, -float(problem.loading.dead[:, 2].sum()))
+            rigid.place(self.body, self.pose, state.position)
         tensions = self.tension if start is None else np.maximum(start.bar_tension, 0.01 * self.tension)
         state.density[:] = tensions / problem.structure.length
         self._measure(state, self.pose, 1.0)

@@ -15,8 +15,10 @@ import numpy as np
 
 from codend.mechanics import newton_step
 from codend.mechanics.bars import bar_lengths, carried
+from codend.mechanics.loads import Loading
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
+from codend.mechanics.surface import Surface
 from codend.solvers import newton
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import reference_tension
@@ -30,19 +32,22 @@ METHOD = "gentle steps"
 LONGEST = 0.15
 """Longest move of a node in a step, and longest change of a taut bar's vector, over the length of a bar."""
 FIRST_SHIFT, LEAST_SHIFT, MOST_SHIFT = 0.1, 1e-3, 1e4
+LEAST_UNDER_CONTACT = 1e-5
 FALL, RISE = 0.6, 3.0
 """Factors on the shift after a step that was not cut, and where pivots are negative or a step passes through."""
 CALM = 1e-6
 """Residual at which Newton's method takes over."""
-EXACT = 1e-5
-"""Residual up to which the turning of contact's pushes is in the tangent: far from balance it would ask for shifts that
-leave no step to speak of."""
-WORSE, SHORT = 1.5, 0.7
-"""Growth of the residual, and share of a step, beyond which a step under contact was too bold."""
-BOLDER = 2.0
-"""Factor on the shift then."""
 HALVINGS = 5
-"""Most halvings of a step that would carry netting through netting."""
+"""Most halvings of a step that would carry netting through netting, or to where it is pushed back."""
+SHORT, BOLDER = 0.7, 2.0
+"""Share of a step under contact under which it was too bold, and the factor on the shift then."""
+PUSHED_BACK = 0.5
+"""Of the work that a step's force does along it, what may be left at its end against it: more is an overshoot."""
+REVERSED = -0.5
+"""Cosine between two steps under which the second goes back on the first; half of it is taken then."""
+SETTLING_RESIDUAL, SETTLING_MOVE = 1e-3, 0.02
+"""Residual, and move over a bar, under which contact's own tangent is tried, or what of it leaves pivots positive."""
+FIRST_EXACT = 0.125
 
 
 class End(Enum):
@@ -83,59 +88,126 @@ def follow(
         progress: told the residual of every step.
         steps_allowed: before it is given up.
     """
-    structure, watched = problem.structure, Watched(problem, prepared)
-    here, there, _ = prepared.states
-    tension = start.mean_tension
-    bar = float(np.median(structure.length))
-    here.position[:] = start.positions
-    bar_lengths(start.positions, structure, here.length)
-    np.divide(start.bar_tension, here.length, out=here.density, where=here.length > 0.0)
-    watched.look(here.position)
-    measure(structure, watched.loading, tension, DIRECT.switches[0], 0.0, here)
-    shift, residual = FIRST_SHIFT, np.inf
+    steps = _Steps(problem, start, prepared)
     for number in range(1, steps_allowed + 1):
-        loading, step, system = watched.loading, watched.prepared.step, watched.prepared.system
-        calmer = loading._replace(contact=loading.contact._replace(turning=1.0 if residual <= EXACT else 0.0))
-        while True:
-            sides = newton_step.linearise(structure, calmer, watched.prepared.pattern, tension, shift, here, step)
-            negative = system.factorise(step.blocks)
-            if (negative == 0 and system.negative_pivots() == 0) or shift > MOST_SHIFT:
-                break
-            shift *= RISE
-        _, turned, _ = newton_step.finish_step(structure, here, here, system.solve(step.right[:sides]), step)
-        farthest = float(np.sqrt(np.einsum("ij,ij->i", step.move, step.move).max()))
-        size = min(1.0, LONGEST * bar / farthest) if farthest > 0.0 else 1.0
-        size = min(size, LONGEST / turned) if turned > 0.0 else size
-        size *= watched.free_share(here.position, size * step.move)
-        for _ in range(HALVINGS):
-            newton_step.take(structure, loading, tension, DIRECT.switches[0], 0.0, size, here, here, step, there)
-            if problem.surface is not None or passage(problem, there.position, gathered=False) is None:
-                break
-            size *= 0.5
-        else:
-            return Motion(End.TOUCHING, _as_is(problem, start, here), number)
-        here, there = there, here
-        if watched.look(here.position):
-            measure(structure, watched.loading, tension, DIRECT.switches[0], 0.0, here)
-        last, residual = residual, float(max(here.residual, here.imbalance))
+        steps.turn()
+        size = steps.take()
+        if size == 0.0:
+            return Motion(End.TOUCHING, _as_is(problem, start, steps.here), number)
         if progress is not None:
-            progress(METHOD, residual)
-        if not np.isfinite(residual):
+            progress(METHOD, steps.residual)
+        if not np.isfinite(steps.residual):
             break
-        if problem.surface is not None and (size < SHORT or residual > WORSE * last):
-            shift *= BOLDER
-        elif size == 1.0:
-            shift = max(FALL * shift, LEAST_SHIFT)
-        if residual <= CALM and size == 1.0:
-            reached = _as_is(problem, start, here)
+        if steps.residual <= CALM and size >= 0.5:
+            reached = _as_is(problem, start, steps.here)
             polished = newton.solve(problem, tolerance, reached, DIRECT, progress, prepared)
             if polished.report.outcome is Outcome.PASSED_THROUGH:
                 return Motion(End.TOUCHING, reached, number)
-            near = np.abs(polished.positions - reached.positions).max() <= LONGEST * bar
+            near = np.abs(polished.positions - reached.positions).max() <= LONGEST * steps.bar
             if polished.report.outcome.converged and near:
                 return Motion(End.SETTLED, polished, number)
             break
-    return Motion(End.STEPS_SPENT, _as_is(problem, start, here), number)
+    return Motion(End.STEPS_SPENT, _as_is(problem, start, steps.here), number)
+
+
+class _Steps:
+    """Implicit steps from a start to wherever they lead."""
+
+    def __init__(self, problem: Problem, start: Solution, prepared: Prepared) -> None:
+        self.problem, self.structure, self.watched = problem, problem.structure, Watched(problem, prepared)
+        self.here, self.there, _ = prepared.states
+        self.tension = start.mean_tension
+        self.bar = float(np.median(self.structure.length))
+        self.shift, self.exact = FIRST_SHIFT, 0.0
+        self.moved, self.before = np.inf, np.zeros_like(start.positions)
+        self.here.position[:] = start.positions
+        bar_lengths(start.positions, self.structure, self.here.length)
+        np.divide(start.bar_tension, self.here.length, out=self.here.density, where=self.here.length > 0.0)
+        self.watched.look(self.here.position)
+        self._measure(self.here)
+
+    @property
+    def residual(self) -> float:
+        """Of the state that was reached."""
+        return float(max(self.here.residual, self.here.imbalance))
+
+    def turn(self) -> None:
+        """Find the direction of the next step: write it into ``prepared.step``."""
+        touching = self.problem.surface is not None
+        settling = self.residual <= SETTLING_RESIDUAL and self.moved <= SETTLING_MOVE
+        self.exact = min(2.0 * max(self.exact, FIRST_EXACT), 1.0) if settling or not touching else 0.0
+        while True:
+            step, system = self.watched.prepared.step, self.watched.prepared.system
+            loading = self.watched.loading
+            loading = loading._replace(contact=loading.contact._replace(exact=self.exact))
+            pattern = self.watched.prepared.pattern
+            sides = newton_step.linearise(self.structure, loading, pattern, self.tension, self.shift, self.here, step)
+            negative = system.factorise(step.blocks)
+            if (negative == 0 and system.negative_pivots() == 0) or self.shift > MOST_SHIFT:
+                break
+            if touching and self.exact > 0.0:
+                self.exact = 0.25 * self.exact if self.exact > FIRST_EXACT else 0.0
+            else:
+                self.shift *= RISE
+        solved = system.solve(step.right[:sides])
+        _, self.turned, _ = newton_step.finish_step(self.structure, self.here, self.here, solved, step)
+
+    def take(self) -> float:
+        """Take so much of the step as is gentle, 0 where none is; tell how much, and set the shift of the next."""
+        step = self.watched.prepared.step
+        farthest = float(np.sqrt(np.einsum("ij,ij->i", step.move, step.move).max()))
+        size = min(1.0, LONGEST * self.bar / farthest) if farthest > 0.0 else 1.0
+        size = min(size, LONGEST / self.turned) if self.turned > 0.0 else size
+        self.moved = farthest / self.bar
+        if self.problem.surface is None:
+            size = self._without_passing(size)
+            if size == 1.0:
+                self.shift = max(FALL * self.shift, LEAST_SHIFT)
+        else:
+            size = self._under_contact(size, self.problem.surface)
+        self.here, self.there = self.there, self.here
+        return size
+
+    def _without_passing(self, size: float) -> float:
+        for _ in range(HALVINGS):
+            self._try(size, self.watched.loading)
+            if passage(self.problem, self.there.position, gathered=False) is None:
+                return size
+            size *= 0.5
+        return 0.0
+
+    def _under_contact(self, size: float, surface: Surface) -> float:
+        """The share of a step after which nothing has passed through, nor is pushed back much."""
+        step = self.watched.prepared.step
+        move, before = step.move, self.before
+        along = float(np.vdot(move, before)) / float(np.linalg.norm(move) * np.linalg.norm(before) + 1e-300)
+        back = size == 1.0 and along < REVERSED
+        size = 0.5 if back else size
+        pairs = surface.on_the_way(self.here.position, size * move)
+        size *= surface.free_part(self.here.position, size * move, pairs)
+        work = abs(float(np.vdot(step.right[0] * self.structure.free, move)))
+        for _ in range(HALVINGS + 1):
+            near = surface.nearest_of(pairs, self.here.position + size * move)
+            self._try(size, self.watched.loading._replace(contact=near))
+            if float(np.vdot(self.there.force * self.structure.free, move)) >= -PUSHED_BACK * work:
+                break
+            size *= 0.5
+        self.watched.see(near)
+        self.before = move.copy()
+        if size < SHORT and not back:
+            self.shift *= BOLDER
+        elif size == 1.0:
+            self.shift = max(FALL * self.shift, LEAST_UNDER_CONTACT)
+        return size
+
+    def _try(self, size: float, loading: Loading) -> None:
+        step = self.watched.prepared.step
+        switch = DIRECT.switches[0]
+        here, there = self.here, self.there
+        newton_step.take(self.structure, loading, self.tension, switch, 0.0, size, here, here, step, there)
+
+    def _measure(self, state: State) -> None:
+        measure(self.structure, self.watched.loading, self.tension, DIRECT.switches[0], 0.0, state)
 
 
 @dataclass(frozen=True)

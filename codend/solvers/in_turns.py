@@ -27,6 +27,10 @@ LARGEST_TILT = 0.1
 """Largest rotation of the body in a turn, rad."""
 FARTHEST = 0.5
 """Largest move of the body in a turn, over its size."""
+WELL = 0.5
+"""Share of a move beyond which the net follows the body."""
+STALLED = 100.0
+"""Growth of the residual over the least of the last three at which it is given up."""
 SHIFTS = (0.0, 1e-6, 1e-4, 1e-2)
 """On the net's own tangent, as in ``newton_step.linearise``: slack netting has none of its own."""
 Held = Callable[[Problem, Solution | None], tuple[Problem, Solution]]
@@ -47,6 +51,7 @@ def solve(problem: Problem, tolerance: float, held: Held, start: Solution | None
     pose = rigid.pose_of(body, problem.net.positions if start is None else start.positions)
     here = replace(problem, body=None)
     attempts: list[str] = []
+    residuals: list[float] = []
     spent_ms = 0.0
     for turn in range(TURNS):
         here, found = held(here, start)
@@ -69,7 +74,15 @@ def solve(problem: Problem, tolerance: float, held: Held, start: Solution | None
         tilt, way = float(np.linalg.norm(twist[3:])), float(np.linalg.norm(twist[:3]))
         size = min(1.0, LARGEST_TILT / max(tilt, 1e-300), FARTHEST * body.size_m / max(way, 1e-300))
         if here.surface is not None:
-            size *= here.surface.free_share(found.positions, size * move)
+            share = here.surface.free_share(found.positions, size * move)
+            if share < WELL:  # sheets that lie on each other are better left to the net's own solver
+                move[np.setdiff1d(np.arange(len(move)), body.nodes)] = 0.0
+                share = here.surface.free_share(found.positions, size * move)
+            size *= share
+        if residual >= STALLED * min(residuals[-3:], default=np.inf):
+            found = replace(found, report=replace(found.report, outcome=Outcome.NOT_IMPROVING))
+            break
+        residuals.append(residual)
         pose = rigid.moved(pose, size * twist)
         positions = found.positions + size * move
         rigid.place(body, pose, positions)

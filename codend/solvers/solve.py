@@ -42,12 +42,17 @@ def find_equilibrium(
         spent_ms += solution.report.solve_ms
         if solution.report.outcome.balanced:
             break
-    if solution.report.outcome.converged:
-        polished = newton.solve(problem, tolerance, solution, POLISH, progress)
-        attempts += polished.report.attempts
-        spent_ms += polished.report.solve_ms
-        solution = polished if polished.report.outcome.converged else solution
-    return replace(solution, report=replace(solution.report, attempts=tuple(attempts), solve_ms=spent_ms))
+    solution = replace(solution, report=replace(solution.report, attempts=tuple(attempts), solve_ms=spent_ms))
+    return polished(problem, tolerance, solution, progress) if solution.report.outcome.converged else solution
+
+
+def polished(problem: Problem, tolerance: float, solution: Solution, progress: Progress | None = None) -> Solution:
+    """An equilibrium one step of Newton's method nearer to the truth, if that finds one."""
+    more = newton.solve(problem, tolerance, solution, POLISH, progress)
+    attempts = (*solution.report.attempts, *more.report.attempts)
+    spent_ms = solution.report.solve_ms + more.report.solve_ms
+    better = more if more.report.outcome.converged else solution
+    return replace(better, report=replace(better.report, attempts=attempts, solve_ms=spent_ms))
 
 
 def _afloat(problem: Problem, tolerance: float, start: Solution | None, progress: Progress | None) -> Solution:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from codend.mechanics.contact import Contact
 from codend.mechanics.loads import Loading
 from codend.mechanics.newton_step import empty_step
 from codend.mechanics.problem import Problem
@@ -27,7 +28,11 @@ class Watched:
         surface = self.problem.surface
         if surface is None:
             return False
-        last, now = self.loading.contact, surface.near(position)
+        return self.see(surface.near(position))
+
+    def see(self, now: Contact) -> bool:
+        """Take it that this is near now; whether those are other pairs than before."""
+        last = self.loading.contact
         if np.array_equal(last.node, now.node) and np.array_equal(last.image, now.image):
             return False
         self.loading = self.loading._replace(contact=now)

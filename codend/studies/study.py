@@ -198,8 +198,8 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     tangent = newton.tangent_at(shape.problem, shape.solution, shape.model.prepared)
     folds = layers_touch(shape.problem, shape.solution.positions) or followed.contact_share > 0.0
     followed = replace(followed, folds=folds)
-    lasts = shape.stability.stable == "yes" and not followed.folds
-    changed = followed.changed if lasts else np.maximum(changed, followed.changed)
+    covered = followed.covered and (not folds or followed.contact_share > 0.0)
+    changed = followed.changed if covered else np.maximum(changed, followed.changed)
     errors = accuracy.estimate(shape.model, case, tangent, found.measures, unseen_weight_n, changed)
     return replace(found, errors=errors, stability=shape.stability, followed=followed)
 

@@ -77,6 +77,8 @@ def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, objec
         "opening_spread_deg": result.followed.opening_spread_deg,
         "folds": "yes" if result.followed.folds else "no",
         "contact_share": result.followed.contact_share,
+        "fold_count": result.followed.fold_count,
+        "shapes_found": result.followed.shapes_found,
         "wrinkles": result.followed.reason or float("nan"),
         **_sizes_ahead(plan, float(measures["filled_meshes"])),
         **_of_layers(result),

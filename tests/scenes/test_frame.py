@@ -10,10 +10,13 @@ from codend.mechanics.body import pose_of
 from codend.mechanics.weight import GRAVITY_M_S2
 from codend.scenes.build import build
 from codend.scenes.frame_measures import float_rows, frame_cautions, frame_rows
-from codend.scenes.measures import balance_error, solve_scene
+from codend.scenes.measures import balance_error, result_row, solve_scene
 from codend.scenes.scene import scene_from_dict
 from codend.solvers import in_turns
+from codend.solvers.refusal import passage
 from codend.solvers.solve import find_equilibrium
+from validation.cage.gear import box
+from validation.floating_cage import afloat, pulls
 from validation.floating_frame import (
     WATER,
     balances,
@@ -200,6 +203,21 @@ def test_a_frame_too_high_to_stand_turns_over_and_is_found_on_its_head():
     assert row["buoyancy_n"] == pytest.approx(row["weight_n"], rel=1e-8)
 
 
+@pytest.mark.parametrize("above_m", [-3.0, 0.5, 3.0])
+def test_a_frame_placed_far_from_the_surface_floats_as_one_placed_in_it(above_m):
+    data = moored(0.5)
+    for rope in data["rope"]:
+        rope["length_m"] = max(rope["length_m"], 24.0 if rope["name"] != "line" else 0.0)
+    right = frame_rows((result := solved(data)).built, result.solution.positions, result.support)[0]
+    lift = np.array([0.0, 0.0, above_m])
+    for table in (*data["float"], *(point for point in data["point"] if point.get("held") == "frame")):
+        table["at"] = (lift + table["at"]).tolist()
+    data["frame"] = {**data["frame"], "at": lift.tolist(), "centre": (lift + data["frame"]["centre"]).tolist()}
+    row = frame_rows((result := solved(data)).built, result.solution.positions, result.support)[0]
+    for key in ("x_m", "z_m", "heel_deg", "trim_deg", "yaw_deg", "buoyancy_n"):
+        assert row[key] == pytest.approx(right[key], abs=1e-6)
+
+
 def test_a_frame_moored_by_its_rear_turns_about_though_it_lay_in_balance():
     data = moored(0.5)
     data["rope"] = [rope for rope in data["rope"] if rope["name"] != "mooring b"]
@@ -213,3 +231,15 @@ def test_a_frame_moored_by_its_rear_turns_about_though_it_lay_in_balance():
 @pytest.mark.parametrize("seed", range(8))
 def test_random_frames_are_found_in_balance(seed):
     assert left_over(solved(random_frame(seed))) < WRONG
+
+
+def test_a_floating_cage_in_a_current_is_held_by_its_anchors():
+    result = solved(afloat(box(1.0, merged=10)))
+    drag, held = pulls(result)
+    assert held == pytest.approx(drag, rel=1e-8)
+    assert balance_error(result) < 1e-8
+    row = frame_rows(result.built, result.solution.positions, result.support)[0]
+    # the current is along a plane of symmetry: no yaw, no heel, no way to the side
+    assert (row["yaw_deg"], row["heel_deg"], row["y_m"] - 0.5) == pytest.approx((0.0, 0.0, 0.0), abs=1e-8)
+    assert passage(result.built.problem, result.solution.positions) is None
+    assert result_row(result)["contact_share"] > 0.0

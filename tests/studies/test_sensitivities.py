@@ -2,12 +2,14 @@
 
 import pandas as pd
 import pytest
+from scipy.stats import norm, qmc
 
 from codend.equilibrium.fidelity import choose
 from codend.errors import InputError
 from codend.plan.numbers import alone, changed, numbers_of
 from codend.plan.plan import plan_from_dict
 from codend.selectivity.escape.species import example_species_path, load_species
+from codend.studies.many import sweep
 from codend.studies.sensitivity.derivatives import sensitivity_of
 from codend.studies.sensitivity.solved_case import quantities, solved_case
 from codend.studies.sensitivity.table import case_sensitivities, sensitivities
@@ -140,6 +142,22 @@ def test_an_interval_is_that_of_the_numbers_and_names_the_one_to_measure():
     assert drag["standard_deviation"] * drag["share"] ** 0.5 == pytest.approx(0.2 * drag["value"], rel=1e-6)
     assert drag["upper_95"] - drag["value"] == pytest.approx(1.959964 * drag["standard_deviation"])
     assert table.loc["opening_ahead_deg", "measure_better"] == "netting.0.twine_mm"
+
+
+def test_an_interval_is_that_of_plans_drawn_at_random():
+    plan = make_plan(filled=5.3)
+    uncertain = {"tow.speed_m_s": 0.02, "netting.0.twine_mm": 0.05, "netting.0.bar_mm": 0.01}
+    table = interval_table(case_sensitivities(plan, keys=list(uncertain)), uncertain).set_index("quantity")
+    own = {number.key: number.value for number in numbers_of(plan, plan.cases()[0])}
+    plans = []
+    for shares in qmc.Sobol(len(uncertain), seed=1).random(64):
+        found = plan
+        for (key, relative), share in zip(uncertain.items(), shares, strict=True):
+            found = changed(found, key, own[key] * (1.0 + relative * norm.ppf(share)))
+        plans.append(found)
+    found = sweep(plans)
+    for name in ("drag_n", "catch_volume_m3", "opening_ahead_deg"):
+        assert found[name].std() == pytest.approx(table.loc[name, "standard_deviation"], rel=0.1), name
 
 
 def test_an_unknown_number_is_refused_with_those_there_are():

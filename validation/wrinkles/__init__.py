@@ -58,7 +58,7 @@ def _text(table: pd.DataFrame, law: pd.DataFrame) -> str:
             "Codends of 50 meshes long, full mesh 120 mm, knots of 15 mm, double 4 mm twine of EA 2 kN, at 1.5 m/s "
             "with an entry of 0.4 m radius (all ASSUMED), by the symmetric sector, by following what grows "
             "(`model.wrinkles = true`) and as a whole net shaken by 1 % of a bar and followed gently. Where layers "
-            "meet, following stops, for contact is not modelled: the symmetric row stands, with its wider errors.",
+            "meet, contact acts between them: the section Folds has more of these rows.",
             markdown_table(headers, rows),
             "The law of the errors (`codend/equilibrium/wrinkles.py`) on small unstable nets it was not found on, "
             "shaken whole from three seeds: largest changes from the symmetric shape, and over the errors stated.",

@@ -1,0 +1,129 @@
+"""Equilibrium of a scene: by the ordinary solvers, and where netting meets netting by gentle steps under contact.
+
+Contact is left out where it is not needed: a shape that is in balance without it, and in which nothing passes through
+anything, stands. Else the net is let go at rest in still water, and follows the current gently with its sheets pressing
+on each other where they meet.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from codend.mechanics.body import place, pose_of
+from codend.mechanics.problem import Problem
+from codend.mechanics.surface import ContactLaw
+from codend.solvers import floating, in_turns, interior_point, slack
+from codend.solvers.dynamic_relaxation import reference_tension
+from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.refusal import passage
+from codend.solvers.solve import find_equilibrium, polished
+
+OF_A_BAR = 0.05
+"""Distance at which contact begins, over the shortest bar of netting."""
+PUSH = 0.1
+"""What sheets press on each other with at half of that distance, over 1.2 and the mean tension of the bars."""
+APART = 1e-3
+"""Least distance of parts in a start for contact, over that at which it begins: nearer ones would leap apart."""
+
+
+def find(
+    problem: Problem, tolerance: float, contact: bool, progress: Progress | None = None
+) -> tuple[Problem, Solution]:
+    """Equilibrium of a scene, and the problem with the contact that acts in it.
+
+    Args:
+        problem: the net under its loads, without contact.
+        tolerance: largest residual and axial imbalance.
+        contact: whether netting that meets netting may press on it.
+        progress: told the residual now and then.
+    """
+    if not contact or len(problem.net.facets) == 0:
+        return problem, find_equilibrium(problem, tolerance, progress=progress)
+    if problem.body is not None:
+        return _afloat(problem, tolerance, progress)
+    touching = problem.touching_by(contact_law(problem))
+    found = interior_point.solve(problem, tolerance, progress=progress)
+    attempts, spent_ms = list(found.report.attempts), found.report.solve_ms
+    if found.report.outcome.converged:
+        if passage(touching, found.positions) is None:
+            return problem, polished(problem, tolerance, found, progress)
+        attempts.append("in that shape netting passes through netting: contact is needed")
+    started = False
+    for start, law in _starts(touching, tolerance, progress):
+        started = True
+        touching = problem.touching_by(law).touching_at(start.positions)
+        found = slack.solve(touching, tolerance, start, progress=progress)
+        attempts += found.report.attempts
+        spent_ms += found.report.solve_ms
+        if found.report.outcome.converged:
+            touching = touching.touching_at(found.positions)
+            break
+    if not started:
+        return problem, find_equilibrium(problem, tolerance, progress=progress)
+    return touching, replace(found, report=replace(found.report, attempts=tuple(attempts), solve_ms=spent_ms))
+
+
+def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tuple[Problem, Solution]:
+    """The same of a net with a frame that floats: at once where nothing touches, else frame and net in turns.
+
+    The turns begin where the frame floats if netting may pass through netting.
+    """
+    body = problem.body
+    assert body is not None
+    touching = problem.touching_by(contact_law(problem))
+    found = floating.solve(problem, tolerance, progress=progress)
+    if found.report.outcome.converged and passage(touching, found.positions) is None:
+        return problem, found
+    pose = floating.pose_found(problem, tolerance, progress)
+    if pose is None:
+        return problem, found
+    before, positions = pose_of(body, problem.net.positions), problem.net.positions.copy()
+    sheets = np.setdiff1d(problem.net.facets, np.flatnonzero(problem.net.fixed.any(axis=1)))
+    positions[sheets] = pose.origin + (positions[sheets] - before.origin) @ (pose.turn @ before.turn.T).T
+    place(body, pose, positions)
+
+    def held(net: Problem, start: Solution | None) -> tuple[Problem, Solution]:
+        if start is None or net.surface is None:
+            return find(net, tolerance, True, progress)
+        net = net.touching_at(start.positions)
+        found = slack.solve(net, tolerance, start, progress=progress)
+        if not found.report.outcome.converged:
+            return net, found
+        # lengths met to the tolerance leave tensions of taut moorings off by more than the frame may feel
+        found = polished(net, tolerance, found, progress)
+        return net.touching_at(found.positions), found
+
+    moved = replace(problem, net=replace(problem.net, positions=positions))
+    settled, turned = in_turns.solve(moved, tolerance, held)
+    attempts = (*found.report.attempts, *turned.report.attempts)
+    spent_ms = 2.0 * found.report.solve_ms + turned.report.solve_ms
+    return settled, replace(turned, report=replace(turned.report, attempts=attempts, solve_ms=spent_ms))
+
+
+def contact_law(problem: Problem, tension: float | None = None) -> ContactLaw:
+    """How sheets press on each other where bars pull with ``tension`` on an average, N; by the loads if left out."""
+    netting = ~problem.net.bar_is_rope
+    distance = OF_A_BAR * float(problem.net.bar_length[netting].min())
+    return ContactLaw(distance, PUSH * (tension or reference_tension(problem)) / (1.2 * distance))
+
+
+def _starts(touching: Problem, tolerance: float, progress: Progress | None) -> Iterator[tuple[Solution, ContactLaw]]:
+    """Shapes to be let go from in which nothing passes through anything, and the contact there: at rest, as built."""
+    water = touching.loading.water
+    without = replace(touching, surface=None)
+    still = replace(without, loading=without.loading._replace(water=water._replace(flow=np.zeros_like(water.flow))))
+    rest = interior_point.solve(still, tolerance, progress=progress)
+    if rest.report.outcome.converged and _apart(touching, rest.positions):
+        yield rest, contact_law(touching, rest.mean_tension)
+    if _apart(touching, touching.net.positions):
+        tension = np.full(len(touching.net.bars), reference_tension(touching))
+        report = SolverReport("as built", Outcome.STEPS_SPENT, 0, np.nan, np.nan, np.nan, 0.0)
+        yield Solution(touching.net.positions, tension, np.zeros(touching.bands), report), contact_law(touching)
+
+
+def _apart(touching: Problem, positions: np.ndarray) -> bool:
+    """Whether nothing passes through anything, nor nearly does."""
+    assert touching.surface is not None
+    least = APART * touching.surface.law.distance_m
+    return passage(touching, positions) is None and touching.surface.least_distance(positions) > least
