@@ -38,7 +38,7 @@ diameter_mm = 24.0
 axial_stiffness_n = 5e5        # left out: inextensible
 
 [model]
-opening_accuracy_deg = 10.0    # the quick look: ropes smeared over all meshes; left out: minutes
+opening_accuracy_deg = 10.0    # the quick look: ropes smeared over all meshes; left out: each as it is
 """
 _OPEN = "meshes_round = {round}             # all round\nmeshes_long = 50\n"
 _PANELS = """\

@@ -173,6 +173,7 @@ def _move(built: "BuiltScene", start: "Floats", folder: Path):  # type: ignore[n
     from codend.report.vtk import write_bars
     from codend.scenes.follow import follow, motion_rows, outputs
     from codend.scenes.measures import lies_in_zigzag
+    from codend.scenes.step_check import TOLD, by_half_steps, largest_difference, worth_a_check
 
     scene, time = built.scene, built.scene.time
     assert time is not None
@@ -213,6 +214,18 @@ def _move(built: "BuiltScene", start: "Floats", folder: Path):  # type: ignore[n
     for name, nodes, bars in zip(built.scene.rope_names, built.rope_nodes, built.rope_bars, strict=True):
         if lies_in_zigzag(frame.positions[nodes], frame.bar_tension[bars]):
             notes.append(f"{name} ends in a zigzag of its bars, which comes of long steps: take a smaller time.step_s.")
+    if worth_a_check(built):
+        try:
+            again = by_half_steps(built, start)
+        except ArithmeticError:
+            notes.append(
+                "The motion cannot be followed in steps half as long: do not use it without a smaller time.step_s."
+            )
+        else:
+            off, of = largest_difference(pd.read_csv(table).to_dict("records"), again)
+            if off > TOLD:
+                said = f"Steps half as long change the {of} by up to {100.0 * off:.2g} % of its largest value"
+                notes.append(f"{said}: take a smaller time.step_s.")
     if passages := int(frame.passages[0]):
         seen = f"at {passages} of {last} outputs, first at {frame.passages[1]:g} s"
         notes.append(f"Netting has passed through itself or a rope, which nothing in a motion prevents: {seen}.")

@@ -10,6 +10,7 @@ from codend.mechanics.problem import Problem
 from codend.mechanics.rings import Rings
 from codend.mechanics.surface import ContactLaw, Surface
 from codend.net.net import Floats, rotate
+from codend.plan.plan import Plan
 from codend.solvers import gentle
 from codend.solvers.gentle import End, Motion
 from codend.solvers.outcome import Progress, Solution
@@ -51,14 +52,30 @@ def follow_under_contact(
     return touching.touching_at(motion.solution.positions), motion
 
 
+def is_pierced(problem: Problem, solution: Solution) -> bool:
+    """Whether the surface that contact acts on lies through itself, be it by less than an answer is refused for."""
+    touching = replace(problem, surface=Surface.of(problem.net, contact_law(problem, solution)))
+    return passage(touching, solution.positions) is not None
+
+
+def limp_of(plan: Plan) -> Plan:
+    """The plan with netting that does not resist opening."""
+    limp = [part.model_copy(update={"bending_stiffness_n_m2": 0.0}) for part in plan.netting]
+    return plan.model_copy(update={"netting": type(plan.netting)(limp)})
+
+
+def contact_pushes(problem: Problem, solution: Solution) -> Floats:
+    """What other netting pushes each knot with, N, (n,); their sum depends on the model of contact."""
+    force = np.zeros_like(solution.positions)
+    add_force(solution.positions, problem.loading.contact, force)
+    return np.asarray(np.linalg.norm(force, axis=1))
+
+
 def in_contact_share(problem: Problem, solution: Solution) -> float:
     """Share of the knots that other netting presses on; nan without contact."""
     if problem.surface is None:
         return float("nan")
-    force = np.zeros_like(solution.positions)
-    add_force(solution.positions, problem.loading.contact, force)
-    pressed = np.linalg.norm(force, axis=1) > 1e-6 * float(solution.bar_tension.mean())
-    return float(pressed.mean())
+    return float((contact_pushes(problem, solution) > 1e-6 * float(solution.bar_tension.mean())).mean())
 
 
 def fold_count(positions: Floats, rings: Rings, order: float) -> int:

@@ -19,12 +19,12 @@ from codend.bag.loads import problem_of
 from codend.bag.measures import Measures, measure_all
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
-from codend.equilibrium.folds import fold_count, follow_under_contact, in_contact_share
+from codend.equilibrium.folds import fold_count, follow_under_contact, in_contact_share, is_pierced, limp_of
 from codend.equilibrium.stability import Stability, stability_of
 from codend.equilibrium.start_shapes import all_round_start
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, rotate
-from codend.plan.plan import Case
+from codend.plan.plan import Case, Plan
 from codend.solvers import gentle, newton
 from codend.solvers.clock import Clock
 from codend.solvers.gentle import End, Motion
@@ -124,19 +124,23 @@ def follow(
                 return replace(NOT_FOLLOWED, reason=reason)
             base, g = other, other[0].globalisation
             merged = f", {g} x {g} meshes merged into one, for the whole net has more than {MOST_KNOTS} knots"
-        run = _Following(case, progress)
+        at_rest = measure_all(base[0].bag, base[3], base[1])[2]
+        if model.plan.model.contact is not False and is_pierced(base[3], base[1]):
+            limp = _symmetric(replace(base[0], plan=limp_of(model.plan)), case)
+            base = base if limp is None else limp
+            merged += ", from the shape of limp twine, for that of this twine lies through itself"
+        run = _Following(model.plan, case, progress)
         run.pursue(*base, MOST_WIDENINGS)
         run.widen()
         spent_ms = clock.ms
-    at_rest = measure_all(base[0].bag, base[3], base[1])[2]
     return _told(run, at_rest, merged, spent_ms)
 
 
 class _Following:
     """The shapes that are found on the way."""
 
-    def __init__(self, case: Case, progress: Progress | None) -> None:
-        self.case, self.progress = case, progress
+    def __init__(self, plan: Plan, case: Case, progress: Progress | None) -> None:
+        self.plan, self.case, self.progress = plan, case, progress
         self.shapes: list[Shape] = []
         self.touching, self.lost = 0, 0
         self.in_contact = False
@@ -152,7 +156,10 @@ class _Following:
         most: int | None = None,
     ) -> None:
         """Follow what grows of an equilibrium from so many starts at most, and what then still grows of that."""
-        for wide, sectors, growth, rest, start in islice(_starts(model, self.case, solution, stability), most):
+        for of_start, sectors, growth, rest, start in islice(_starts(model, self.case, solution, stability), most):
+            wide = of_start
+            if wide.plan is not self.plan:  # the start is of another twine
+                wide = model_of(self.plan, wide.globalisation, wide.sectors)
             wide_problem = problem_of(wide.bag, wide.plan, self.case)
             tolerance = model.plan.model.tolerance
             touches = problem.surface is not None
@@ -268,14 +275,20 @@ def _merged(model: BagModel, case: Case) -> tuple[BagModel, Solution, Stability,
     for g in model.plan.globalisations:
         if g <= model.globalisation:
             continue
-        sector = model_of(model.plan, g, 1)
-        problem, solution = equilibrium.solve(sector, case, (), None)
-        if not solution.report.outcome.converged:
-            continue
-        stability = stability_of(sector, newton.tangent_at(problem, solution, sector.prepared))
-        if list(_fitting(sector, stability)):
-            return sector, solution, stability, problem
+        found = _symmetric(replace(model, globalisation=g), case)
+        if found is not None and list(_fitting(found[0], found[2])):
+            return found
     return None
+
+
+def _symmetric(model: BagModel, case: Case) -> tuple[BagModel, Solution, Stability, Problem] | None:
+    """The equilibrium of a sector of a model's plan with as many meshes merged, and its stability; None if none."""
+    sector = model_of(model.plan, model.globalisation, 1)
+    problem, solution = equilibrium.solve(sector, case, (), None)
+    if not solution.report.outcome.converged:
+        return None
+    stability = stability_of(sector, newton.tangent_at(problem, solution, sector.prepared))
+    return sector, solution, stability, problem
 
 
 def _told(run: _Following, at_rest: Measures, merged: str, spent_ms: float) -> Followed:

@@ -18,6 +18,7 @@ from codend.report.choice_words import reason_text
 from codend.report.net_plan import plan_svg
 from codend.report.page_tables import results_tables, solving_table
 from codend.report.size_words import size_sentences
+from codend.report.strap_words import slack_straps
 from codend.studies.case_result import CaseResult
 from codend.studies.study import Study
 
@@ -187,7 +188,7 @@ def cautions(study: Study) -> list[str]:
             f"Netting on the catch lies in folds, up to {most:.2g} % of it: {folded}. The catch's pressure is right in "
             "sum over the layers of a fold, not on each; no error estimate covers that."
         )
-    return found
+    return found + slack_straps(study, _named)
 
 
 def input_sections(tables: Mapping[str, Any]) -> list[dict[str, Any]]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from codend.bag.bag import all_round
+from codend.equilibrium.folds import contact_pushes
 from codend.io.files import whole_file, write_text
 from codend.net.net import Floats, Ints
 from codend.report.polygons import joined_on_axis, mesh_polygons
@@ -70,7 +71,8 @@ def net_mesh(result: CaseResult) -> "meshio.Mesh":
     """The whole net of a solved case: bars as lines, then meshes as polygons.
 
     Cell data are those of the real netting: ``tension_n`` (of a bar; of a mesh, the mean of its sides), and of meshes
-    ``opening_deg``, ``opening_force_n`` and ``pressure_pa``, which bars do not have (nan).
+    ``opening_deg``, ``opening_force_n`` and ``pressure_pa``, which bars do not have (nan). In a net with contact
+    bars have ``contact_push_n``, the larger push of other netting on their ends, which meshes do not have.
 
     Raises:
         ValueError: the case was not solved.
@@ -94,6 +96,9 @@ def net_mesh(result: CaseResult) -> "meshio.Mesh":
         for name, values in of_meshes.items()
     }
     cell_data["tension_n"][0] = np.tile(result.bar_tension_n, net.sectors)
+    if result.problem.surface is not None:
+        push = contact_pushes(result.problem, result.solution)[net.bars].max(axis=1)
+        cell_data["contact_push_n"] = [np.tile(push, net.sectors)] + [np.full(len(c), np.nan) for _, c in polygons]
     cells = [("line", whole.bars)]
     cells += [(CELL_OF_CORNERS.get(corners.shape[1], "polygon"), corners) for _, corners in polygons]
     return meshio.Mesh(whole.positions, cells, cell_data=cell_data)

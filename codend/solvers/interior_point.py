@@ -14,18 +14,25 @@ import numpy as np
 from codend.mechanics import newton_step
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
-from codend.net.net import Floats
+from codend.solvers import interior_kernels as kernels
 from codend.solvers import newton
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import reference_tension
-from codend.solvers.newton import DIRECT, FIRST_SHIFT, LARGEST_SHIFT, Prepared
+from codend.solvers.newton import DIRECT, LARGEST_SHIFT, Prepared
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
 METHOD = "interior point"
-LOWERED, LOWERED_WARILY = 0.1, 0.5
+LOWERED, LOWERED_WARILY = 0.1, 0.3
 """Factor on the barrier after a step that was nearly whole, and after one that was more than half of it."""
-NEAREST_TO_SLACK = 0.99
-"""Share of the way to the first bar's slackness that a step may go."""
+NEAREST = 0.9
+"""Share of the way that a step may go to where the first slackness or force density is nothing."""
+MOST_PULL = 3.0
+"""Share of the change of tensions, over that of the shape, that a step may go: alone they run away."""
+NEAR = 10.0
+"""Largest force left over, in units of the reference tension and the barrier, at which the barrier is lowered: that of
+netting all but slack is itself of the barrier's size, and lowered earlier it is lost."""
+LEAST_SLACKNESS = 1e-3
+"""What bars are given to start with, over the mean length."""
 LARGEST_TURN = 0.5
 """Largest change of a bar's vector in one step, over its length."""
 LEAST_TENSION = 0.01
@@ -35,6 +42,8 @@ FARTHEST_TURN = 5.0
 in a direction that leads nowhere, and the tangent is shifted."""
 FINEST = 1e-10
 """Residual to which the last barrier is followed: from there Newton's method goes on though bars be nearly slack."""
+FIRST_SHIFT, LEAST_SHIFT = 1e-2, 1e-3
+"""In units of what the pull of the bars at a node resists, see ``kernels.shift_by_pull``."""
 STALLED = 80
 """Steps in a row that do not lower the barrier, after which none will."""
 FINISH = replace(DIRECT, switches=(1.0, 0.1, 0.01))
@@ -46,14 +55,11 @@ class InteriorPointSettings:
     """What may be tuned; the default holds for all plans the project knows."""
 
     steps_allowed: int = 300
-    first_barrier: float = 1e-3
+    first_barrier: float = 1e-2
     """In units of the reference tension over the square of the mean length of bars. From a start that the loads have
     since left by much, a higher one takes fewer steps: lowered too early, bars hit slackness one after the other."""
     last_barrier: float = 1e-12
     """Likewise; a higher one leaves more to Newton's method."""
-    slack_apart: bool = False
-    """Whether what a bar is short of its length is followed apart from its tension, as the method is known, instead of
-    as the barrier over it. Where a start is far off, that takes two thirds of the steps; near one it costs some."""
 
 
 def solve(
@@ -118,13 +124,15 @@ def _lower_the_barrier(
     structure, loading, step = problem.structure, problem.loading, prepared.step
     state, new, _ = prepared.states
     tension = reference_tension(problem) if start is None else start.mean_tension
-    unit = tension / float(structure.length.mean()) ** 2
+    length = float(structure.length.mean())
+    unit = tension / length**2
     barrier, last_barrier = settings.first_barrier * unit, settings.last_barrier * unit
     state.position[:] = problem.net.positions if start is None else start.positions
     tensions = tension if start is None else np.maximum(start.bar_tension, LEAST_TENSION * tension)
     state.density[:] = tensions / structure.length
     measure(structure, loading, tension, 1.0, barrier, state)
-    twine, slack = ~structure.is_strut, barrier / state.density
+    kernels.begin(structure, barrier, LEAST_SLACKNESS / length, state)
+    loosening = np.zeros(len(structure.length))
     steps, lowered, shift = 0, 0, 0.0
     while steps < settings.steps_allowed:
         if progress is not None:
@@ -136,55 +144,51 @@ def _lower_the_barrier(
         if steps - lowered >= STALLED and barrier > last_barrier:
             return state, Outcome.NOT_IMPROVING, steps
         steps += 1
-        yielding = np.where(structure.is_strut, 0.0, slack / state.density)
-        turn, shift = _step(problem, tension, yielding, shift, state, prepared)
+        turn, shift = _step(problem, tension, shift, state, prepared)
         if not np.isfinite(turn):
-            return state, Outcome.SINGULAR, steps
-        to_slack = _to_nothing(state.density[twine], step.change[twine])
-        size = min(1.0, NEAREST_TO_SLACK * to_slack, LARGEST_TURN / turn if turn > 0.0 else 1.0)
-        if settings.slack_apart:
-            change = barrier / state.density - slack - yielding * step.change
-            share = min(1.0, NEAREST_TO_SLACK * _to_nothing(slack[twine], change[twine]))
-            slack += share * change
-        else:
-            share = size
-        if min(size, share) > 0.5 and shift == 0.0:
-            lowered = steps
-            barrier = max((LOWERED if min(size, share) > 0.9 else LOWERED_WARILY) * barrier, last_barrier)
-        shift = 0.1 * shift if shift > FIRST_SHIFT else 0.0
-        newton_step.take(structure, loading, tension, 1.0, barrier, size, state, state, step, new)
+            return state, Outcome.SINGULAR if np.isnan(turn) else Outcome.NOT_IMPROVING, steps
+        to_tight, to_slack = kernels.ways_to_nothing(structure, barrier, state, step, loosening)
+        of_turn = min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0
+        of_shape = min(of_turn, NEAREST * to_tight)
+        of_pull = min(of_turn, NEAREST * to_slack, MOST_PULL * of_shape)
+        kernels.go(state, step, loosening, of_shape, of_pull, new)
+        measure(structure, loading, tension, 1.0, barrier, new)
         state, new = new, state
-        if not settings.slack_apart:
-            slack = barrier / state.density
+        least = min(of_shape, of_pull)
+        if least > 0.9:
+            shift = 0.25 * shift if shift > LEAST_SHIFT else 0.0
+        elif least < 0.3:
+            shift = max(2.0 * shift, LEAST_SHIFT)
+        if least > 0.5 and kernels.largest_force(structure, state) <= NEAR * tension * barrier / unit:
+            lowered = steps
+            lower = min(LOWERED, np.sqrt(barrier / unit)) if least > 0.9 else LOWERED_WARILY
+            barrier = max(lower * barrier, last_barrier)
+            measure(structure, loading, tension, 1.0, barrier, state)
     close = barrier <= last_barrier and state.residual <= tolerance
     return state, Outcome.CONVERGED if close else Outcome.STEPS_SPENT, steps
 
 
-def _to_nothing(values: Floats, changes: Floats) -> float:
-    """Share of a step, infinite if there is none, at which the first of some values falls to 0."""
-    falling = changes < 0.0
-    return float(np.min(-values[falling] / changes[falling], initial=np.inf))
-
-
-def _step(
-    problem: Problem, tension: float, yielding: Floats, shift: float, state: State, prepared: Prepared
-) -> tuple[float, float]:
+def _step(problem: Problem, tension: float, shift: float, state: State, prepared: Prepared) -> tuple[float, float]:
     """Write the step at a state, with the tangent shifted until it can be factorised and leads not too far.
 
-    ``yielding`` is what the barrier adds to the strain of every bar per newton, (m,).
+    To a step every bar is softer by its slackness over its force density.
 
     Returns:
-        the largest change of a bar's vector over its length, infinite if no shift helps, and the shift it took.
+        the largest change of a bar's vector over its length, infinite if no shift helps and nan if none lets the
+        tangent be factorised, and the shift it took.
     """
     structure, loading, step, system = problem.structure, problem.loading, prepared.step, prepared.system
+    yielding = np.where(structure.is_strut, 0.0, state.slack / state.density)
     softened = structure._replace(flexibility=structure.flexibility + yielding)
     while True:
-        turn = np.inf
-        sides = newton_step.linearise(softened, loading, prepared.pattern, tension, shift, state, step)
+        turn = np.nan
+        sides = newton_step.linearise(softened, loading, prepared.pattern, tension, 0.0, state, step)
+        if shift > 0.0:
+            kernels.shift_by_pull(structure, prepared.pattern, state.density, shift, step.blocks)
         if system.factorise(step.blocks) == 0:
             solved = system.solve(step.right[:sides])
             _, asked, determinant = newton_step.finish_step(structure, state, state, solved, step)
             turn = float(asked) if determinant > 0.0 else np.inf
         if turn <= FARTHEST_TURN or shift >= LARGEST_SHIFT:
             return turn, shift
-        shift = max(10.0 * shift, FIRST_SHIFT)
+        shift = max(4.0 * shift, FIRST_SHIFT)

@@ -21,7 +21,7 @@ from codend.solvers import newton
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import reference_tension
 from codend.solvers.gentle import BOLDER, FIRST_SHIFT, LONGEST, MOST_SHIFT, RISE, SHORT
-from codend.solvers.interior_point import FINISH, LEAST_TENSION, NEAREST_TO_SLACK
+from codend.solvers.interior_point import FINISH, LEAST_TENSION
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 from codend.solvers.prepared import prepare
 from codend.solvers.watched import Watched
@@ -29,6 +29,8 @@ from codend.solvers.watched import Watched
 METHOD = "gentle steps under a barrier"
 FALL, LEAST_SHIFT = 0.6, 1e-4
 """Factor on the shift after a good step, and what it falls to."""
+NEAREST_TO_SLACK = 0.99
+"""Share of the way to the first bar's slackness that a step may go."""
 FIRST_BARRIER, LAST_BARRIER, LOWERED = 1e-3, 1e-10, 0.2
 """Barrier in units of the reference tension over the square of the mean length of bars, and factor on it."""
 CALM = 3.0

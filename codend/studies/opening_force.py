@@ -36,7 +36,7 @@ WIDER = 1.4
 """Factor by which the model is made wider at least, from one to the next."""
 WHOLE = 200
 """Sectors up to which the full net is modelled at once: narrow models of it take as long in all, and disagree."""
-PULL = InteriorPointSettings(first_barrier=0.1, last_barrier=1e-9, slack_apart=True)
+PULL = InteriorPointSettings(first_barrier=0.1, last_barrier=1e-9)
 """Of the first pull: half the steps that the defaults take."""
 NEXT_PULL = replace(newton.DIRECT, iterations_allowed=8, switches=newton.DIRECT.switches[:1])
 """Newton's method from the last pulled net to one pulled a little more or less."""

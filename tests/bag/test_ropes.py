@@ -15,6 +15,7 @@ from codend.solvers import newton
 from codend.studies.case_result import CaseResult
 from codend.studies.study import solve
 from validation.reference import nodal_loads, residual
+from validation.ropes_short import measured, plan_with
 from validation.smeared_ropes import compare, random_plan
 
 KNOTTED = {"knot_mm": 6.0}
@@ -170,3 +171,13 @@ def test_ropes_that_cannot_be_are_one_line(name):
         roped({k: v for k, v in rope.items() if v is not None})
     assert caught.value.key == key
     assert len(str(caught.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize(("number", "shortening", "least", "most"), [(2, 0.1, 4.0, 8.0), (4, 0.2, 15.0, 18.0)])
+def test_ropes_of_a_codend_of_fifty_meshes_open_it_ahead_and_raise_its_drag(number, shortening, least, most):
+    tube, short = (measured(plan_with(ropes, shortening, 12.0)) for ropes in (0, number))
+    assert tube is not None
+    assert short is not None
+    assert least < short.opening_ahead_deg - tube.opening_ahead_deg < most
+    assert short.drag_n > 1.1 * tube.drag_n
+    assert short.entry_reaction_n == pytest.approx(short.drag_n, rel=1e-6)

@@ -14,6 +14,7 @@ from codend.io.columns import RESULT_COLUMNS
 from codend.mechanics import drag
 from codend.net.net import bar_vectors
 from codend.plan.reach import least_radius_m
+from codend.report.html import cautions
 from codend.report.page_tables import results_tables
 from codend.report.picture import RISE_DEG, STRAP_WIDTH, net_picture
 from codend.studies.case_result import CaseResult
@@ -349,3 +350,13 @@ def test_straps_that_contradict_themselves_are_one_line(change, key):
             strap=[{name: value for name, value in strap.items() if value is not None}],
         )
     assert caught.value.key == key
+
+
+@pytest.mark.parametrize(("share", "said"), [(0.95, 1), (0.7, 0)])
+def test_a_strap_that_is_slack_on_the_catch_is_told_with_how_wide_the_netting_is(share, said):
+    tube = solved()
+    around = 2.0 * np.pi * tube.rows.radius_m[strap_row(tube)]
+    longer = {"length_m": 1.05 * around} if said else {"length_m": share * around}
+    told = [word for word in cautions(solve(strapped(**longer))) if "slack" in word]
+    assert len(told) == said
+    assert all("12 meshes from the codline" in word and f"{around:.2g}" in word for word in told)

@@ -15,6 +15,7 @@ from codend.errors import InputError
 from codend.mechanics.rings import rings_of
 from codend.net.net import bar_vectors
 from codend.plan.plan import Plan, plan_from_dict
+from codend.report.vtk import net_mesh
 from codend.solvers import newton
 from codend.solvers.gentle import End
 from codend.solvers.refusal import passage
@@ -218,6 +219,9 @@ def test_contact_leads_a_turned_codend_to_folds_that_last_all_round_and_that_not
     assert followed.drag_spread_n <= result.errors.drag_error_n
     assert 10 <= followed.fold_count <= 25
     assert 0.01 < followed.contact_share < 0.1
+    bars, *meshes = net_mesh(result).cell_data["contact_push_n"]
+    assert 0.01 < (bars > 1e-6 * result.solution.mean_tension).mean() < 0.1
+    assert np.isnan(np.concatenate(meshes)).all()
 
 
 def test_a_wider_sector_starts_as_its_narrower_one_lies_whatever_that_is_made_of():
