@@ -2,8 +2,14 @@
 
 Two sections of random counts of meshes, and the joined plans of ``validation/cases``, are solved as ``auto`` chooses
 and by the exact sector, of counts without a common divisor the full net. Printed are the sectors' widths, the times of
-one case from nothing, estimates and all, and the true errors, relative and over their estimates. Exits with 1 if an
-error exceeds its estimate or, in drag, what was asked for.
+one case from nothing, estimates and all, the drag's stated error, and the true errors, relative and over their
+estimates. Where the chosen sector has no equilibrium a narrower one stands in (``equilibrium.standing_in``); exact ones
+mostly have none there, and then the error is not known. Exits with 1 if ``auto`` leaves a plan unsolved, if an error
+exceeds its estimate or, in drag, where nothing stands in, what was asked for.
+
+Of ``--pairs 40`` all 44 cases are solved, 81 to 74 (drag to 31 %) and 83 to 21 (3.9 %) by a sector that stands in,
+where none is found of the exact ones; the others in at most 12 s, with at most 0.69 of the estimate in drag, 0.67
+in volume, 0.75 in radius and 0.71 in opening.
 """
 
 import sys
@@ -74,15 +80,19 @@ def compared(plan: Plan) -> Iterator[dict[str, object]]:
     choice = fidelity.choose(plan)
     chosen = solve(plan, choice=choice)
     between = perf_counter()
-    exact = chosen if choice.near is None else solve(exactly(plan))
+    exact = chosen if choice.near is None and not chosen.cases[0].stands_in else solve(exactly(plan))
     ended = perf_counter()
     counts = [part.meshes_round for part in plan.netting]
     for near, true in zip(chosen.cases, exact.cases, strict=True):
+        used = near.stands_in or choice.near
         row: dict[str, object] = {
             "counts": "+".join(map(str, counts)),
             "exact": max(counts) // choice.order,
-            "chosen": max(counts) // choice.order if choice.near is None else max(choice.near.columns),
-            "mismatch": 0.0 if choice.near is None else choice.near.largest,
+            "chosen": max(used.columns) if used else max(counts) // choice.order,
+            "mismatch": used.largest if used else 0.0,
+            "stands in": near.stands_in is not None,
+            "solved": near.converged,
+            "stated": near.errors.drag_error_n / near.measures.drag_n,
             "chosen_s": (between - began) / len(chosen.cases),
             "exact_s": ((ended if exact is not chosen else between) - (between if exact is not chosen else began))
             / len(chosen.cases),
@@ -106,14 +116,17 @@ def main(pairs: int, seed: int) -> None:
         print(table.round(5).to_string(index=False))
     solved = table.dropna(subset=["drag_n"])
     near = solved[solved.chosen < solved.exact]
-    print(f"{len(table)} cases, {len(solved)} solved by both, {len(near)} of them on a sector of nearly the ratio")
+    print(
+        f"{len(table)} cases, {table.solved.sum()} solved, {table['stands in'].sum()} by a sector that stands in, "
+        f"{len(solved)} solved exactly as well, {len(near)} of these on a sector of nearly the ratio"
+    )
     worst = 0.0
     for name in QUANTITIES:
         print(f"  {name}: at most {near[name].max():.5f}, over its estimate {near[f'{name} over'].max():.3f}")
         worst = max(worst, float(near[f"{name} over"].max()))
     print(f"  drag over mismatch at most {(near.drag_n / near.mismatch).max():.2f}")
     print(f"  s a case: chosen at most {near.chosen_s.max():.1f}, exact {near.exact_s.max():.1f}")
-    sys.exit(worst > 1.0 or float(near.drag_n.max()) > 0.01)
+    sys.exit(not table.solved.all() or worst > 1.0 or float(near[~near["stands in"]].drag_n.max()) > 0.01)
 
 
 if __name__ == "__main__":

@@ -13,9 +13,15 @@ import numpy as np
 
 from codend.plan.plan import Plan
 
+NEARER = 1e-6
+"""Share by which a wider sector must be nearer: multiples of a ratio differ by round-off."""
+WORTH_KNOTS = 1000
+"""Knots of a wide sector from which a narrow one takes its place: from there some end unsolved, after a minute."""
 SLOW_KNOTS, SLOW_MESHES = 3000, 10
 """Knots of a model, and meshes round it, from which a case takes seconds or more: full nets of joined sections took 2 s
 with 3 800 knots and 23 s with 15 000. Narrow sectors, however long, take milliseconds."""
+NARROW_MESHES = 12
+"""Width of a sector that takes a second at most, whether it is solved or not."""
 DRAG_BY_MISMATCH = 2.0
 """Relative error in drag by the largest mismatch: the drag goes as the square of a radius, and that as the meshes round
 (``python -m validation.joined_counts``)."""
@@ -54,7 +60,7 @@ def near_ratios(plan: Plan) -> Iterator[NearRatio]:
         # least squares of the mismatches order x share - 1
         order = float((area * share).sum() / (area * share**2).sum())
         mismatch = order * share - 1.0
-        if (size := float(np.abs(mismatch).max())) < nearest:
+        if (size := float(np.abs(mismatch).max())) < (1.0 - NEARER) * nearest:
             nearest = size
             yield NearRatio(tuple(columns.tolist()), order, tuple(mismatch.tolist()))
 
@@ -69,7 +75,7 @@ def near_enough(plan: Plan) -> NearRatio | None:
     )
     rows = len(plan.sections_of_bands())
     seamed = plan.ropes or plan.window or plan.tapers
-    if seamed or widest < SLOW_MESHES or rows * widest < SLOW_KNOTS:
+    if seamed or widest < SLOW_MESHES or rows * widest < WORTH_KNOTS:
         return None
     allowed = plan.model.accuracy / DRAG_BY_MISMATCH
     return next(
@@ -81,3 +87,16 @@ def narrower(plan: Plan, near: NearRatio) -> NearRatio | None:
     """The next narrower sector, by whose answers those of one may be judged; None where there is none."""
     before = [other for other in near_ratios(plan) if max(other.columns) < max(near.columns)]
     return before[-1] if before else None
+
+
+def stand_ins(plan: Plan) -> list[NearRatio]:
+    """Narrow sectors that may stand for a wide one in which no equilibrium is found, the nearest to its counts first.
+
+    None where the exact sector is narrow itself, or has what they have no place for.
+    """
+    counts = [part.open_meshes[0] for part in plan.netting]
+    widest = max(counts) // math.gcd(*counts)
+    plain = not (plan.seamed or plan.ropes or plan.window or plan.tapers or plan.layer)
+    if not plain or widest < SLOW_MESHES or len(plan.sections_of_bands()) * widest < WORTH_KNOTS:
+        return []
+    return [near for near in near_ratios(plan) if max(near.columns) <= min(NARROW_MESHES, widest // 2)][::-1]

@@ -13,6 +13,7 @@ from codend.bag.measures import Measures, drag_of, measure_all, measure_briefly
 from codend.bag.near_ratio import narrower, near_enough
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
+from codend.equilibrium.starts import BRIEFLY
 from codend.net.net import Floats
 from codend.plan.plan import Case, Plan
 from codend.solvers.newton import ONE_STEP, TangentAtEquilibrium, drifted, solve_nearby
@@ -33,14 +34,15 @@ MORE_SUCTION = 0.1
 """Change of the suction outside the catch, relative, that the sensitivity to the pressure curve is told for."""
 NOISE = 1e-8
 """Relative error that is claimed in any case: what a residual of ``FINEST`` may leave."""
-WEIGHT_LEFT_OUT = np.array([[0.7, 0.5], [0.7, 0.5], [0.5, 0.0], [7.0, 0.2]])
+WEIGHT_LEFT_OUT = np.array([[0.7, 0.5], [0.7, 0.5], [0.75, 0.0], [7.0, 0.2]])
 """Relative change by wet weight of drag, volume, largest radius and opening ahead of the catch, at most, in w and w^2
 with w the weight over the drag. Found on free full nets, of diamond and T90 netting alone and joined, with w from 0.005
 to 0.5 (``python -m validation.weight_left_out``): where the sector is stable they were off by up to 0.16, 0.14, 0.25
 and 2.8 w, where it is not by 0.66, 0.64, 0.5 and 6.8 w, and on other nets by up to 0.85 and 8.9 w: there the net lies
 in waves, which ``wrinkles`` tells of. Merged meshes bear the weight, but in a bag of fewer rows and wider
 meshes: they may be off by as much. On 60 nets of ``--seed 11``, none used, one was outside, by 1.3: its full net, not
-stable, is known no better than that."""
+stable, is known no better than that. On 77 of ``--nets 80 --seed 2`` all but one radius were within, off by 0.68 w
+where 0.5 w was told: it is 0.75 w since."""
 
 OF_THE_CATCH = np.array([0.0, 0.0, 1.5, 0.0])
 """What the catch's own weight changes beyond that, in its w: it presses from below, and bags it out. On 128 nets
@@ -155,7 +157,7 @@ def by_any_method(plan: Plan) -> Plan:
 
 
 def _solved(model: BagModel, case: Case) -> Measures:
-    problem, solution = equilibrium.solve(model, case, (), None)
+    problem, solution = equilibrium.solve(model, case, (), None, None if model.near is None else BRIEFLY)
     return measure_all(model.bag, problem, solution)[2] if solution.report.outcome.converged else Measures.unknown()
 
 
@@ -163,19 +165,21 @@ def by_ratio(model: BagModel, case: Case, measures: Measures) -> np.ndarray:
     """What a sector of nearly the ratio of the counts is off by: the distance to a narrower one, which is further off.
 
     Answers are linear in the mismatch of the counts, as far as that is small; but where the way they change turns, two
-    sectors happen to agree, and ``BY_MISMATCH`` is the least that is told.
+    sectors happen to agree, and ``BY_MISMATCH`` is the least that is told; twice that, where no narrower one is solved.
     """
     near = model.near
     if near is None:
         return np.zeros(4)
+    least = BY_MISMATCH * near.largest * np.abs(measures.estimated)
     other = narrower(model.plan, near)
-    if other is None:
-        return np.full(4, np.nan)
-    here, there = np.array(near.mismatch), np.array(other.mismatch)
-    part = np.linalg.norm(here) / np.linalg.norm(here - there)
-    distance = part * _distance(measures, _solved(model_of(by_any_method(model.plan), 1, 1, near=other), case))
-    sizes = np.abs(measures.estimated)
-    return np.asarray(np.maximum(distance, BY_MISMATCH * near.largest * sizes))
+    while other is not None:
+        compared = _solved(model_of(by_any_method(model.plan), 1, 1, near=other), case)
+        if np.isfinite(compared.drag_n):
+            here, there = np.array(near.mismatch), np.array(other.mismatch)
+            part = np.linalg.norm(here) / np.linalg.norm(here - there)
+            return np.asarray(np.maximum(part * _distance(measures, compared), least))
+        other = narrower(model.plan, other)
+    return 2.0 * least
 
 
 def by_merged_windows(model: BagModel, case: Case, measures: Measures) -> np.ndarray:

@@ -6,26 +6,30 @@ from dataclasses import replace
 from codend.bag.loads import problem_of
 from codend.equilibrium.bag_model import BagModel
 from codend.equilibrium.situation import Situation
-from codend.equilibrium.starts import STARTS
+from codend.equilibrium.starts import STARTS, Start
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case
 from codend.solvers.outcome import Progress, Solution
 
 
 def solve(
-    model: BagModel, case: Case, known: Sequence[tuple[Case, Solution]], progress: Progress | None
+    model: BagModel,
+    case: Case,
+    known: Sequence[tuple[Case, Solution]],
+    progress: Progress | None,
+    starts: Sequence[Start] | None = None,
 ) -> tuple[Problem, Solution]:
     """Equilibrium of one case, helped by the equilibria known of others of the same model.
 
-    The starts of ``STARTS`` that apply are tried until one ends in balance. The report of what is returned tells every
-    attempt; its time is that of all of them, of finding where to start too.
+    The starts that apply, of ``STARTS`` unless others are named, are tried until one ends in balance. The report of
+    what is returned tells every attempt; its time is that of all of them, of finding where to start too.
     """
     problem = problem_of(model.bag, model.plan, case)
     situation = Situation(model, problem, case, known, progress, lambda other, case: solve(other, case, (), None)[1])
     attempts: list[str] = []
     spent_ms = 0.0
     solution: Solution | None = None
-    for start in STARTS[model.plan.model.method]:
+    for start in STARTS[model.plan.model.method] if starts is None else starts:
         tried = start.solve(situation) if start.applies(situation) else None
         if tried is None:
             continue

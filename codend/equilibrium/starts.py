@@ -212,6 +212,8 @@ STARTS: Final[dict[str, tuple[Start, ...]]] = {
     "rigid-bars": (RIGID, RIGID_SLACK),
 }
 """For each ``model.method`` the starts in the order tried."""
+BRIEFLY: Final = (LED, ROWS, CRUDE, MERIDIAN, STEPS)
+"""Those that take a wide joined net no minutes, where another model can stand in its place."""
 
 
 def _later(solution: Solution, ms: float) -> Solution:

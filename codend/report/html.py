@@ -173,6 +173,14 @@ def cautions(study: Study) -> list[str]:
         for reason in dict.fromkeys(result.followed.reason for result in led):
             same = _named([result for result in led if result.followed.reason == reason], study)
             found.append(f"{'In waves' if shapes else 'Wrinkles'}: {same}: {reason}.")
+    for near in dict.fromkeys(result.stands_in for result in study.cases if result.stands_in is not None):
+        same = _named([result for result in study.cases if result.stands_in == near], study)
+        wide = " and ".join(map(str, near.columns))
+        stands_for = " and ".join(f"{near.order * columns:.1f}" for columns in near.columns)
+        found.append(
+            f"No equilibrium was found with the meshes round that the plan has: {same}. In its place stands a sector "
+            f"{wide} meshes wide, as of {stands_for} meshes round; the estimates cover what that changes."
+        )
     pressed = [result for result in study.cases if result.followed.contact_share > 0.0]
     if in_contact := _named(pressed, study):
         counts = sorted({result.followed.fold_count for result in pressed})

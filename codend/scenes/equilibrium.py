@@ -114,6 +114,8 @@ def _starts(touching: Problem, tolerance: float, progress: Progress | None) -> I
     without = replace(touching, surface=None)
     still = replace(without, loading=without.loading._replace(water=water._replace(flow=np.zeros_like(water.flow))))
     rest = interior_point.solve(still, tolerance, progress=progress)
+    if not rest.report.outcome.converged:
+        rest = slack.solve(still, tolerance, progress=progress)
     if rest.report.outcome.converged and _apart(touching, rest.positions):
         yield rest, contact_law(touching, rest.mean_tension)
     if _apart(touching, touching.net.positions):

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from codend.bag.bag import Bag, real_tensions
 from codend.bag.measures import Measures, Meshes, Rows
+from codend.bag.near_ratio import NearRatio
 from codend.equilibrium.accuracy import Errors
 from codend.equilibrium.following import NOT_FOLLOWED, Followed
 from codend.equilibrium.stability import Stability
@@ -31,6 +32,8 @@ class CaseResult:
     meshes: Meshes | None
     followed: Followed = NOT_FOLLOWED
     """What became of what grows of it."""
+    stands_in: NearRatio | None = None
+    """The sector of nearly the ratio of the counts that it is the equilibrium of, where that chosen has none."""
 
     @property
     def net(self) -> Net:

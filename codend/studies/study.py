@@ -13,17 +13,17 @@ from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import Measures, measure_all
 from codend.bag.meridian import plan_case
-from codend.equilibrium import accuracy, fidelity
+from codend.equilibrium import accuracy, fidelity, standing_in
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.accuracy import Errors
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
 from codend.equilibrium.following import LYING_ON_ITSELF, NOT_FOLLOWED, follow
+from codend.equilibrium.other_shapes import apart_from_other_shapes
 from codend.equilibrium.room import check_room, explained
 from codend.equilibrium.stability import Stability, stability_of
 from codend.equilibrium.wrinkles import changed_by_wrinkles, within_accuracy
 from codend.mechanics.problem import Problem
-from codend.net.net import Floats
 from codend.plan.plan import Case, Plan
 from codend.solvers import newton
 from codend.solvers.outcome import Progress, Solution, SolverReport
@@ -132,7 +132,7 @@ def solve(
             if keep is not None:
                 keep(result)
         return Study(plan, choice, tuple(done_cases))
-    check_room(plan, choice)
+    free = check_room(plan, choice)
     smeared = choice.fidelity == "smeared"
     model = model_of(plan, choice.globalisation, choice.sectors, smeared, choice.near)
     cases = plan.cases()
@@ -149,15 +149,18 @@ def solve(
         if progress is not None:
             progress(done, len(cases), f"case {case.number}")
         try:
-            problem, solution = equilibrium.solve(model, case, known or neighbours, report)
+            found_on, problem, solution = standing_in.solve(model, choice, case, known or neighbours, report)
+            result = measured(found_on.bag, case, problem, solution)
+            if result.converged:
+                if found_on is model:
+                    known.append((case, solution))
+                if progress is not None:
+                    progress(done, len(cases), f"case {case.number}: its stability and errors")
+                unseen_n = choice.unseen_weight_n if found_on is model else choice.weight_n
+                result = _judged(found_on, result, unseen_n, report)
+                result = replace(result, stands_in=None if found_on is model else found_on.near)
         except MemoryError as error:
-            raise explained(plan, choice, error) from None
-        result = measured(model.bag, case, problem, solution)
-        if result.converged:
-            known.append((case, solution))
-            if progress is not None:
-                progress(done, len(cases), f"case {case.number}: its stability and errors")
-            result = _judged(model, result, choice.unseen_weight_n, report)
+            raise explained(plan, choice, error, free) from None
         results[case.number] = result
         if keep is not None:
             keep(result)
@@ -176,8 +179,7 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     may_touch = stability.stable != "yes" or turned or result.net.order == 1
     touching = may_touch and layers_touch(problem, solution.positions)
     changed = changed_by_wrinkles(result.bag, case, solution, stability, result.measures, touching)
-    if result.net.order == 1 and stability.stable == "yes":
-        changed = changed + _apart_from_other_shapes(model, result)
+    changed = changed + apart_from_other_shapes(model, case, tangent, stability, result.measures)
     errors = accuracy.estimate(model, case, tangent, result.measures, unseen_weight_n, changed)
     followed = replace(NOT_FOLLOWED, folds=True, reason=LYING_ON_ITSELF) if touching else NOT_FOLLOWED
     result = replace(result, errors=errors, stability=stability, followed=followed)
@@ -202,28 +204,6 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     changed = followed.changed if covered else np.maximum(changed, followed.changed)
     errors = accuracy.estimate(shape.model, case, tangent, found.measures, unseen_weight_n, changed)
     return replace(found, errors=errors, stability=shape.stability, followed=followed)
-
-
-def _apart_from_other_shapes(model: BagModel, result: CaseResult) -> Floats:
-    """How far other shapes of a whole net may lie from the stable one that was found, (4,).
-
-    Where the symmetric shape is unstable, a shape that is not is one of many beside it.
-    """
-    plan, loading = accuracy.by_any_method(model.plan), result.problem.loading
-    if plan.rope or loading.dead.any() or loading.catch.weight_density != 0.0:
-        return np.zeros(4)
-    sector = model_of(plan, model.globalisation, 1)
-    if sector.bag.net.order == 1:
-        return np.zeros(4)
-    problem, solution = equilibrium.solve(sector, result.case, (), None)
-    if not solution.report.outcome.converged:
-        return np.zeros(4)
-    stability = stability_of(sector, newton.tangent_at(problem, solution, sector.prepared))
-    if stability.stable != "no":
-        return np.zeros(4)
-    symmetric = measure_all(sector.bag, problem, solution)[2]
-    changed = changed_by_wrinkles(sector.bag, result.case, solution, stability, symmetric, touching=False)
-    return np.asarray(changed + np.abs(result.measures.estimated - symmetric.estimated))
 
 
 def _equilibria_of(near: Study | None, model: BagModel) -> list[tuple[Case, Solution]]:

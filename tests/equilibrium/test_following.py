@@ -79,6 +79,23 @@ def test_a_whole_net_relaxed_to_one_of_several_stable_shapes_has_an_error_that_c
     assert abs(result.measures.opening_ahead_deg - 19.98) < result.errors.opening_ahead_error_deg
 
 
+@pytest.mark.parametrize("knots", [True, False])
+def test_errors_of_very_stiff_twine_cover_the_shape_that_another_start_leads_to(knots):
+    """The knotted bag has 1.31 and 2.05 N, neither stable, the other one 1.06 and 1.46 N, both stable."""
+    twine = {"meshes_round": 12, "meshes_long": 8, "bending_stiffness_n_m2": 2e-3, "twine_mm": 1.0}
+    twine |= {"knot_mm": 5.0, "axial_stiffness_n": 5000.0, "twines": 2} if knots else {"twine_mm": 2.0}
+    bag = (25.0, 0.09 / np.pi, 3.0 if knots else 5.0)
+    first, other = (
+        solve(small("diamond", *bag, {"fidelity": "sector", "method": method, "wrinkles": False}, **twine)).cases[0]
+        for method in ("auto", "dynamic-relaxation")
+    )
+    assert other.measures.drag_n > 1.3 * first.measures.drag_n
+    for result, far in ((first, other), (other, first)):
+        for name, error in QUANTITIES.items():
+            off = abs(getattr(result.measures, name) - getattr(far.measures, name))
+            assert off <= 1.001 * getattr(result.errors, error) + 1e-7 * getattr(result.measures, name)
+
+
 def test_the_turned_net_in_small_waves_is_unstable_with_an_error_that_covers_them():
     result = t90()
     assert (result.stability.stable, result.stability.growing) == ("no", (9, 10, 11, 12))

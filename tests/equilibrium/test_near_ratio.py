@@ -13,11 +13,14 @@ from codend.equilibrium.accuracy import SAFETY, by_ratio
 from codend.equilibrium.bag_model import model_of
 from codend.plan.plan import Plan
 from codend.report.choice_words import reason_text
+from codend.report.html import cautions
 from codend.solvers import newton
 from codend.solvers.harmonics import harmonics_of
 from codend.solvers.outcome import Solution
 from codend.solvers.refusal import refusal
+from codend.studies.study import solve
 from tests.plans import joined_plan
+from validation.joined_counts import joined_pair
 
 
 def joined(first: int, second: int, rows: int = 8, **model: object) -> Plan:
@@ -98,3 +101,14 @@ def test_auto_takes_a_near_ratio_where_the_exact_sector_would_take_minutes(first
 def test_sectors_that_are_narrow_or_nets_that_are_small_stay_exact(first, second):
     assert fidelity.choose(joined(first, second)).near is None
     assert build_bag(joined(first, second), sectors=1).net.order == np.gcd(first, second)
+
+
+def test_a_narrower_sector_stands_in_where_the_chosen_one_has_no_equilibrium():
+    """Of 107 to 76 meshes all spare netting folds but in 3 to 2 and 31 to 22; the latter has 357.6345 N."""
+    plan = joined_pair(7, 15)
+    result = solve(plan).cases[0]
+    assert result.converged
+    assert result.stands_in is not None
+    assert result.stands_in.columns == (3, 2)
+    assert abs(result.measures.drag_n - 357.6345) <= result.errors.drag_error_n < 0.1 * result.measures.drag_n
+    assert any("meshes round that the plan has" in caution for caution in cautions(solve(plan)))

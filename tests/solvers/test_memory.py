@@ -51,6 +51,18 @@ def test_want_of_memory_at_the_factorisation_names_the_merged_net_too(monkeypatc
         study.solve(plan)
 
 
+def test_what_ran_out_while_a_net_was_judged_names_a_merged_net_of_half_of_what_there_was(monkeypatch):
+    def spent(*_: object) -> None:
+        raise MemoryError
+
+    plan = make_plan(24, 20, model=FULL)
+    free = 1.2 * needed_bytes(fidelity.choose(plan).knots)
+    monkeypatch.setattr(study, "_judged", spent)
+    monkeypatch.setattr(room, "free_bytes", lambda: free)
+    with pytest.raises(TooLittleMemory, match="there was did not do; 2 x 2 meshes merged into one"):
+        study.solve(plan)
+
+
 def test_want_of_memory_beside_a_small_net_is_not_laid_to_the_net(monkeypatch):
     def spent(*_: object) -> None:
         raise MemoryError

@@ -1,0 +1,84 @@
+"""How far other shapes of a net may lie from the one that was found."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from codend.bag.measures import Measures, measure_all
+from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.accuracy import by_any_method
+from codend.equilibrium.bag_model import BagModel, model_of
+from codend.equilibrium.stability import Stability, stability_of
+from codend.equilibrium.starts import CRUDE, MERIDIAN, RELAXED_TO_THE_END
+from codend.equilibrium.wrinkles import changed_by_wrinkles
+from codend.net.net import Floats
+from codend.plan.plan import Case, Plan
+from codend.solvers import newton
+from codend.solvers.newton import TangentAtEquilibrium
+
+VERY_STIFF = 30.0
+"""Stiffness of the mean corner over the mean tension of a bar times its length, beyond which twine holds netting open
+or shut in more than one way: behind a hoop it was bent to, both twines of a mesh pull or one alone. A bag of 12 x 8
+meshes of EI 2e-3 N m2 has 1.31 N in one shape and 2.05 N in another, at 650; commercial codends are below 3."""
+ROUGHLY = 1e-5
+"""Tolerance of the others."""
+MOST_KNOTS = 500
+"""Of a sector that is relaxed from a crude bag once more: a second."""
+
+
+def apart_from_other_shapes(
+    model: BagModel, case: Case, tangent: TangentAtEquilibrium, stability: Stability, measures: Measures
+) -> Floats:
+    """How far other shapes may lie from one that was found, drag, volume, largest radius and opening ahead, (4,).
+
+    Of very stiff twine all that starts far apart lead to. Where a whole net lies in a stable shape and the symmetric
+    one is not stable, it is one of many beside that.
+    """
+    found = tangent.problem
+    plan, loading = _roughly(by_any_method(model.plan)), found.loading
+    if plan.rope or plan.window or plan.layer or loading.dead.any() or loading.catch.weight_density != 0.0:
+        return np.zeros(4)
+    whole = found.net.order == 1
+    very_stiff = _stiffness(tangent) > VERY_STIFF
+    if not very_stiff and not (whole and stability.stable == "yes"):
+        return np.zeros(4)
+    sector = model_of(plan, model.globalisation, 1, model.smeared, model.near)
+    if sector.bag.net.order == 1:
+        return np.zeros(4)
+    own, apart = measures.estimated, np.zeros(4)
+    if very_stiff and len(sector.bag.net.positions) <= MOST_KNOTS:
+        for other in _from_afar(sector, case):
+            apart = np.maximum(apart, np.abs(own - other.estimated))
+    if not whole or stability.stable != "yes":
+        return apart
+    problem, solution = equilibrium.solve(sector, case, (), None)
+    if not solution.report.outcome.converged:
+        return apart
+    symmetric_stability = stability_of(sector, newton.tangent_at(problem, solution, sector.prepared))
+    if symmetric_stability.stable != "no":
+        return apart
+    symmetric = measure_all(sector.bag, problem, solution)[2]
+    changed = changed_by_wrinkles(sector.bag, case, solution, symmetric_stability, symmetric, touching=False)
+    return np.asarray(apart + changed + np.abs(own - symmetric.estimated))
+
+
+def _roughly(plan: Plan) -> Plan:
+    """The plan at a tolerance that relaxation is quick to meet."""
+    model = plan.model.model_copy(update={"tolerance": max(plan.model.tolerance, ROUGHLY)})
+    return plan.model_copy(update={"model": model})
+
+
+def _stiffness(tangent: TangentAtEquilibrium) -> float:
+    """Stiffness of the mean corner over the mean tension times a bar's length; 0 of limp twine."""
+    structure = tangent.problem.structure
+    if len(structure.corner_stiffness) == 0:
+        return 0.0
+    return float(structure.corner_stiffness.mean() / (tangent.solution.mean_tension * structure.length.mean()))
+
+
+def _from_afar(sector: BagModel, case: Case) -> Iterator[Measures]:
+    """What starts far from each other lead to."""
+    for starts in ((MERIDIAN, CRUDE), (RELAXED_TO_THE_END,)):
+        problem, solution = equilibrium.solve(sector, case, (), None, starts)
+        if solution.report.outcome.converged:
+            yield measure_all(sector.bag, problem, solution)[2]
