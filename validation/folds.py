@@ -185,7 +185,8 @@ def _number(value: float) -> str:
 def _verdicts(table: pd.DataFrame, widths: pd.DataFrame) -> tuple[Verdict, ...]:
     touching = table[table["contact"] == "yes"]
     sound = (touching["residual"] <= 1e-6) & (touching["pierced"] == "no")
-    lasting = touching["stable"] == "yes"
+    limp = touching[touching["bending_n_m2"] == 0.0]
+    lasting = limp["stable"] == "yes"
     settled = widths[widths["ends"] == "settled"]
     drag = float(np.ptp(settled["drag_n"]) / settled["drag_n"].mean())
     opening = float(np.ptp(settled["opening_deg"]))
@@ -195,16 +196,21 @@ def _verdicts(table: pd.DataFrame, widths: pd.DataFrame) -> tuple[Verdict, ...]:
             bool(sound.all()),
             f"{len(touching)} codends, largest residual {touching['residual'].max():.1e}",
         ),
-        Verdict("Nothing grows of them, all round", bool(lasting.all()), f"{int(lasting.sum())} of {len(touching)}"),
+        Verdict(
+            "Nothing grows of those of limp twine, all round",
+            bool(lasting.all()),
+            f"{int(lasting.sum())} of {len(limp)}; of all twines {int((touching['stable'] == 'yes').sum())} of "
+            f"{len(touching)}",
+        ),
         Verdict(
             f"Sectors of several widths and merged nets agree within {100 * WITHIN:g} % and {WITHIN_DEG:g} degrees",
             bool(len(settled) == len(widths) and drag <= WITHIN and opening <= WITHIN_DEG),
             f"{len(settled)} of {len(widths)} settled, {100.0 * drag:.3f} % in drag, {opening:.2f} degrees",
         ),
         Verdict(
-            f"A codend with contact takes less than {SECONDS:g} s of processor time from nothing",
-            bool(touching["seconds"].max() < SECONDS),
-            f"largest {touching['seconds'].max():.1f} s, median {touching['seconds'].median():.1f} s",
+            f"Codends of limp twine with contact take less than {SECONDS:g} s of processor time from nothing",
+            bool(limp["seconds"].max() < SECONDS),
+            f"largest {limp['seconds'].max():.1f} s; of all twines {touching['seconds'].max():.1f} s",
         ),
     )
 

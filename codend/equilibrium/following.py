@@ -315,8 +315,8 @@ def _told(run: _Following, at_rest: Measures, merged: str, spent_ms: float) -> F
         reason = f"followed {where}{merged}, from which something grows"
     share = in_contact_share(shape.problem, shape.solution)
     if shape.problem.surface is not None:
-        reason += f", with contact between layers; {len(run.shapes)} starts settled"
-        reason += f", {run.lost} did not" if run.lost else ""
+        reason += f", with contact between layers; shapes that settled: {len(run.shapes)}"
+        reason += f", starts that did not: {run.lost}" if run.lost else ""
     folds = fold_count(shape.solution.positions, shape.problem.rings, shape.model.bag.net.order)
     lasts = shape.stability.stable == "yes"
     if shape.problem.surface is not None:

@@ -75,12 +75,14 @@ def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tu
     found = floating.solve(problem, tolerance, progress=progress)
     if found.report.outcome.converged and passage(touching, found.positions) is None:
         return problem, found
-    pose = floating.pose_found(problem, tolerance, progress)
-    if pose is None:
+    positions = floating.shape_found(problem, tolerance, progress)
+    if positions is None:
         return problem, found
-    before, positions = pose_of(body, problem.net.positions), problem.net.positions.copy()
+    # netting goes along as it was placed, ropes lie as they then do
+    built = problem.net.positions
+    before, pose = pose_of(body, built), pose_of(body, positions)
     sheets = np.setdiff1d(problem.net.facets, np.flatnonzero(problem.net.fixed.any(axis=1)))
-    positions[sheets] = pose.origin + (positions[sheets] - before.origin) @ (pose.turn @ before.turn.T).T
+    positions[sheets] = pose.origin + (built[sheets] - before.origin) @ (pose.turn @ before.turn.T).T
     place(body, pose, positions)
 
     def held(net: Problem, start: Solution | None) -> tuple[Problem, Solution]:
@@ -114,6 +116,8 @@ def _starts(touching: Problem, tolerance: float, progress: Progress | None) -> I
     without = replace(touching, surface=None)
     still = replace(without, loading=without.loading._replace(water=water._replace(flow=np.zeros_like(water.flow))))
     rest = interior_point.solve(still, tolerance, progress=progress)
+    if not rest.report.outcome.converged:
+        rest = slack.solve(still, tolerance, progress=progress)
     if rest.report.outcome.converged and _apart(touching, rest.positions):
         yield rest, contact_law(touching, rest.mean_tension)
     if _apart(touching, touching.net.positions):

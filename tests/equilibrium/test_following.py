@@ -229,7 +229,7 @@ def test_contact_leads_a_turned_codend_to_folds_that_last_all_round_and_that_not
     assert result.report.residual <= 1e-6
     assert result.problem.surface is not None
     assert passage(result.problem, result.positions) is None
-    assert followed.reason.endswith("with contact between layers; 4 starts settled")
+    assert followed.reason.endswith("with contact between layers; shapes that settled: 4")
     # a prototype with ipctk for its contact came to 859 N and 10.3 degrees
     assert abs(result.measures.drag_n - 859.0) < result.errors.drag_error_n < 4.0
     assert abs(result.measures.opening_ahead_deg - 10.3) < result.errors.opening_ahead_error_deg < 1.0

@@ -160,12 +160,20 @@ def _reference_information(model: SelectionModel, n: Array) -> Array:
 def _damped_step(at: Evaluation, damping: Array, scale: Array) -> Array:
     root = np.sqrt(scale)
     outer = root[:, :, None] * root[:, None, :]
-    concave = np.linalg.eigvalsh(at.observed / outer)[:, 0] > LEAST_INFORMATION
+    concave = _least_eigenvalues(at.observed / outer) > LEAST_INFORMATION
     matrix = np.where(concave[:, None, None], at.observed, at.expected)
     diagonal = np.einsum("bii->bi", matrix)  # a view: writes go to the matrix
     diagonal *= 1.0 + damping[:, None]
     diagonal += 1e-14 * scale  # a separated data set loses all its information on the way
     return np.asarray(np.linalg.solve(matrix, at.gradient[..., None])[..., 0], dtype=float)
+
+
+def _least_eigenvalues(matrices: Array) -> Array:
+    """The least eigenvalue of each symmetric matrix, (b,); minus infinity where it holds what is no number."""
+    finite = np.isfinite(matrices).all(axis=(1, 2))
+    found = np.full(len(matrices), -np.inf)
+    found[finite] = np.linalg.eigvalsh(matrices[finite])[:, 0]
+    return found
 
 
 def _covariance(observed: Array, expected: Array, scale: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -175,9 +183,9 @@ def _covariance(observed: Array, expected: Array, scale: Array) -> tuple[Array, 
     """
     root = np.sqrt(np.where(scale > 0.0, scale, 1.0))
     outer = root[:, :, None] * root[:, None, :]
-    determined = np.linalg.eigvalsh(expected / outer)[:, 0] > LEAST_INFORMATION
+    determined = _least_eigenvalues(expected / outer) > LEAST_INFORMATION
     scaled = observed / outer
-    determined &= np.linalg.eigvalsh(scaled)[:, 0] > LEAST_INFORMATION
+    determined &= _least_eigenvalues(scaled) > LEAST_INFORMATION
     scaled[~determined] = np.eye(scaled.shape[1])
     covariance: Array = np.linalg.inv(scaled) / outer
     return covariance, determined

@@ -11,7 +11,7 @@ from codend.selectivity.fits.analysis import fit_field_data
 from codend.selectivity.fits.choices import allowed_choice
 from codend.selectivity.fits.fielddata import catch_volumes_m3, is_simulated
 from codend.selectivity.fits.haul_table import AS_IT_STANDS, HaulReading
-from codend.selectivity.fits.scoring import Outcome
+from codend.selectivity.fits.scoring import NO_SELECTION
 from codend.selectivity.predicted_and_observed.calibrate import calibrate, calibrated_names
 from codend.selectivity.predicted_and_observed.retention_likelihood import Trialled
 from codend.selectivity.predicted_and_observed.together import FieldTrial, Together, set_together
@@ -48,10 +48,10 @@ def check_selection(trial: FieldTrial) -> None:
     """Refuse a trial whose fish tell of no selection: nothing computed can stand beside it.
 
     Raises:
-        InputError: retention does not rise with length.
+        InputError: retention does not rise with length, or cannot be told to.
     """
     outcome = trial.fit.pooled.outcome
-    if outcome in (Outcome.FLAT, Outcome.FALLING):
+    if outcome in NO_SELECTION:
         gear = "codend" if trial.data.design == "covered" else "test"
         allowed = "fish of which the longer are retained the more"
         raise InputError(trial.data.source, gear, None, allowed, f"tells of no selection: {outcome.value}")

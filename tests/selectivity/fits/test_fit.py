@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 from scipy.special import expit, ndtr
 
+from codend.selectivity.fits import scoring
 from codend.selectivity.fits.analysis import diagnostics_table, fit_field_data, fit_table
 from codend.selectivity.fits.curves import CURVES
 from codend.selectivity.fits.fielddata import read_field_data
@@ -266,3 +267,10 @@ def test_fit_table_has_the_promised_columns_groups_and_parameters() -> None:
     paired = fit_table(fit_field_data(HADDOCK, "paired", "logit", "estimated"))
     assert list(paired["parameter"]) == ["a", "b", "split", "l50_cm", "sr_cm"]
     assert list(paired["group"].unique()) == ["pooled"]
+
+
+def test_information_that_is_no_number_determines_nothing() -> None:
+    """LAPACK finds no eigenvalues of it, which once ended a calibration on flat data in a traceback."""
+    information = np.stack([np.eye(2), np.full((2, 2), np.nan)])
+    _, determined = scoring._covariance(information, information, np.ones((2, 2)))
+    assert determined.tolist() == [True, False]
