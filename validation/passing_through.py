@@ -5,6 +5,9 @@ solved by every method and fidelity, and every converged net is set all round an
 with the project's own: which bars meet which facets by Moeller and Trumbore's formula on the pairs that a tree of
 their middles finds near each other, and which rings cross themselves by the signs of areas. Exits with 1 if one does.
 Rigid bars take a minute on a full net: they solve every ``--rigid-every``-th plan there.
+
+Of plans 0 to 259 2142 nets converged by the ten models, and none passes through itself or holds an impossible catch
+(commit d3c5534, in slices of 20 by ``--seed``; 4 were refused, 2 failed, rigid bars on full nets 6 of 9).
 """
 
 import sys

@@ -75,12 +75,14 @@ def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tu
     found = floating.solve(problem, tolerance, progress=progress)
     if found.report.outcome.converged and passage(touching, found.positions) is None:
         return problem, found
-    pose = floating.pose_found(problem, tolerance, progress)
-    if pose is None:
+    positions = floating.shape_found(problem, tolerance, progress)
+    if positions is None:
         return problem, found
-    before, positions = pose_of(body, problem.net.positions), problem.net.positions.copy()
+    # netting goes along as it was placed, ropes lie as they then do
+    built = problem.net.positions
+    before, pose = pose_of(body, built), pose_of(body, positions)
     sheets = np.setdiff1d(problem.net.facets, np.flatnonzero(problem.net.fixed.any(axis=1)))
-    positions[sheets] = pose.origin + (positions[sheets] - before.origin) @ (pose.turn @ before.turn.T).T
+    positions[sheets] = pose.origin + (built[sheets] - before.origin) @ (pose.turn @ before.turn.T).T
     place(body, pose, positions)
 
     def held(net: Problem, start: Solution | None) -> tuple[Problem, Solution]:

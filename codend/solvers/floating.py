@@ -74,12 +74,12 @@ def solve(
     return Solution.ended(report, state.position, state.density * state.length, state.share)
 
 
-def pose_found(problem: Problem, tolerance: float, progress: Progress | None = None) -> rigid.Pose | None:
-    """Where the body floats if its net may pass through itself: near to where it does when that may not."""
+def shape_found(problem: Problem, tolerance: float, progress: Progress | None = None) -> Floats | None:
+    """How body and net float if the net may pass through itself, (n, 3): the body near to where it does if not."""
     run = _Run(problem, progress)
     run.set_start(None)
     outcome, _ = run.to_equilibrium(tolerance)
-    return run.pose if outcome in (Outcome.CONVERGED, Outcome.PASSED_THROUGH) else None
+    return run.state.position.copy() if outcome in (Outcome.CONVERGED, Outcome.PASSED_THROUGH) else None
 
 
 class _Run:
