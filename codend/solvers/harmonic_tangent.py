@@ -16,8 +16,8 @@ from codend.net.net import Floats
 
 NEAREST = 1e-8
 """Relative residual of an eigenvalue of the inverse."""
-HELD = 1e-12
-"""What a solution by the factors, which are made without pivoting, may leave, over it and the largest stiffness."""
+HELD = 1e-3
+"""What a solution by the factors, which are made without pivoting, may leave of its load: of an eigenvalue likewise."""
 FIRST_STEPS, MORE_STEPS, MOST_STEPS = 26, 13, 150
 """Of Arnoldi's method, before it is first looked what it found, until it is looked again, and in all."""
 
@@ -91,8 +91,7 @@ class HarmonicTangent:
             if np.all(residual <= NEAREST * np.abs(inverse[chosen])):
                 # the first solution is the start's
                 solution = basis[:2].T @ projection[:2, :1]
-                left = np.linalg.norm(self @ solution - centre * solution - basis[:1].T)
-                if left > HELD * np.abs(self.band[self.half]).max() * np.linalg.norm(solution):
+                if np.linalg.norm(self @ solution - centre * solution - basis[:1].T) > HELD:
                     return None
                 found = np.asarray(centre + 1.0 / inverse[chosen], dtype=np.complex128)
                 return found, np.einsum("mi,mk->ik", basis[:steps], parts[:, chosen])

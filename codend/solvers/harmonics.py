@@ -186,5 +186,5 @@ def _lowest_eigenvalues(
             break
         if tangent.negative_eigenvalues(negative, np.linalg.qr(found[1])[0]) == 0:
             return found
-        wanted = 2 * wanted + 2
+        wanted += 2  # few at a time: behind them may be a cluster, of which no part is found alone
     return np.linalg.eig(tangent.dense()) if tangent.size <= DENSE_AT_LAST else None

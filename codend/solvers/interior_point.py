@@ -48,6 +48,10 @@ STALLED = 80
 """Steps in a row that do not lower the barrier, after which none will."""
 FINISH = replace(DIRECT, switches=(1.0, 0.1, 0.01))
 """Newton's method at the end: the first of these weights parts taut and slack bars as the barrier did."""
+LAST_DIGITS = replace(FINISH, switches=(1.0,), iterations_allowed=3, least_iterations=1)
+"""The same for what the barrier has left of the lengths of bars, though forces balance."""
+FINE = 1e-10
+"""Relative error of lengths that is not worth a step."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +106,10 @@ def solve(
     reached = Solution.ended(report, state.position, state.density * state.length, state.share)
     if not outcome.converged:
         return reached
-    solution = newton.solve(problem, tolerance, reached, FINISH, progress, prepared)
+    fine = report.length_error <= FINE
+    solution = newton.solve(problem, tolerance, reached, FINISH if fine else LAST_DIGITS, progress, prepared)
+    if not fine and not solution.report.outcome.converged:
+        solution = newton.solve(problem, tolerance, reached, FINISH, progress, prepared)
     finished = replace(
         solution.report,
         iterations=steps + solution.report.iterations,
