@@ -45,12 +45,20 @@ def find(
     touching = problem.touching_by(contact_law(problem))
     found = interior_point.solve(problem, tolerance, progress=progress)
     attempts, spent_ms = list(found.report.attempts), found.report.solve_ms
+    at_rest = None
+    if not problem.loading.water.flow.any():
+        if not found.report.outcome.converged:
+            found = slack.solve(problem, tolerance, progress=progress)
+            attempts += found.report.attempts
+            spent_ms += found.report.solve_ms
+        at_rest = found
     if found.report.outcome.converged:
+        found = replace(found, report=replace(found.report, attempts=tuple(attempts), solve_ms=spent_ms))
         if passage(touching, found.positions) is None:
             return problem, polished(problem, tolerance, found, progress)
         attempts.append("in that shape netting passes through netting: contact is needed")
     started = False
-    for start, law in _starts(touching, tolerance, progress):
+    for start, law in _starts(touching, tolerance, at_rest, progress):
         started = True
         touching = problem.touching_by(law).touching_at(start.positions)
         found = slack.solve(touching, tolerance, start, progress=progress)
@@ -110,20 +118,29 @@ def contact_law(problem: Problem, tension: float | None = None) -> ContactLaw:
     return ContactLaw(distance, PUSH * (tension or reference_tension(problem)) / (1.2 * distance))
 
 
-def _starts(touching: Problem, tolerance: float, progress: Progress | None) -> Iterator[tuple[Solution, ContactLaw]]:
-    """Shapes to be let go from in which nothing passes through anything, and the contact there: at rest, as built."""
-    water = touching.loading.water
-    without = replace(touching, surface=None)
-    still = replace(without, loading=without.loading._replace(water=water._replace(flow=np.zeros_like(water.flow))))
-    rest = interior_point.solve(still, tolerance, progress=progress)
-    if not rest.report.outcome.converged:
-        rest = slack.solve(still, tolerance, progress=progress)
+def _starts(
+    touching: Problem, tolerance: float, at_rest: Solution | None, progress: Progress | None
+) -> Iterator[tuple[Solution, ContactLaw]]:
+    """Shapes to be let go from in which nothing passes through anything, and the contact there: at rest, as built.
+
+    ``at_rest`` is how the net in still water was looked for, where it was.
+    """
+    rest = _in_still_water(touching, tolerance, progress) if at_rest is None else at_rest
     if rest.report.outcome.converged and _apart(touching, rest.positions):
         yield rest, contact_law(touching, rest.mean_tension)
     if _apart(touching, touching.net.positions):
         tension = np.full(len(touching.net.bars), reference_tension(touching))
         report = SolverReport("as built", Outcome.STEPS_SPENT, 0, np.nan, np.nan, np.nan, 0.0)
         yield Solution(touching.net.positions, tension, np.zeros(touching.bands), report), contact_law(touching)
+
+
+def _in_still_water(touching: Problem, tolerance: float, progress: Progress | None) -> Solution:
+    """The net at rest without contact, as far as it was found."""
+    water = touching.loading.water
+    without = replace(touching, surface=None)
+    still = replace(without, loading=without.loading._replace(water=water._replace(flow=np.zeros_like(water.flow))))
+    rest = interior_point.solve(still, tolerance, progress=progress)
+    return rest if rest.report.outcome.converged else slack.solve(still, tolerance, progress=progress)
 
 
 def _apart(touching: Problem, positions: np.ndarray) -> bool:

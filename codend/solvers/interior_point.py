@@ -141,6 +141,9 @@ def _lower_the_barrier(
     kernels.begin(structure, barrier, LEAST_SLACKNESS / length, state)
     loosening = np.zeros(len(structure.length))
     steps, lowered, shift = 0, 0, 0.0
+    # what a tight layer takes from a bag is far more than steps ask for elsewhere, and to shift holds it back for ever
+    layered = len(structure.wrap_ring) > 0
+    farthest = np.inf if layered else FARTHEST_TURN
     while steps < settings.steps_allowed:
         if progress is not None:
             progress(METHOD, state.residual)
@@ -151,7 +154,7 @@ def _lower_the_barrier(
         if steps - lowered >= STALLED and barrier > last_barrier:
             return state, Outcome.NOT_IMPROVING, steps
         steps += 1
-        turn, shift = _step(problem, tension, shift, state, prepared)
+        turn, shift = _step(problem, tension, shift, farthest, state, prepared)
         if not np.isfinite(turn):
             return state, Outcome.SINGULAR if np.isnan(turn) else Outcome.NOT_IMPROVING, steps
         to_tight, to_slack = kernels.ways_to_nothing(structure, barrier, state, step, loosening)
@@ -164,7 +167,7 @@ def _lower_the_barrier(
         least = min(of_shape, of_pull)
         if least > 0.9:
             shift = 0.25 * shift if shift > LEAST_SHIFT else 0.0
-        elif least < 0.3:
+        elif least < 0.3 and not layered:
             shift = max(2.0 * shift, LEAST_SHIFT)
         if least > 0.5 and kernels.largest_force(structure, state) <= NEAR * tension * barrier / unit:
             lowered = steps
@@ -175,8 +178,10 @@ def _lower_the_barrier(
     return state, Outcome.CONVERGED if close else Outcome.STEPS_SPENT, steps
 
 
-def _step(problem: Problem, tension: float, shift: float, state: State, prepared: Prepared) -> tuple[float, float]:
-    """Write the step at a state, with the tangent shifted until it can be factorised and leads not too far.
+def _step(
+    problem: Problem, tension: float, shift: float, farthest: float, state: State, prepared: Prepared
+) -> tuple[float, float]:
+    """Write the step at a state, with the tangent shifted until it can be factorised and leads not farther than that.
 
     To a step every bar is softer by its slackness over its force density.
 
@@ -196,6 +201,6 @@ def _step(problem: Problem, tension: float, shift: float, state: State, prepared
             solved = system.solve(step.right[:sides])
             _, asked, determinant = newton_step.finish_step(structure, state, state, solved, step)
             turn = float(asked) if determinant > 0.0 else np.inf
-        if turn <= FARTHEST_TURN or shift >= LARGEST_SHIFT:
+        if turn <= farthest or shift >= LARGEST_SHIFT:
             return turn, shift
         shift = max(4.0 * shift, FIRST_SHIFT)

@@ -42,6 +42,7 @@ def gear(half: bool) -> BuiltScene:
         head["length_m"] = foot["length_m"] = 3.0
     every = {"diameter_mm": 12.0, "mass_kg_m": 0.4}
     data = {"title": "trawl", "vessel": {"speed_m_s": 1.2}, "point": points, "netting": [sheet]}
+    data["model"] = {"contact": False}  # how hard netting presses on itself goes by the mean tension of all bars
     return build(scene_from_dict({**data, "rope": [{**every, **rope} for rope in [*ropes, head, foot]]}))
 
 
