@@ -22,8 +22,8 @@ BEGINS_M, OF_A_BAR = 2e-3, 0.05
 """Distance at which contact begins, at most, and over the median bar: halving it moves drag by 0.04 %, openings by
 0.02 degrees, and takes longer. It is not the twine's thickness: where a codline gathers netting the start already has
 layers nearer to each other."""
-PUSH = 0.1
-"""What layers press on each other with at half of that distance, over 1.2 and the mean tension of the bars."""
+PUSH = 0.12
+"""What layers press on each other with at half of that distance, over the mean tension of the bars."""
 HALVINGS = 4
 """Most halvings of a first move that would push netting through netting."""
 
@@ -31,7 +31,7 @@ HALVINGS = 4
 def contact_law(problem: Problem, solution: Solution) -> ContactLaw:
     """How layers of a net press on each other, by its bars and their tension."""
     begins = min(BEGINS_M, OF_A_BAR * float(np.median(problem.structure.length)))
-    return ContactLaw(begins, PUSH * float(solution.bar_tension.mean()) / begins)
+    return ContactLaw.pressing(begins, PUSH * float(solution.bar_tension.mean()))
 
 
 def follow_under_contact(

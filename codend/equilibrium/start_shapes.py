@@ -11,10 +11,7 @@ from codend.bag.meridian.plan_case import tensions_on
 from codend.bag.meridian.problem import MeridianShape
 from codend.equilibrium.bag_model import BagModel
 from codend.net.net import Floats, rotate
-from codend.solvers.outcome import Outcome, Solution, SolverReport
-
-START = SolverReport("start", Outcome.NOT_IMPROVING, 0, np.inf, np.inf, np.inf, 0.0)
-"""Report of a shape that nobody has solved yet."""
+from codend.solvers.outcome import START, Solution
 
 
 def all_round_start(

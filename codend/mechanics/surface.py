@@ -22,6 +22,11 @@ class ContactLaw(NamedTuple):
     stiffness_n_m: float
     """k: parts at half of D press on each other with 1.2 k D."""
 
+    @classmethod
+    def pressing(cls, distance_m: float, push_n: float) -> "ContactLaw":
+        """The law by which parts at half of the distance press on each other with a force, N."""
+        return cls(distance_m, push_n / (1.2 * distance_m))
+
 
 @dataclass(frozen=True)
 class Surface:

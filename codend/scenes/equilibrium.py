@@ -14,15 +14,15 @@ from codend.mechanics.body import place, pose_of
 from codend.mechanics.problem import Problem
 from codend.mechanics.surface import ContactLaw
 from codend.solvers import floating, in_turns, interior_point, slack
-from codend.solvers.dynamic_relaxation import reference_tension
-from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.dynamic_relaxation import as_built, reference_tension
+from codend.solvers.outcome import Progress, Solution
 from codend.solvers.refusal import passage
 from codend.solvers.solve import find_equilibrium, polished
 
 OF_A_BAR = 0.05
 """Distance at which contact begins, over the shortest bar of netting."""
 PUSH = 0.1
-"""What sheets press on each other with at half of that distance, over 1.2 and the mean tension of the bars."""
+"""What sheets press on each other with at half of that distance, over the mean tension of the bars."""
 APART = 1e-3
 """Least distance of parts in a start for contact, over that at which it begins: nearer ones would leap apart."""
 
@@ -80,10 +80,9 @@ def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tu
     body = problem.body
     assert body is not None
     touching = problem.touching_by(contact_law(problem))
-    found = floating.solve(problem, tolerance, progress=progress)
+    found, positions = floating.solution_and_shape(problem, tolerance, progress=progress)
     if found.report.outcome.converged and passage(touching, found.positions) is None:
         return problem, found
-    positions = floating.shape_found(problem, tolerance, progress)
     if positions is None:
         return problem, found
     # netting goes along as it was placed, ropes lie as they then do
@@ -107,7 +106,7 @@ def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tu
     moved = replace(problem, net=replace(problem.net, positions=positions))
     settled, turned = in_turns.solve(moved, tolerance, held)
     attempts = (*found.report.attempts, *turned.report.attempts)
-    spent_ms = 2.0 * found.report.solve_ms + turned.report.solve_ms
+    spent_ms = found.report.solve_ms + turned.report.solve_ms
     return settled, replace(turned, report=replace(turned.report, attempts=attempts, solve_ms=spent_ms))
 
 
@@ -115,7 +114,7 @@ def contact_law(problem: Problem, tension: float | None = None) -> ContactLaw:
     """How sheets press on each other where bars pull with ``tension`` on an average, N; by the loads if left out."""
     netting = ~problem.net.bar_is_rope
     distance = OF_A_BAR * float(problem.net.bar_length[netting].min())
-    return ContactLaw(distance, PUSH * (tension or reference_tension(problem)) / (1.2 * distance))
+    return ContactLaw.pressing(distance, PUSH * (tension or reference_tension(problem)))
 
 
 def _starts(
@@ -129,9 +128,7 @@ def _starts(
     if rest.report.outcome.converged and _apart(touching, rest.positions):
         yield rest, contact_law(touching, rest.mean_tension)
     if _apart(touching, touching.net.positions):
-        tension = np.full(len(touching.net.bars), reference_tension(touching))
-        report = SolverReport("as built", Outcome.STEPS_SPENT, 0, np.nan, np.nan, np.nan, 0.0)
-        yield Solution(touching.net.positions, tension, np.zeros(touching.bands), report), contact_law(touching)
+        yield as_built(touching), contact_law(touching)
 
 
 def _in_still_water(touching: Problem, tolerance: float, progress: Progress | None) -> Solution:

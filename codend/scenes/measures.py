@@ -12,7 +12,7 @@ from codend.scenes.equilibrium import find
 from codend.scenes.frame_measures import frame_cautions
 from codend.scenes.netting_measures import contact_share, netting_caution, volume_m3
 from codend.solvers import floating, interior_point
-from codend.solvers.outcome import Outcome, Solution, SolverReport
+from codend.solvers.outcome import START, Outcome, Solution
 from codend.solvers.reactions import loads_and_supports
 
 TO_AND_FRO_DEG, SEVERAL = 2.0, 2
@@ -177,8 +177,7 @@ def settled(built: BuiltScene, positions: Floats, bar_tension: Floats) -> SceneR
 
     Of netting that would pass through itself there: as ``solve_scene`` finds it, under contact.
     """
-    report = SolverReport("motion", Outcome.STEPS_SPENT, 0, np.nan, np.nan, np.nan, 0.0)
-    start = Solution(positions, bar_tension, np.zeros(built.problem.bands), report)
+    start = Solution(positions, bar_tension, np.zeros(built.problem.bands), START)
     solve = interior_point.solve if built.problem.body is None else floating.solve
     solution = solve(built.problem, built.scene.model.tolerance, start)
     if built.scene.model.contact and solution.report.outcome is Outcome.PASSED_THROUGH:

@@ -15,7 +15,7 @@ from codend.mechanics.problem import Problem
 from codend.mechanics.relaxation import Workspace
 from codend.net.net import Floats
 from codend.solvers.clock import Clock
-from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.outcome import START, Outcome, Progress, Solution, SolverReport
 from codend.solvers.refusal import Refusal, passage, refusal, told
 
 METHOD = "dynamic-relaxation"
@@ -252,6 +252,12 @@ class _Relaxation:
     def _set_law(self, tension: float) -> None:
         self.tension = tension
         augmented_law(self.problem.structure, self.penalty * tension, self.work.relief, self.work.gain)
+
+
+def as_built(problem: Problem) -> Solution:
+    """The shape in which a net was built, to start from, every bar with the tension that the loads ask for."""
+    tension = np.full(len(problem.net.bars), reference_tension(problem))
+    return Solution(problem.net.positions, tension, np.zeros(problem.bands), START)
 
 
 def reference_tension(problem: Problem) -> float:

@@ -15,10 +15,11 @@ from codend.mechanics.body import Pose
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
+from codend.solvers.barrier import share_to_slack, softened
 from codend.solvers.body_system import BodySystem, out_of_balance, residual_of
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension
-from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.outcome import START, Outcome, Progress, Solution, SolverReport
 from codend.solvers.prepared import prepare
 from codend.solvers.refusal import refusal, told
 
@@ -36,9 +37,6 @@ SWITCHES = (1.0, 0.1, 0.01)
 """Weights of the test for taut bars at the end, tried in order."""
 
 
-NOT_YET = SolverReport(METHOD, Outcome.STEPS_SPENT, 0, np.inf, np.inf, np.inf, 0.0)
-
-
 def solve(
     problem: Problem, tolerance: float, start: Solution | None = None, progress: Progress | None = None
 ) -> Solution:
@@ -50,10 +48,22 @@ def solve(
         start: positions and tensions to start from; without one those in which the net was built.
         progress: told the residual of every step.
     """
+    return solution_and_shape(problem, tolerance, start, progress)[0]
+
+
+def solution_and_shape(
+    problem: Problem, tolerance: float, start: Solution | None = None, progress: Progress | None = None
+) -> tuple[Solution, Floats | None]:
+    """What ``solve`` does, and how body and net float if the net may pass through itself, (n, 3).
+
+    The body is then near to where it floats if not. None where they do not float so either.
+    """
     with Clock() as clock:
         run = _Run(problem, progress)
         run.set_start(start)
         outcome, note = run.to_equilibrium(tolerance)
+        floats = outcome in (Outcome.CONVERGED, Outcome.PASSED_THROUGH)
+        shape = run.state.position.copy() if floats else None
         for push in PUSHES:
             if outcome is not Outcome.TURNS_OVER:
                 break
@@ -71,15 +81,7 @@ def solve(
         solve_ms=spent_ms,
         attempts=(f"{METHOD}: {run.steps} steps, residual {state.residual:.1e}. {note}",),
     )
-    return Solution.ended(report, state.position, state.density * state.length, state.share)
-
-
-def shape_found(problem: Problem, tolerance: float, progress: Progress | None = None) -> Floats | None:
-    """How body and net float if the net may pass through itself, (n, 3): the body near to where it does if not."""
-    run = _Run(problem, progress)
-    run.set_start(None)
-    outcome, _ = run.to_equilibrium(tolerance)
-    return run.state.position.copy() if outcome in (Outcome.CONVERGED, Outcome.PASSED_THROUGH) else None
+    return Solution.ended(report, state.position, state.density * state.length, state.share), shape
 
 
 class _Run:
@@ -137,7 +139,7 @@ class _Run:
         assert self.grows is not None
         pose = rigid.moved(self.pose, far * self.body.size_m * self.grows)
         rigid.place(self.body, pose, self.state.position)
-        start = Solution(self.state.position.copy(), self.state.density * self.state.length, self.state.share, NOT_YET)
+        start = Solution(self.state.position.copy(), self.state.density * self.state.length, self.state.share, START)
         self.set_start(start)
         self.system.steering = True
 
@@ -155,8 +157,7 @@ class _Run:
             if not np.isfinite(turn):
                 return Outcome.SINGULAR
             step = self.prepared.step
-            falling = ~self.problem.structure.is_strut & (step.change < 0.0)
-            to_slack = float(np.min(-self.state.density[falling] / step.change[falling], initial=np.inf))
+            to_slack = share_to_slack(self.problem.structure, self.state.density, step.change)
             size = min(1.0, NEAREST_TO_SLACK * to_slack, LARGEST_TURN / turn if turn > 0.0 else 1.0)
             if size > 0.5 and shift == 0.0:
                 self.barrier = max((0.1 if size > 0.9 else 0.5) * self.barrier, self.last)
@@ -189,13 +190,10 @@ class _Run:
         problem, prepared, state = self.problem, self.prepared, self.state
         step = prepared.step
         structure = problem.structure
-        yielding = np.zeros(len(structure.flexibility))
-        if self.barrier > 0.0:
-            yielding = np.where(structure.is_strut, 0.0, self.barrier / state.density**2)
-        softened = structure._replace(flexibility=structure.flexibility + yielding)
+        softer = softened(structure, state.density, self.barrier)
         while True:
             turn = asked = np.inf
-            newton_step.linearise(softened, problem.loading, prepared.pattern, self.tension, shift, state, step)
+            newton_step.linearise(softer, problem.loading, prepared.pattern, self.tension, shift, state, step)
             if self.system.factorise(step.blocks, self.pose, state.force) == 0:
                 solved = self.system.solve(step.right[:1], self.pose)
                 _, asked, _ = newton_step.finish_step(problem.structure, state, state, solved, step)

@@ -21,9 +21,9 @@ from codend.mechanics.problem import Problem
 from codend.mechanics.surface import Surface
 from codend.solvers import newton
 from codend.solvers.clock import Clock
-from codend.solvers.dynamic_relaxation import reference_tension
+from codend.solvers.dynamic_relaxation import as_built
 from codend.solvers.newton import DIRECT
-from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.outcome import Outcome, Progress, Solution
 from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.refusal import passage
 from codend.solvers.watched import Watched
@@ -226,10 +226,7 @@ def solve(
 ) -> Solution:
     """Equilibrium of a net by gentle steps, from a shape in which nothing passes through anything; see ``Solver``."""
     with Clock() as clock:
-        if start is None:
-            tension = np.full(len(problem.net.bars), reference_tension(problem))
-            report = SolverReport(METHOD, Outcome.STEPS_SPENT, 0, np.inf, np.inf, np.inf, 0.0)
-            start = Solution(problem.net.positions, tension, np.zeros(problem.bands), report)
+        start = as_built(problem) if start is None else start
         prepared = prepare(problem.structure, problem.bands)
         motion = follow(problem, tolerance, start, prepared, progress, settings.steps_allowed)
         spent_ms = clock.ms

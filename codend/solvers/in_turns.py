@@ -12,6 +12,7 @@ import numpy as np
 
 from codend.mechanics import body as rigid
 from codend.mechanics import newton_step
+from codend.mechanics.bars import bar_lengths
 from codend.mechanics.newton_state import empty_state, measure
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
@@ -107,8 +108,8 @@ def _moves(problem: Problem, found: Solution, pose: rigid.Pose) -> tuple[Floats 
     prepared: Prepared = watched.prepared
     state = empty_state(structure, problem.bands)
     state.position[:] = found.positions
-    length = np.linalg.norm(found.positions[structure.second] - found.positions[structure.first], axis=1)
-    state.density[:] = found.bar_tension / np.maximum(length, 1e-300)
+    bar_lengths(state.position, structure, state.length)
+    state.density[:] = found.bar_tension / np.maximum(state.length, 1e-300)
     tension = found.mean_tension
     measure(structure, watched.loading, tension, 1.0, 0.0, state)
     system = BodySystem(problem, prepared)

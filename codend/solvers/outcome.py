@@ -81,6 +81,10 @@ class SolverReport:
     """Everything that was tried, in order, a line each."""
 
 
+START = SolverReport("start", Outcome.NOT_IMPROVING, 0, float("inf"), float("inf"), float("inf"), 0.0)
+"""Of positions and tensions that no solver arrived at, but from which one sets out."""
+
+
 class Solver(Protocol):
     """What every solver is: from a problem, and a start if there is one, to a solution that says how it ended."""
 

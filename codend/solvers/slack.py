@@ -18,11 +18,12 @@ from codend.mechanics import newton_step
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
 from codend.solvers import newton
+from codend.solvers.barrier import share_to_slack, softened
 from codend.solvers.clock import Clock
-from codend.solvers.dynamic_relaxation import reference_tension
+from codend.solvers.dynamic_relaxation import as_built
 from codend.solvers.gentle import BOLDER, FIRST_SHIFT, LONGEST, MOST_SHIFT, RISE, SHORT
 from codend.solvers.interior_point import FINISH, LEAST_TENSION
-from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.outcome import Outcome, Progress, Solution
 from codend.solvers.prepared import prepare
 from codend.solvers.watched import Watched
 
@@ -60,10 +61,7 @@ def solve(
 ) -> Solution:
     """Equilibrium of a net by gentle steps, from a shape in which nothing passes through anything; see ``Solver``."""
     with Clock() as clock:
-        if start is None:
-            tension = np.full(len(problem.net.bars), reference_tension(problem))
-            report = SolverReport(METHOD, Outcome.STEPS_SPENT, 0, np.inf, np.inf, np.inf, 0.0)
-            start = Solution(problem.net.positions, tension, np.zeros(problem.bands), report)
+        start = as_built(problem) if start is None else start
         run = _Run(problem, start, progress)
         outcome = run.to_rest(settings)
         if outcome is Outcome.CONVERGED:
@@ -131,19 +129,15 @@ class _Run:
         loading, prepared = self.watched.loading, self.watched.prepared
         step, system = prepared.step, prepared.system
         calmer = loading._replace(contact=loading.contact._replace(exact=float(self.residual <= EXACT)))
-        # what the barrier adds to the strain of twine per newton
-        yielding = np.where(structure.is_strut, 0.0, self.barrier / here.density**2)
-        softened = structure._replace(flexibility=structure.flexibility + yielding)
+        softer = softened(structure, here.density, self.barrier)
         while True:
-            sides = newton_step.linearise(softened, calmer, prepared.pattern, self.tension, self.shift, here, step)
+            sides = newton_step.linearise(softer, calmer, prepared.pattern, self.tension, self.shift, here, step)
             if (system.factorise(step.blocks) == 0 and system.negative_pivots() == 0) or self.shift > MOST_SHIFT:
                 break
             self.shift *= RISE
         newton_step.finish_step(structure, here, here, system.solve(step.right[:sides]), step)
         farthest = float(np.sqrt(np.einsum("ij,ij->i", step.move, step.move).max()))
-        falling = ~structure.is_strut & (step.change < 0.0)
-        to_slack = float(np.min(-here.density[falling] / step.change[falling], initial=np.inf))
-        whole = min(1.0, NEAREST_TO_SLACK * to_slack)
+        whole = min(1.0, NEAREST_TO_SLACK * share_to_slack(structure, here.density, step.change))
         size = min(whole, LONGEST * self.bar / farthest) if farthest > 0.0 else whole
         surface, pairs = self.problem.surface, None
         if surface is not None:
