@@ -60,14 +60,16 @@ class HarmonicTangent:
         factorise_band_of_numbers(rows)
         return rows
 
-    def nearest(self, centre: float, wanted: int, first_steps: int = FIRST_STEPS) -> tuple[Complex, Complex] | None:
+    def nearest(
+        self, centre: float, wanted: int, first_steps: int = FIRST_STEPS, most_steps: int = MOST_STEPS
+    ) -> tuple[Complex, Complex] | None:
         """The eigenvalues nearest to a real number and their vectors, by Arnoldi's method on the inverse.
 
-        None if late, and where the factors are of no use.
+        Fewer of them where the rest is late, None where all are, and where the factors are of no use.
 
         The residual of an eigenvalue of the projection is the last entry of its vector times the next row's length.
         """
-        band, most = self._factors(centre), min(MOST_STEPS, self.size - 1)
+        band, most = self._factors(centre), min(most_steps, self.size - 1)
         kind = band.dtype
         by_load, gradient = np.zeros((2, self.size), dtype=kind)
         if self.front is not None:
@@ -88,7 +90,9 @@ class HarmonicTangent:
             inverse, parts = np.linalg.eig(projection[:steps, :steps])
             chosen = np.argsort(-np.abs(inverse))[:wanted]
             residual = np.abs(projection[steps, steps - 1] * parts[-1, chosen])
-            if np.all(residual <= NEAREST * np.abs(inverse[chosen])):
+            there = residual <= NEAREST * np.abs(inverse[chosen])
+            if there.all() or (steps == most and there.any()):
+                chosen = chosen[there]
                 # the first solution is the start's
                 solution = basis[:2].T @ projection[:2, :1]
                 if np.linalg.norm(self @ solution - centre * solution - basis[:1].T) > HELD:

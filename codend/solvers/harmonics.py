@@ -13,6 +13,7 @@ weigh sqrt(n) times what one sector has of them. It is held across the flow in a
 Every tangent is shifted by ``newton.NEUTRAL``: what moves for nothing, as slack twine does, does not count as growing.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +25,7 @@ from codend.mechanics.harmonics import Complex, negative_pivots_side_by_side
 from codend.mechanics.newton_state import measure
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
-from codend.solvers.harmonic_tangent import HarmonicTangent
+from codend.solvers.harmonic_tangent import FIRST_STEPS, HarmonicTangent
 from codend.solvers.newton import DIRECT, NEUTRAL
 from codend.solvers.outcome import Solution
 from codend.solvers.ring import Ring
@@ -39,6 +40,10 @@ AT_FIRST = 8
 """Steps of Arnoldi's method before it is first looked what it found beside 0."""
 DENSE = 40
 """Unknowns up to which all eigenvalues of a harmonic are found at once."""
+NEARER, NEARER_BY = 3, 0.2
+"""How many numbers between the bound and 0 eigenvalues are sought about, and the factor between them."""
+ONE = 1e-5
+"""Distance of an eigenvector, of length 1, from those found before it, up to which it counts as one of them."""
 DENSE_AT_LAST = 1500
 """Unknowns up to which they are where the lowest were not found otherwise."""
 
@@ -170,21 +175,47 @@ def _lowest_eigenvalues(
 ) -> tuple[Complex, Complex] | None:
     """All eigenvalues of a harmonic with negative real parts, and others; with their vectors. None if they hide.
 
-    Those nearest to a lower bound are found, more and more until on what they leave the Hermitian part is positive
-    definite: that proves the rest to be stable.
+    Those nearest to a lower bound are found, then those nearest to numbers between that and 0, and ever more about 0,
+    until on what they leave the Hermitian part is positive definite: that proves the rest to be stable. Some of slack
+    netting lie so near to 0 that the Hermitian part is negative among them though none of them is.
 
     Args:
         tangent: the harmonic's.
         lowest: a bound on the eigenvalues of its Hermitian part, the front left out, N/m.
         negative: how many of these are negative.
-        expected: how many are with the front: nearly always as many as eigenvalues are needed.
+        expected: how many are with the front: often as many as eigenvalues are needed.
     """
-    wanted = expected
-    while tangent.size > DENSE and wanted < tangent.size // 4:
-        found = tangent.nearest(lowest, wanted)
-        if found is None:
-            break
-        if tangent.negative_eigenvalues(negative, np.linalg.qr(found[1])[0]) == 0:
+    found: tuple[Complex, Complex] | None = None
+    for centre, wanted in _places_to_look(tangent.size, lowest, expected):
+        part = tangent.nearest(centre, wanted, most_steps=max(FIRST_STEPS, 4 * wanted))
+        if part is None:
+            continue
+        found, basis = _joined(found, part)
+        if tangent.negative_eigenvalues(negative, basis) == 0:
             return found
-        wanted += 2  # few at a time: behind them may be a cluster, of which no part is found alone
     return np.linalg.eig(tangent.dense()) if tangent.size <= DENSE_AT_LAST else None
+
+
+def _places_to_look(size: int, lowest: float, expected: int) -> Iterator[tuple[float, int]]:
+    """Numbers about which eigenvalues are sought, and how many there: none where dense matrices are as quick."""
+    if size <= DENSE or expected >= size // 4:
+        return
+    yield lowest, expected
+    for fall in range(1, NEARER + 1):
+        yield lowest * NEARER_BY**fall, expected + 2
+    wanted = expected + 2
+    while wanted < size // 8:
+        yield 0.0, wanted
+        wanted *= 2
+
+
+def _joined(
+    found: tuple[Complex, Complex] | None, part: tuple[Complex, Complex]
+) -> tuple[tuple[Complex, Complex], Complex]:
+    """Eigenvalues and vectors of both, each once, and an orthonormal basis of the vectors."""
+    values, vectors = part if found is None else (np.append(found[0], part[0]), np.hstack([found[1], part[1]]))
+    vectors = vectors / np.linalg.norm(vectors, axis=0)
+    # one that was found before, or any of several that are one but for round-off, adds nothing but that
+    new = np.abs(np.diag(np.linalg.qr(vectors, mode="r"))) > ONE
+    values, vectors = values[new], vectors[:, new]
+    return (values, vectors), np.linalg.qr(vectors)[0]
