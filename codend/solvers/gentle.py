@@ -37,6 +37,11 @@ FALL, RISE = 0.6, 3.0
 """Factors on the shift after a step that was not cut, and where pivots are negative or a step passes through."""
 CALM = 1e-6
 """Residual at which Newton's method takes over."""
+POLISH, POLISHES, CALMER = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=25), 3, 10.0
+"""How Newton's method is tried then and how often, and the factor on the shift after it led nowhere."""
+KINKED, SEEN = 0.1, 1e-4
+"""Length error, over the largest move over a bar, and by itself, that a step leaves which carried bars past where they
+go taut or slack: from there the next one goes back, on and on, unless the shift rises."""
 HALVINGS = 5
 """Most halvings of a step that would carry netting through netting, or to where it is pushed back."""
 SHORT, BOLDER = 0.7, 2.0
@@ -88,7 +93,7 @@ def follow(
         progress: told the residual of every step.
         steps_allowed: before it is given up.
     """
-    steps = _Steps(problem, start, prepared)
+    steps, polishes = _Steps(problem, start, prepared), 0
     for number in range(1, steps_allowed + 1):
         steps.turn()
         size = steps.take()
@@ -100,13 +105,17 @@ def follow(
             break
         if steps.residual <= CALM and size >= 0.5:
             reached = _as_is(problem, start, steps.here)
-            polished = newton.solve(problem, tolerance, reached, DIRECT, progress, prepared)
+            how = DIRECT if problem.surface is None else POLISH
+            polished = newton.solve(problem, tolerance, reached, how, progress, prepared)
             if polished.report.outcome is Outcome.PASSED_THROUGH:
                 return Motion(End.TOUCHING, reached, number)
             near = np.abs(polished.positions - reached.positions).max() <= LONGEST * steps.bar
             if polished.report.outcome.converged and near:
                 return Motion(End.SETTLED, polished, number)
-            break
+            polishes += 1
+            if problem.surface is None or polishes == POLISHES:
+                break
+            steps.shift *= CALMER
     return Motion(End.STEPS_SPENT, _as_is(problem, start, steps.here), number)
 
 
@@ -194,7 +203,7 @@ class _Steps:
             size *= 0.5
         self.watched.see(near)
         self.before = move.copy()
-        if size < SHORT and not back:
+        if (size < SHORT and not back) or (size == 1.0 and self.there.length_error > max(KINKED * self.moved, SEEN)):
             self.shift *= BOLDER
         elif size == 1.0:
             self.shift = max(FALL * self.shift, LEAST_UNDER_CONTACT)

@@ -82,7 +82,9 @@ class HarmonicTangent:
         basis[0] = start / np.sqrt(np.sum(start**2))
         steps = 0
         while steps < most:
-            last = min(steps + MORE_STEPS if steps else max(first_steps, 3 * wanted), most)
+            last = min(
+                steps + MORE_STEPS if steps else max(first_steps, min(3 * wanted, 2 * wanted + FIRST_STEPS)), most
+            )
             arnoldi(band, by_load, gradient, steps, last, basis, projection)
             steps = last
             if not np.isfinite(projection[:, :steps]).all():

@@ -107,8 +107,10 @@ def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
     doubtful = asked[with_front > 0]
     found = {k: _nearest_to_none(ring.tangent(k), int(negative[k]), int(with_front[k])) for k in doubtful.tolist()}
     left = np.array([k for k, pair in found.items() if pair is None], dtype=doubtful.dtype)
+    enough = 0
     for k, lowest in zip(left.tolist(), _lower_bounds(ring, left, scale), strict=True):
-        found[k] = _lowest_eigenvalues(ring.tangent(k), lowest, int(negative[k]), int(with_front[k]))
+        pair = _lowest_eigenvalues(ring.tangent(k), lowest, int(negative[k]), int(with_front[k]), enough)
+        found[k], enough = pair, 0 if pair is None else len(pair[0])
     growing, undecided = [], []
     for k, pair in found.items():
         if pair is None:
@@ -171,7 +173,7 @@ def _nearest_to_none(tangent: HarmonicTangent, negative: int, expected: int) -> 
 
 
 def _lowest_eigenvalues(
-    tangent: HarmonicTangent, lowest: float, negative: int, expected: int
+    tangent: HarmonicTangent, lowest: float, negative: int, expected: int, enough: int
 ) -> tuple[Complex, Complex] | None:
     """All eigenvalues of a harmonic with negative real parts, and others; with their vectors. None if they hide.
 
@@ -184,9 +186,10 @@ def _lowest_eigenvalues(
         lowest: a bound on the eigenvalues of its Hermitian part, the front left out, N/m.
         negative: how many of these are negative.
         expected: how many are with the front: often as many as eigenvalues are needed.
+        enough: how many were needed of the harmonic before.
     """
     found: tuple[Complex, Complex] | None = None
-    for centre, wanted in _places_to_look(tangent.size, lowest, expected):
+    for centre, wanted in _places_to_look(tangent.size, lowest, expected, enough):
         part = tangent.nearest(centre, wanted, most_steps=max(FIRST_STEPS, 4 * wanted))
         if part is None:
             continue
@@ -196,17 +199,17 @@ def _lowest_eigenvalues(
     return np.linalg.eig(tangent.dense()) if tangent.size <= DENSE_AT_LAST else None
 
 
-def _places_to_look(size: int, lowest: float, expected: int) -> Iterator[tuple[float, int]]:
+def _places_to_look(size: int, lowest: float, expected: int, enough: int) -> Iterator[tuple[float, int]]:
     """Numbers about which eigenvalues are sought, and how many there: none where dense matrices are as quick."""
     if size <= DENSE or expected >= size // 4:
         return
     yield lowest, expected
     for fall in range(1, NEARER + 1):
         yield lowest * NEARER_BY**fall, expected + 2
-    wanted = expected + 2
+    wanted = max(expected + 2, min(enough, size // 8 - 1))
     while wanted < size // 8:
         yield 0.0, wanted
-        wanted *= 2
+        wanted += wanted // 2
 
 
 def _joined(
