@@ -18,7 +18,7 @@ from codend.solvers.refusal import passage
 
 STEPS = 400
 """Gentle steps allowed: of T90 codends of 100 meshes round most take 50 to 150, wide sectors up to 300."""
-LEAST_STEPS = 100
+LEAST_STEPS = 60
 """Fewer are not worth a start."""
 BEGINS_M, OF_A_BAR = 2e-3, 0.05
 """Distance at which contact begins, at most, and over the median bar: halving it moves drag by 0.04 %, openings by

@@ -51,7 +51,7 @@ COVERING = 3.0
 """What wrinkles change, at most, over what was found: the shapes found are some of many."""
 ENOUGH_SHAPES = 3
 """Shapes in contact whose spread is the error of the one that lasts among them."""
-WORK: dict[object, int] = {"auto": 300_000, True: 2_000_000}
+WORK: dict[object, int] = {"auto": 500_000, True: 2_000_000}
 """Gentle steps under contact times knots, over all starts, by ``model.contact``: a thousand take some 0.05 s."""
 INNER_LAYERS = np.array([5e-4, 5e-4, 5e-4, 0.0]), np.array([0.0, 0.0, 0.0, 0.3])
 """What it changes whether the pressure of the catch acts on the inner layers of a fold, which it does here: share of

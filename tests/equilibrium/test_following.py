@@ -246,7 +246,7 @@ def test_stiff_turned_netting_settles_in_folds_and_tells_what_was_left_out_for_i
     plan = commercial("t90", 100, 5e-4, 50.0, wrinkles=True)
     result = solve(plan).cases[0]
     assert result.followed.shapes_found == 1
-    assert "left out for their cost: 3 (contact = true allows more)" in result.followed.reason
+    assert "left out for their cost: 4 (contact = true allows more)" in result.followed.reason
     assert result.report.residual <= plan.model.tolerance
     assert passage(result.problem, result.positions) is None
     # the symmetric shape, and those that other starts lead to

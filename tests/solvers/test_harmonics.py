@@ -179,8 +179,9 @@ def test_harmonics_of_stiff_turned_netting_beside_a_cluster_at_0_ask_no_dense_ma
     assert harmonics.undecided == ()
     found = {growth.harmonic: growth.eigenvalues for growth in harmonics.growing}
     for k in (2, 3, 12, 41):
-        dense = np.linalg.eigvals(ring.tangent(k).dense())
-        np.testing.assert_allclose(np.sort(found.get(k, np.zeros(0)).real), np.sort(dense.real[dense.real < 0.0]), 1e-5)
+        dense = np.sort(np.linalg.eigvals(ring.tangent(k).dense()).real)
+        # inextensible bars of 1e10 N/m leave 1e-6 of that by round-off
+        np.testing.assert_allclose(np.sort(found.get(k, np.zeros(0)).real), dense[dense < 0.0], 1e-5, 1e-5)
 
 
 @pytest.mark.parametrize("filled", [0.3, 1.0, 3.0, 8.0, 14.0, 20.0])
