@@ -37,8 +37,10 @@ FALL, RISE = 0.6, 3.0
 """Factors on the shift after a step that was not cut, and where pivots are negative or a step passes through."""
 CALM = 1e-6
 """Residual at which Newton's method takes over."""
-POLISH, POLISHES, CALMER = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=25), 3, 10.0
+POLISH, POLISHES, CALMER = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=25), 5, 10.0
 """How Newton's method is tried then and how often, and the factor on the shift after it led nowhere."""
+BETWEEN = 6
+"""Steps before it is tried again."""
 KINKED, SEEN = 0.1, 1e-4
 """Length error, over the largest move over a bar, and by itself, that a step leaves which carried bars past where they
 go taut or slack: from there the next one goes back, on and on, unless the shift rises."""
@@ -93,7 +95,7 @@ def follow(
         progress: told the residual of every step.
         steps_allowed: before it is given up.
     """
-    steps, polishes = _Steps(problem, start, prepared), 0
+    steps, polishes, waits = _Steps(problem, start, prepared), 0, 0
     for number in range(1, steps_allowed + 1):
         steps.turn()
         size = steps.take()
@@ -103,7 +105,7 @@ def follow(
             progress(METHOD, steps.residual)
         if not np.isfinite(steps.residual):
             break
-        if steps.residual <= CALM and size >= 0.5:
+        if steps.residual <= CALM and size >= 0.5 and number >= waits:
             reached = _as_is(problem, start, steps.here)
             how = DIRECT if problem.surface is None else POLISH
             polished = newton.solve(problem, tolerance, reached, how, progress, prepared)
@@ -116,6 +118,7 @@ def follow(
             if problem.surface is None or polishes == POLISHES:
                 break
             steps.shift *= CALMER
+            waits = number + BETWEEN
     return Motion(End.STEPS_SPENT, _as_is(problem, start, steps.here), number)
 
 
