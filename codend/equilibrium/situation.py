@@ -11,9 +11,10 @@ from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
 from codend.solvers import dynamic_relaxation, interior_point, newton
 from codend.solvers.dynamic_relaxation import RelaxationSettings
-from codend.solvers.linear_systems import BandedSystem
+from codend.solvers.mirror import ALIKE
 from codend.solvers.newton import DIRECT, NewtonSettings
 from codend.solvers.outcome import Progress, Solution
+from codend.solvers.prepared import Prepared
 
 BRIEF = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=10)
 """Newton's method from a start for no longer than a good one needs."""
@@ -98,7 +99,7 @@ class Situation:
     @property
     def narrow(self) -> bool:
         """Whether the model is so narrow that a step costs next to nothing."""
-        return isinstance(self.model.prepared.system, BandedSystem)
+        return self.model.narrow
 
     @property
     def has_sector(self) -> bool:
@@ -172,13 +173,26 @@ class Situation:
 
     def by_newton(self, problem: Problem, start: Solution | None, settings: NewtonSettings = DIRECT) -> Solution:
         """Newton's method to the plan's tolerance."""
-        return newton.solve(problem, self.tolerance, start, settings, self.progress, self.model.prepared)
+        start, prepared = self._halved(start)
+        return newton.solve(problem, self.tolerance, start, settings, self.progress, prepared)
 
     def through_the_interior(self, problem: Problem, start: Solution | None = None) -> Solution:
         """The interior-point method to the plan's tolerance, from a start or the crude bag the net was built as."""
-        return interior_point.solve(
-            problem, self.tolerance, start, progress=self.progress, prepared=self.model.prepared
-        )
+        start, prepared = self._halved(start)
+        return interior_point.solve(problem, self.tolerance, start, progress=self.progress, prepared=prepared)
+
+    def _halved(self, start: Solution | None) -> tuple[Solution | None, Prepared]:
+        """A start, and room to work in: with half of the net where that mirrors the other, and the start does.
+
+        Without a start the whole net is asked, so that a shape that is not mirrored is found where no other is.
+        """
+        half = self.model.half if start is not None else None
+        if start is None or half is None:
+            return start, self.model.prepared
+        mirror, prepared = half
+        if mirror.off(start.positions) > ALIKE * float(self.model.bag.net.bar_length.min()):
+            return start, self.model.prepared
+        return mirror.made_mirrored(start), prepared
 
     def relaxed(self, start: Solution | None) -> Solution:
         """Relaxation to the plan's tolerance."""
