@@ -91,8 +91,8 @@ class Situation:
         narrowest = self.model.sectors == 1 and not self.has_sector
         if narrowest or any(other.catch_value == self.case.catch_value for other, _ in self.known):
             return len(self.known) > 0
-        # sectors as wide as their ropes are apart: each way through the interior costs some thirty factorisations
-        if self.model.sectors is not None and self.has_sector:
+        # each way through the interior from nothing costs some thirty factorisations
+        if self.geared:
             return len(self.others_at_its_speed) > 0
         return self.within_prediction and (self.narrow or not self.by_meshes)
 
@@ -108,14 +108,18 @@ class Situation:
         return wider and self.plan.model.bars_per_side == 1
 
     @property
+    def geared(self) -> bool:
+        """Whether ropes or windows are modelled as they are, and bars between and beside them go slack by many."""
+        return self.has_sector and (len(self.plan.ropes) > 0 or len(self.model.bag.windows) > 0)
+
+    @property
     def draws_in(self) -> bool:
         """Whether ropes or windows are modelled as they are, in so large a net that relaxing it would take minutes.
 
         Netting beside them hangs all but slack, and moves on and on: knotted nets with four ropes that the interior did
         not lead to were not found so either, in 30 s of 1800 knots and 100 s of 5000.
         """
-        there = len(self.plan.ropes) > 0 or len(self.model.bag.windows) > 0
-        return self.has_sector and there and len(self.model.bag.net.positions) > MOST_RELAXED
+        return self.geared and len(self.model.bag.net.positions) > MOST_RELAXED
 
     @cached_property
     def sector_all_round(self) -> Solution | None:

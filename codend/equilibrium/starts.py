@@ -40,7 +40,7 @@ def _from_where_the_last_lead(s: Situation) -> Solution:
     began = perf_counter()
     start = _led(s)
     led_ms = 1e3 * (perf_counter() - began)
-    if s.has_sector and s.model.sectors is not None and not s.narrow:
+    if s.geared and not s.narrow:
         return _later(s.through_the_interior(s.problem, start), led_ms)
     return _later(s.by_newton(s.problem, start, s.first_settings), led_ms)
 
