@@ -60,9 +60,8 @@ def assembled(
     fixed[layout.codline, 1:] = lattice.order > 1
     corners = layout.corners
     # where twines of two nettings meet, either bends as it does
-    clamped = of_all(lambda section: 12.0 * section.bending_stiffness_n_m2 / section.bar_m)[corners[:, 6:8]].mean(
-        axis=1
-    )
+    stiffness = of_all(lambda section: 12.0 * section.bending_stiffness_n_m2 / section.bar_m)
+    clamped = stiffness[corners[:, 6:8]].mean(axis=1)
     # two twines gathered at the codline have no angle between them
     resists = (clamped > 0.0) & ((corners[:, 1] != corners[:, 2]) | (corners[:, 4] != corners[:, 5]))
     corners, clamped = corners[resists], clamped[resists]

@@ -24,10 +24,12 @@ from codend.plan.plan import Plan
 from codend.plan.ropes import Rope, Selvedge, places_round
 from codend.plan.windows import BESIDE
 
-SLACK_FROM, HANGS_IN = 0.055, 1.05
+SLACK_FROM, HANGS_IN = 0.045, 1.1
 """Shortening from which netting hangs slack between ropes, and the share of its drag that it then has less for every
-unit more: fitted to the drag of the twine of 40 random plans with 2 to 6 ropes, 5 to 20 % short, which it leaves off by
-2.7 % of itself, before by 8 % (``python -m validation.smeared_ropes``)."""
+unit more, of ropes as stretched as the drag of a bag ``BULGE`` of its width makes them: fitted to the drag of the twine
+on 80 random plans with 2 to 6 ropes, 5 to 20 % short, which it leaves off by 2.7 % of itself, before by 8 %
+(``python -m validation.smeared_ropes``)."""
+BULGE = 0.6
 
 
 @dataclass(frozen=True)
@@ -54,10 +56,15 @@ def with_ropes(bag: Bag, plan: Plan, knots: Knots, drag: tuple[int, float, float
 def _hanging_in(plan: Plan, lattice: Lattice) -> Floats:
     """Share of its drag that the twine of every band keeps between the ropes that smeared ones stand for, (bands,)."""
     kept = np.ones(lattice.bands)
+    pressure_pa = 0.5 * plan.tow.water_density_kg_m3 * max(plan.tow.speed_m_s) ** 2 * plan.catch.coefficient
+    widest_m = max(part.stretched_radius_m for part in plan.netting)
+    pull_n = pressure_pa * np.pi * (BULGE * widest_m) ** 2
     for rope in plan.rope:
+        strain = 0.0 if rope.axial_stiffness_n is None else pull_n / rope.number / rope.axial_stiffness_n
+        shorter = 1.0 - (1.0 - rope.shortening) * (1.0 + strain)
         aft, fore = _rows_of(rope, plan, lattice)
         beside = 1.0 - rope.number / (lattice.columns * lattice.order * lattice.globalisation)
-        hanging = np.maximum(1.0 - HANGS_IN * max(rope.shortening - SLACK_FROM, 0.0) * beside, 0.0)
+        hanging = np.maximum(1.0 - HANGS_IN * max(shorter - SLACK_FROM, 0.0) * beside, 0.0)
         there = slice(lattice.bands - fore, lattice.bands - aft)
         kept[there] = np.minimum(kept, hanging)[there]
     return kept

@@ -216,6 +216,10 @@ BRIEFLY: Final = (LED, ROWS, CRUDE, MERIDIAN, STEPS)
 """Those that take a wide joined net no minutes, where another model can stand in its place."""
 
 
+BETWEEN_ROPES: Final = (LED, A_SECTOR, THROUGH, CRUDE)
+"""Those that have led to nets between real ropes, where smeared ones can stand in their place."""
+
+
 def _later(solution: Solution, ms: float) -> Solution:
     """The same solution after ``ms`` more of solving."""
     return replace(solution, report=replace(solution.report, solve_ms=solution.report.solve_ms + ms))

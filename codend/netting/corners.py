@@ -68,11 +68,10 @@ def _of_pieces(twines: NDArray, bands: int, across: NDArray[np.bool_], count: in
     # one either way from the end of a knot across
     middle, far = (np.concatenate(parts) for parts in zip(*ends, strict=True))
     groups.append((middle, far, across[middle]))
-    for index, (at, to, used) in enumerate(groups):
-        which = np.tile(np.arange(len(twines)), len(at) // len(twines))[used]
-        at, to = at[used], to[used]
-        order = np.argsort(at, kind="stable")
-        at, to, which = at[order], to[order], which[order]
+    for index, (nodes, fars, used) in enumerate(groups):
+        numbers = np.tile(np.arange(len(twines)), len(nodes) // len(twines))
+        order = np.flatnonzero(used)[np.argsort(nodes[used], kind="stable")]
+        at, to, which = nodes[order], fars[order], numbers[order]
         first = np.flatnonzero((np.diff(at, append=-1) == 0) & (np.bincount(at, minlength=count)[at] == 2))
         one, other = twines[which[first], 2], twines[which[first + 1], 2]
         none = np.zeros_like(one)
