@@ -13,7 +13,7 @@ from codend.bag.near_ratio import stand_ins
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
-from codend.equilibrium.starts import BETWEEN_ROPES, BRIEFLY
+from codend.equilibrium.starts import BETWEEN_ROPES, BRIEFLY, Start
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case
 from codend.solvers.outcome import Progress, Solution
@@ -34,7 +34,7 @@ def solve(
     plan = model.plan
     automatic = plan.model.fidelity == plan.model.method == "auto" and choice.fidelity == "sector"
     others = [model_of(plan, 1, 1, near=near) for near in stand_ins(plan)] if automatic else []
-    starts = BRIEFLY
+    starts: tuple[Start, ...] = BRIEFLY
     if automatic and plan.rope and not (plan.tapers or plan.layer):
         others, starts = [model_of(plan, 1, 1, smeared=True)], BETWEEN_ROPES
     problem, solution = equilibrium.solve(model, case, known, progress, starts if others else None)
