@@ -69,7 +69,7 @@ def _of_pieces(twines: NDArray, bands: int, across: NDArray[np.bool_], count: in
     middle, far = (np.concatenate(parts) for parts in zip(*ends, strict=True))
     groups.append((middle, far, across[middle]))
     for index, (nodes, fars, used) in enumerate(groups):
-        numbers = np.tile(np.arange(len(twines)), len(nodes) // len(twines))
+        numbers = np.arange(len(nodes)) % max(len(twines), 1)
         order = np.flatnonzero(used)[np.argsort(nodes[used], kind="stable")]
         at, to, which = nodes[order], fars[order], numbers[order]
         first = np.flatnonzero((np.diff(at, append=-1) == 0) & (np.bincount(at, minlength=count)[at] == 2))
