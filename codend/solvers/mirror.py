@@ -59,8 +59,9 @@ class Mirror:
 def mirror_of(problem: Problem, azimuths_rad: Sequence[float]) -> Mirror | None:
     """The mirror of a net in the first of some planes that is one, None where none is.
 
-    Held to the forces on the net in a mirrored shape drawn at random: of all bars, facets and loads there are. Planes
-    whose images need more than signs and exchanged coordinates are left: their round-off would stay.
+    Held to the forces on the net in a mirrored shape drawn at random: of all bars, facets and loads there are. Only
+    planes whose images need no more than signs are taken, where all bars stretch exchanged coordinates as well: else
+    the lengths of a bar and its image differ by round-off, which bars that do not stretch make forces of.
     """
     for azimuth in azimuths_rad:
         mirror = _images(problem.net, _reflection(azimuth))
@@ -93,6 +94,9 @@ def _images(net: Net, reflection: Floats) -> Mirror | None:
     back = rotate(np.broadcast_to(reflection.T, (len(node), 3, 3)), -(found // len(node))[:, None], net.order)
     turn[there] = np.swapaxes(back, 1, 2)
     exact = np.rint(turn)
+    only_signs = not exact[:, 1, 2].any()
+    if not only_signs and net.bar_flexibility.min() == 0.0:
+        return None
     if np.abs(turn - exact).max() > NEAR or not np.array_equal(node[node], np.arange(len(node))):
         return None
     bar, held = _bar_images(net, reflection, near), np.asarray(net.fixed.all(axis=1))

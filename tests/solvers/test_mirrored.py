@@ -105,3 +105,16 @@ def test_a_start_that_is_not_mirrored_is_followed_by_the_whole_net():
     _, again = equilibrium.solve(made, case, [(case, replace(found, positions=positions))], None)
     assert "of one half" not in again.report.attempts[0]
     assert again.report.outcome.converged
+
+
+def test_bars_that_do_not_stretch_make_no_forces_of_a_half_s_round_off():
+    made = model({"panels": 2, "meshes_round": 60, "meshes_long": 20}, 1, rope=[{"number": 2, "shortening": 0.05}])
+    assert (made.bag.net.bar_flexibility == 0.0).any()
+    _, found = equilibrium.solve(made, made.plan.cases()[0], (), None)
+    by_half = found.report.attempts[0]
+    assert "of one half" in by_half
+    assert "within the tolerance" in by_half
+
+
+def test_quarters_of_nets_that_do_not_stretch_are_left_whole():
+    assert mirror(model({"panels": 4, "knot_mm": 2.0}, 1, rope=[ROPES | {"number": 4}])) is None
