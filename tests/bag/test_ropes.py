@@ -21,6 +21,7 @@ from codend.solvers.outcome import Outcome
 from codend.studies.case_result import CaseResult
 from codend.studies.study import solve
 from validation.reference import nodal_loads, residual
+from validation.ropes_judged import found, judged
 from validation.ropes_short import measured, plan_with
 from validation.smeared_ropes import compare, random_plan
 
@@ -205,3 +206,11 @@ def test_smeared_ropes_stand_in_where_none_are_found_as_they_are(monkeypatch):
     columns = ["drag_n", "drag_error_n", "opening_ahead_deg", "opening_ahead_error_deg"]
     assert study.table[columns].iloc[0].tolist() == pytest.approx(smeared.table[columns].iloc[0].tolist(), rel=1e-6)
     assert any("smeared over all meshes" in sentence for sentence in cautions(study))
+
+
+def test_a_plain_model_written_apart_is_in_balance_where_the_net_between_ropes_is():
+    measures, places = found(4, 0.2, 16.0, True)
+    plain = judged(4, 0.2, 16.0, True, places)
+    assert plain.off_balance < 1e-8
+    assert plain.drag_n == pytest.approx(measures.drag_n, rel=1e-8)
+    assert plain.opening_ahead_deg[0] == pytest.approx(measures.opening_ahead_deg, abs=1e-6)
