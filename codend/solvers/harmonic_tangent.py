@@ -1,6 +1,7 @@
 """The tangent that one harmonic of a sector's net sees: a band, less a product where the front follows the net."""
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -8,6 +9,7 @@ from codend.mechanics.harmonics import (
     Complex,
     Numbers,
     arnoldi,
+    band_times,
     factorise_band_of_numbers,
     solve_band_of_numbers,
     write_rows,
@@ -20,6 +22,13 @@ HELD = 1e-3
 """What a solution by the factors, which are made without pivoting, may leave of its load: of an eigenvalue likewise."""
 FIRST_STEPS, MORE_STEPS, MOST_STEPS = 26, 13, 150
 """Of Arnoldi's method, before it is first looked what it found, until it is looked again, and in all."""
+
+
+@lru_cache(maxsize=8)
+def _start(size: int) -> Floats:
+    """A direction that no eigenvector is at right angles to, (size,)."""
+    start = np.random.default_rng(0).standard_normal(size)
+    return np.asarray(start / np.sqrt(np.sum(start**2)))
 
 
 class HarmonicTangent:
@@ -47,10 +56,7 @@ class HarmonicTangent:
 
     def __matmul__(self, vectors: Numbers) -> Numbers:
         """Products with vectors, (unknowns, k)."""
-        from scipy.sparse import dia_array
-
-        below = np.arange(len(self.band)) - self.half
-        product: Numbers = np.asarray(dia_array((self.band, -below), shape=(self.size, self.size)) @ vectors)
+        product = band_times(self.band, np.asarray(vectors, dtype=np.result_type(self.band, vectors)))
         return product if self.front is None else product - np.outer(self.front[0], self.front[1] @ vectors)
 
     def _factors(self, centre: float, hermitian: bool = False) -> Numbers:
@@ -76,8 +82,7 @@ class HarmonicTangent:
             by_load /= 1.0 - np.sum(gradient * by_load)
         basis = np.zeros((most + 1, self.size), dtype=kind)
         projection = np.zeros((most + 1, most), dtype=kind)
-        start = np.random.default_rng(0).standard_normal(self.size)
-        basis[0] = start / np.sqrt(np.sum(start**2))
+        basis[0] = _start(self.size)
         steps = 0
         while steps < most:
             last = min(steps + MORE_STEPS if steps else max(first_steps, 3 * wanted), most)
