@@ -1,6 +1,7 @@
 """The tangent that one harmonic of a sector's net sees: a band, less a product where the front follows the net."""
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -8,6 +9,7 @@ from codend.mechanics.harmonics import (
     Complex,
     Numbers,
     arnoldi,
+    band_times,
     factorise_band_of_numbers,
     solve_band_of_numbers,
     write_rows,
@@ -20,6 +22,13 @@ HELD = 1e-3
 """What a solution by the factors, which are made without pivoting, may leave of its load: of an eigenvalue likewise."""
 FIRST_STEPS, MORE_STEPS, MOST_STEPS = 26, 13, 150
 """Of Arnoldi's method, before it is first looked what it found, until it is looked again, and in all."""
+
+
+@lru_cache(maxsize=8)
+def _start(size: int) -> Floats:
+    """A direction that no eigenvector is at right angles to, (size,)."""
+    start = np.random.default_rng(0).standard_normal(size)
+    return np.asarray(start / np.sqrt(np.sum(start**2)))
 
 
 class HarmonicTangent:
@@ -47,10 +56,7 @@ class HarmonicTangent:
 
     def __matmul__(self, vectors: Numbers) -> Numbers:
         """Products with vectors, (unknowns, k)."""
-        from scipy.sparse import dia_array
-
-        below = np.arange(len(self.band)) - self.half
-        product: Numbers = np.asarray(dia_array((self.band, -below), shape=(self.size, self.size)) @ vectors)
+        product = band_times(self.band, np.asarray(vectors, dtype=np.result_type(self.band, vectors)))
         return product if self.front is None else product - np.outer(self.front[0], self.front[1] @ vectors)
 
     def factors(self, centre: float, hermitian: bool = False) -> Numbers:
@@ -108,8 +114,7 @@ class Nearest:
         most = min(MOST_STEPS, tangent.size - 1)
         self._basis = np.zeros((most + 1, tangent.size), dtype=kind)
         self._projection = np.zeros((most + 1, most), dtype=kind)
-        start = np.random.default_rng(0).standard_normal(tangent.size)
-        self._basis[0] = start / np.sqrt(np.sum(start**2))
+        self._basis[0] = _start(tangent.size)
         self._steps = 0
         self._inverse = np.zeros(0, dtype=complex)
         self._parts = np.zeros((0, 0), dtype=complex)
