@@ -37,11 +37,12 @@ class Lattice:
     @cached_property
     def _numbered_sections(self) -> tuple[list[Netting], Counts]:
         """Every section once, and its number of each band, (bands,)."""
-        distinct = {id(section): section for section in self.sections}
+        keys = list(map(id, self.sections))
+        distinct = dict(zip(keys, self.sections, strict=True))
         number = {key: i for i, key in enumerate(distinct)}
-        return list(distinct.values()), np.array([number[id(section)] for section in self.sections])
+        return list(distinct.values()), np.array(list(map(number.__getitem__, keys)))
 
-    def of_bands(self, value: Callable[[Netting], float | bool | str]) -> NDArray:
+    def of_bands(self, value: Callable[[Netting], object]) -> NDArray:
         """A value of every band's section, (bands,)."""
         sections, number = self._numbered_sections
         return np.array([value(section) for section in sections])[number]
@@ -197,7 +198,7 @@ class Parts:
         """Add a corner between two twines at a knot for every place."""
         nodes = (middle.node, first.node, second.node)
         images = [np.where(c.node == self.codline, 0, c.image) for c in (middle, first, second)]
-        self.corners.append(np.stack([*nodes, *images, band, np.full_like(band, across)], axis=1))
+        self.corners.append(np.stack([*nodes, *images, band, band, np.full_like(band, across)], axis=1))
 
     def joined(self, pieces: Sequence["Piece"] = ()) -> "Layout":
         """All of them, with those of pieces of other netting after them."""
@@ -264,8 +265,8 @@ class Layout:
     mesh_bars: Ints
     mesh_row: Ints
     corners: Counts
-    """Middle, first and second node of all corners between two twines, their images, the band, and whether it lies
-    across, (c, 8)."""
+    """Middle, first and second node of all corners between two twines, their images, the band of either twine (beyond
+    all bands the number of a piece), and whether it lies across, (c, 9)."""
 
 
 def _numbered(tables: Sequence[list[NDArray]]) -> tuple[NDArray, Ints]:

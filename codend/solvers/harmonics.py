@@ -15,9 +15,11 @@ Every tangent is shifted by ``newton.NEUTRAL``: what moves for nothing, as slack
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import ThreadpoolController
 
 from codend.mechanics import newton_step as kernels
 from codend.mechanics.bars import bar_lengths
@@ -25,7 +27,7 @@ from codend.mechanics.harmonics import Complex, negative_pivots_side_by_side
 from codend.mechanics.newton_state import measure
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
-from codend.solvers.harmonic_tangent import FIRST_STEPS, HarmonicTangent
+from codend.solvers.harmonic_tangent import FIRST_STEPS, HarmonicTangent, Nearest
 from codend.solvers.newton import DIRECT, NEUTRAL
 from codend.solvers.outcome import Solution
 from codend.solvers.ring import Ring
@@ -42,6 +44,8 @@ DENSE = 40
 """Unknowns up to which all eigenvalues of a harmonic are found at once."""
 NEARER, NEARER_BY = 3, 0.2
 """How many numbers between the bound and 0 eigenvalues are sought about, and the factor between them."""
+MOST_ABOUT_NONE = 640
+"""Steps of Arnoldi's method about 0 in all: four times as many as eigenvalues are asked for there at most."""
 ONE = 1e-5
 """Distance of an eigenvector, of length 1, from those found before it, up to which it counts as one of them."""
 DENSE_AT_LAST = 1500
@@ -105,12 +109,13 @@ def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
     if ring.fronted:
         with_front[0] = ring.tangent(0).negative_eigenvalues(int(negative[0]))
     doubtful = asked[with_front > 0]
-    found = {k: _nearest_to_none(ring.tangent(k), int(negative[k]), int(with_front[k])) for k in doubtful.tolist()}
-    left = np.array([k for k, pair in found.items() if pair is None], dtype=doubtful.dtype)
-    enough = 0
-    for k, lowest in zip(left.tolist(), _lower_bounds(ring, left, scale), strict=True):
-        pair = _lowest_eigenvalues(ring.tangent(k), lowest, int(negative[k]), int(with_front[k]), enough)
-        found[k], enough = pair, 0 if pair is None else len(pair[0])
+    with _libraries().limit(limits=1, user_api="blas"):
+        found = {k: _nearest_to_none(ring.tangent(k), int(negative[k]), int(with_front[k])) for k in doubtful.tolist()}
+        left = np.array([k for k, pair in found.items() if pair is None], dtype=doubtful.dtype)
+        enough = 0
+        for k, lowest in zip(left.tolist(), _lower_bounds(ring, left, scale), strict=True):
+            pair = _lowest_eigenvalues(ring.tangent(k), lowest, int(negative[k]), int(with_front[k]), enough)
+            found[k], enough = pair, 0 if pair is None else len(pair[0])
     growing, undecided = [], []
     for k, pair in found.items():
         if pair is None:
@@ -122,6 +127,12 @@ def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
             grows = grows[np.argsort(eigenvalues[grows].real)]
             growing.append(Growth(k, eigenvalues[grows], ring.shape_of(vectors[:, grows[0]], k)))
     return Harmonics(ring.order, tuple(growing), tuple(undecided))
+
+
+@cache
+def _libraries() -> ThreadpoolController:
+    """Matrices as small as a harmonic's projections take far longer where libraries share them out among threads."""
+    return ThreadpoolController()
 
 
 def _linearise(problem: Problem, solution: Solution, ring: Ring) -> None:
@@ -166,7 +177,7 @@ def _nearest_to_none(tangent: HarmonicTangent, negative: int, expected: int) -> 
     """
     if not tangent.size > DENSE or expected >= tangent.size // 4:
         return None
-    found = tangent.nearest(0.0, expected, AT_FIRST)
+    found = tangent.nearest(0.0).eigenvalues(expected, AT_FIRST)
     if found is None or tangent.negative_eigenvalues(negative, np.linalg.qr(found[1])[0]) > 0:
         return None
     return found
@@ -189,8 +200,11 @@ def _lowest_eigenvalues(
         enough: how many were needed of the harmonic before.
     """
     found: tuple[Complex, Complex] | None = None
+    seekers: dict[float, Nearest] = {}
     for centre, wanted in _places_to_look(tangent.size, lowest, expected, enough):
-        part = tangent.nearest(centre, wanted, most_steps=max(FIRST_STEPS, 4 * wanted))
+        if centre not in seekers:
+            seekers[centre] = tangent.nearest(centre, max(FIRST_STEPS, 4 * wanted) if centre else MOST_ABOUT_NONE)
+        part = seekers[centre].eigenvalues(wanted)
         if part is None:
             continue
         found, basis = _joined(found, part)
@@ -206,8 +220,9 @@ def _places_to_look(size: int, lowest: float, expected: int, enough: int) -> Ite
     yield lowest, expected
     for fall in range(1, NEARER + 1):
         yield lowest * NEARER_BY**fall, expected + 2
-    wanted = max(expected + 2, min(enough, size // 8 - 1))
-    while wanted < size // 8:
+    most = min(size // 8, MOST_ABOUT_NONE // 4)
+    wanted = max(expected + 2, min(enough, most))
+    while wanted <= most:
         yield 0.0, wanted
         wanted += wanted // 2
 
