@@ -51,7 +51,7 @@ def front_height(position: Floats, catch: Catch, share: Floats) -> float:
 
 @njit(cache=True)
 def add_force(position: Floats, structure: Structure, catch: Catch, share: Floats, force: Floats) -> None:
-    """Add what the catch's weight presses with on every facet, a third to each corner, and what the front's rings bear."""
+    """Add what the catch's weight presses with on every facet, a third to each corner, and what the rings bear."""
     if catch.weight_density == 0.0:
         return
     height = front_height(position, catch, share)

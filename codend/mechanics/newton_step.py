@@ -93,7 +93,7 @@ def right_sides(structure: Structure, loading: Loading, tension: float, state: S
     """Write the right sides at a state, and how the bars there harden: all of ``linearise`` but the tangent.
 
     Returns:
-        the number of right sides: one more where the front's share follows the net, four where the catch's weight counts.
+        the number of right sides: one more where the front's share follows the net, four where a catch has weight.
     """
     flexibilities, position = structure.flexibility, state.position
     density, gaps, lengths, hardening = state.density, state.gap, state.length, step.hardening
