@@ -1,6 +1,6 @@
 """Cases of a plan: every speed and catch solved in turn, each from the last one where that helps."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from time import perf_counter
@@ -23,8 +23,10 @@ from codend.equilibrium.following import LYING_ON_ITSELF, NOT_FOLLOWED, as_it_li
 from codend.equilibrium.other_shapes import apart_from_other_shapes
 from codend.equilibrium.room import check_room, explained
 from codend.equilibrium.stability import Stability, stability_of
+from codend.equilibrium.start_shapes import carried_over
 from codend.equilibrium.wrinkles import changed_by_wrinkles, within_accuracy
 from codend.mechanics.problem import Problem
+from codend.net.net import Net
 from codend.plan.plan import Case, Plan
 from codend.solvers import newton
 from codend.solvers.outcome import Progress, Solution, SolverReport
@@ -107,7 +109,7 @@ def solve(
     progress: StudyProgress | None = None,
     choice: Choice | None = None,
     keep: Callable[[CaseResult], None] | None = None,
-    near: Study | None = None,
+    near: Sequence[Study] = (),
 ) -> Study:
     """Solve every case of a plan.
 
@@ -116,7 +118,8 @@ def solve(
         progress: called before and during every case.
         choice: the model, where ``fidelity.choose`` has been asked already.
         keep: called with every case as it is done, in the order they are solved in.
-        near: a study of a plan much like this one: where its net has the same bars, its equilibria lead to the first.
+        near: studies of plans like this one: of those whose nets have the same bars the nearest equilibrium leads to
+            the first.
 
     Returns:
         A study; a case that failed is in it, not converged, its numbers nan.
@@ -138,7 +141,7 @@ def solve(
     model = model_of(plan, choice.globalisation, choice.sectors, smeared, choice.near)
     cases = plan.cases()
     known: list[tuple[Case, Solution]] = []
-    neighbours = _equilibria_of(near, model)
+    neighbours = _neighbours(near, model)
     results: dict[int, CaseResult] = {}
     # by growing catch, whatever the plan's order: each equilibrium leads to the next
     for done, case in enumerate(sorted(cases, key=lambda case: (case.speed_m_s, case.catch_value))):
@@ -150,7 +153,8 @@ def solve(
         if progress is not None:
             progress(done, len(cases), f"case {case.number}")
         try:
-            found_on, problem, solution = standing_in.solve(model, choice, case, known or neighbours, report)
+            led_by = known or _nearest(neighbours, model, case)
+            found_on, problem, solution = standing_in.solve(model, choice, case, led_by, report)
             result = measured(found_on.bag, case, problem, solution)
             if result.converged:
                 if found_on is model:
@@ -209,15 +213,34 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     return replace(found, errors=errors, stability=shape.stability, followed=followed)
 
 
-def _equilibria_of(near: Study | None, model: BagModel) -> list[tuple[Case, Solution]]:
-    """Equilibria of another study, where a model has the same bars between as many nodes."""
-    if near is None or near.choice.fidelity == "meridian":
+def _neighbours(near: Sequence[Study], model: BagModel) -> list[CaseResult]:
+    """Solved cases of other studies whose nets have the same bars between as many nodes as a model's."""
+    mine, kind = model.bag.net, model.plan.catch.kind
+
+    def alike(result: CaseResult) -> bool:
+        same = result.converged and result.case.catch_kind == kind and result.positions.shape == mine.positions.shape
+        pairs = (result.net.bars, mine.bars), (result.net.bar_image, mine.bar_image)
+        return same and all(np.array_equal(*pair) for pair in pairs)
+
+    return [result for study in near if study.choice.fidelity != "meridian" for result in study.cases if alike(result)]
+
+
+def _nearest(neighbours: Sequence[CaseResult], model: BagModel, case: Case) -> list[tuple[Case, Solution]]:
+    """The equilibrium nearest to a case in catch, meshes and their size, carried over to a model's net, if any."""
+
+    def distance(other: CaseResult) -> float:
+        sizes = [(other.case.catch_value, case.catch_value), (other.net.order, mine.order), (lengths(other.net), own)]
+        return sum(abs(a - b) / (a + b) for a, b in sizes)
+
+    def lengths(net: Net) -> float:
+        return float(net.bar_length.mean())
+
+    mine = model.bag.net
+    own = lengths(mine)
+    if not neighbours:
         return []
-    mine, solved = model.bag.net, [result for result in near.cases if result.converged]
-    same = bool(solved) and np.array_equal(solved[0].net.bars, mine.bars)
-    if not same or solved[0].positions.shape != mine.positions.shape:
-        return []
-    return [(result.case, result.solution) for result in solved if result.case.catch_kind == model.plan.catch.kind]
+    nearest = min(neighbours, key=distance)
+    return [(nearest.case, carried_over(nearest.solution, nearest.net, mine))]
 
 
 def measured(bag: Bag, case: Case, problem: Problem, solution: Solution) -> CaseResult:
