@@ -16,6 +16,7 @@ from codend.solvers.gentle import GentleSettings
 from codend.solvers.linear_systems import BandedSystem
 from codend.solvers.newton import DIRECT, NewtonSettings
 from codend.solvers.outcome import Progress, Solution
+from codend.solvers.refusal import passage
 
 BRIEF = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=10)
 """Newton's method from a start for no longer than a good one needs."""
@@ -202,9 +203,12 @@ class Situation:
         )
 
     def hung(self) -> Solution:
-        """Gentle steps under contact from a crude bag, as it falls."""
-        settings = GentleSettings(HANGING_STEPS)
-        return gentle.solve(self.touching, self.tolerance, under_weight(self.problem), settings, self.progress)
+        """Gentle steps under contact from the nearest equilibrium known, or from a crude bag, as it falls."""
+        start = under_weight(self.problem)
+        if self.known:
+            nearest = min(self.known, key=lambda pair: abs(pair[0].catch_value - self.case.catch_value))[1]
+            start = nearest if passage(self.touching, nearest.positions) is None else start
+        return gentle.solve(self.touching, self.tolerance, start, GentleSettings(HANGING_STEPS), self.progress)
 
     def relaxed(self, start: Solution | None) -> Solution:
         """Relaxation to the plan's tolerance."""

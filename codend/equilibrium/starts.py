@@ -172,7 +172,7 @@ STEPS = Start(
 )
 """Led to 46 of 55 later catches that neither the last equilibria nor a crude bag had led to."""
 HUNG = Start(
-    "a crude bag, gently under contact",
+    "the nearest equilibrium or a crude bag, gently under contact",
     lambda s: s.may_hang,
     lambda s: s.hung(),
     in_contact=True,
