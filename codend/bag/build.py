@@ -60,7 +60,7 @@ def build_bag(
     shape = RowShape(x, np.concatenate([[plan.entry_radius_m], radius[1:-1], [0.0]]), azimuth_rad)
     knots = knots_of(lattice)
     positions, node_row = placed_knots(knots, shape)
-    entry = np.arange(knots.aft_start[0])
+    entry = np.arange(knots.fore_start[1])
     drag_law = drag(plan.drag.law, *plan.drag.coefficients)
     windows = list[LetIn]()
     if plan.window and sectors is None:

@@ -34,7 +34,7 @@ def with_straps(bag: Bag, plan: Plan, knots: Knots, drag: tuple[int, float, floa
     """
     for index, strap in enumerate(plan.straps):
         row = knots.lattice.bands - plan.strap_rows[index] // knots.lattice.globalisation
-        across_m = knots.lattice.sections[row].knot_m if knots.across[row] else 0.0
+        across_m = knots.lattice.sections[row - 1].knot_m if knots.across[row] else 0.0
         _check_length(plan, index, knots, row, across_m)
         bag = _with_strap(bag, strap, knots, row, across_m, drag)
     return bag

@@ -72,7 +72,7 @@ def _numbered_anew(
     tables = [*parts.bars, *(bars for window in windows for bars in window.bars)]
     used = np.zeros(len(positions), dtype=bool)
     used[stands_for[np.concatenate([bars[:, :2].ravel() for bars in tables])]] = True
-    used[stands_for[: knots.aft_start[0]]] = True
+    used[stands_for[: knots.fore_start[1]]] = True
     codline = knots.codline
     used[codline] = False
     kept = np.append(np.flatnonzero(used), codline)

@@ -5,10 +5,9 @@ kinds of netting differ only in which ports are the same node: all four in ideal
 fore ones and the two aft ones when the knot lies along the netting (T0), the two left ones and the two right ones when
 it lies across (T90). Bars, facets and meshes are written once, in ports.
 
-Meshes begin with a knot and end with twine: the entry's hoop holds knots, and the codline gathers twines. Where two
-sections meet, the knots of the row are those of the section with fewer meshes round. The other one's are laced to them
-in the ratio of the two counts, so that some of its knots share one: its twines end or start there, or its first knots
-start there if they lie along the netting.
+Where two sections meet, the knots of the row are those of the section with fewer meshes round. The other one's are
+laced to them in the ratio of the two counts, so that some of its knots share one: its twines end there, or its last
+knots if they lie along the netting.
 """
 
 from dataclasses import dataclass
@@ -28,13 +27,13 @@ class Knots:
 
     lattice: Lattice
     along: NDArray[np.bool_]
-    """Whether the knots of a row lie along the netting: they have nodes of their own for the twines behind."""
+    """Whether the knots of a row lie along the netting: they have nodes of their own for the twines ahead."""
     across: NDArray[np.bool_]
     """Whether they lie across: they have one node to the left and one to the right."""
+    fore_start: Counts
+    """First of a row's nodes where the twines ahead end, the ring itself but for knots that lie along."""
     start: Counts
-    """First node of a row's ring, where the twines ahead end."""
-    aft_start: Counts
-    """First of a row's nodes where the twines behind start, if its knots lie along; the end of its ring."""
+    """First node of a row's ring."""
     renumbered: Counts | None = None
     """Numbers that the nodes have in a net with windows, -1 where there are none any more; None: as they were."""
 
@@ -52,7 +51,12 @@ class Knots:
 
     def fore(self, side: int, row: Counts, counted: Counts) -> Corner:
         """Nodes in which the twines of the band ahead end; its columns are counted on all round."""
-        return self.ring(side, row, counted, self.lattice.columns[row - 1])
+        columns = self.lattice.columns[row - 1]
+        ring = self.ring(side, row, counted, columns)
+        number, image = self.lattice.numbered(counted, columns)
+        own = self.along[row]
+        node = np.where(own, self.now(np.where(own, self.fore_start[row] + number, 0)), ring.node)
+        return Corner(node, np.where(own, image, ring.image))
 
     def now(self, node: Counts) -> Counts:
         """Numbers that nodes have now."""
@@ -60,28 +64,24 @@ class Knots:
 
     def aft(self, side: int, row: Counts, counted: Counts) -> Corner:
         """Nodes from which the twines of the band behind start; its columns are counted on all round."""
-        columns = self.lattice.columns[row]
-        ring = self.ring(side, row, counted, columns)
-        number, image = self.lattice.numbered(counted, columns)
-        own = self.along[row]
-        node = np.where(own, self.now(np.where(own, self.aft_start[row] + number, 0)), ring.node)
-        return Corner(node, np.where(own, image, ring.image))
+        return self.ring(side, row, counted, self.lattice.columns[row])
 
 
 def knots_of(lattice: Lattice) -> Knots:
     """Number the knots of a net.
 
-    The knot of a row belongs to the band behind it, and the codline gathers twines. Where the counts of two sections
-    differ, or square mesh is ahead, the row is laced at points: its knots cannot lie across.
+    The knot of a row belongs to the band ahead of it; the entry's own row has knots only where they lie across, and
+    the codline gathers those. Where the counts of two sections differ, or square mesh follows, the row is laced at
+    points: its knots cannot lie across.
     """
-    along = np.append(lattice.of_bands(lambda section: section.knot_along_m > 0.0), False)
+    along = np.append(False, lattice.of_bands(lambda section: section.knot_along_m > 0.0))
     lie_across = lattice.of_bands(lambda section: section.knot_across_m > 0.0)
-    plain = (lattice.columns[:-1] == lattice.columns[1:]) & lattice.staggered[:-1]
-    across = np.concatenate([lie_across[:1], lie_across[1:] & plain, [False]])
-    ring = lattice.knots * (1 + across)
-    nodes = ring + along * np.append(lattice.columns, 0)
-    start = np.cumsum(nodes) - nodes
-    return Knots(lattice, along, across, start, start + ring)
+    plain = (lattice.columns[:-1] == lattice.columns[1:]) & lattice.staggered[1:]
+    across = np.concatenate([lie_across[:1], lie_across[:-1] & plain, [False]])
+    fore_nodes = along * np.concatenate([[0], lattice.columns])
+    nodes = fore_nodes + lattice.knots * (1 + across)
+    fore_start = np.cumsum(nodes) - nodes
+    return Knots(lattice, along, across, fore_start, fore_start + fore_nodes)
 
 
 def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
@@ -99,7 +99,7 @@ def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
     owner = np.where(lattice.columns[ahead] == lattice.knots[:-1], ahead, rows)
     row, knot = lattice.rings(rows)
     azimuth = _azimuth(lattice, owner[row], knot, row)
-    half_knot = np.where(knots.across[row], 0.5 * knot_m[row], 0.0)
+    half_knot = np.where(knots.across[row], 0.5 * knot_m[owner[row]], 0.0)
     half_angle = np.arcsin(np.clip(half_knot / np.maximum(shape.radius[row], half_knot + 1e-300), 0.0, 1.0))
     turn = np.minimum(half_angle, 0.4 * np.pi / (lattice.knots[row] * lattice.order))
     for side, sign in ((LEFT, -1.0), (RIGHT, 1.0)):
@@ -109,16 +109,18 @@ def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
     positions[knots.codline] = (shape.x[-1], 0.0, 0.0)
     node_row[knots.codline] = lattice.bands
 
-    row, column = lattice.places(np.flatnonzero(knots.along[:-1]))
-    azimuth = _azimuth(lattice, row, column, row)
-    # knots that share a node of the ring lie beside each other, behind it
-    shares = lattice.knots[row] < lattice.columns[row]
-    shared = row[shares]
-    laced = taken_up(column[shares], lattice.columns[shared], lattice.knots[shared], lattice.upward[shared])
-    middle = _azimuth(lattice, owner[shared], laced, shared)
-    reach = 0.5 * knot_m[shared] / shape.radius[shared]
+    band, column = lattice.places(np.flatnonzero(knots.along[1:]))
+    row = band + 1
+    azimuth = _azimuth(lattice, band, column, row)
+    # knots that share a node of the ring lie beside each other, ahead of it
+    shares = (row < lattice.bands) & (lattice.knots[row] < lattice.columns[band])
+    band_shared, row_shared = band[shares], row[shares]
+    around = lattice.columns[band_shared], lattice.knots[row_shared]
+    laced = taken_up(column[shares], *around, lattice.upward[row_shared])
+    middle = _azimuth(lattice, owner[row_shared], laced, row_shared)
+    reach = 0.5 * knot_m[band_shared] / shape.radius[row_shared]
     azimuth[shares] = middle + np.clip(azimuth[shares] - middle, -reach, reach)
-    positions[knots.aft(LEFT, row, column).node] = shape.placed(row + 1, azimuth, 1.0 - knot_share[row])
+    positions[knots.fore(LEFT, row, column).node] = shape.placed(row, azimuth, knot_share[band])
     return positions, node_row
 
 

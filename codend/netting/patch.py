@@ -36,7 +36,7 @@ class Patch:
     nodes: NDArray[np.int64]
     """By end, side, row and half mesh; -1 where no knot is, (2, 2, rows + 1, 2 W + 1)."""
     own: NDArray[np.int64]
-    """Row, half mesh, whether aft (1), and side (-1 left, 0 middle, 1 right) of every own node, (k, 4)."""
+    """Row, half mesh, whether fore (1), and side (-1 left, 0 middle, 1 right) of every own node, (k, 4)."""
     knots: NDArray[np.int64]
     """Ends of its own knots that have a length, and their rows, (k, 3)."""
 
@@ -91,12 +91,12 @@ class Patch:
                 ends = fore[RIGHT, row + 1, m], fore[LEFT, row + 1, m]
                 yield (aft[LEFT, row, m], aft[RIGHT, row, m], *ends), row, row + 1
             # between knots that lie along the netting
-            h = self.halves(row)
-            ends = aft[LEFT, row, h[1:]], aft[RIGHT, row, h[:-1]]
-            yield (fore[RIGHT, row, h[:-1]], fore[LEFT, row, h[1:]], *ends), row, row
+            h = self.halves(row + 1)
+            ends = aft[LEFT, row + 1, h[1:]], aft[RIGHT, row + 1, h[:-1]]
+            yield (fore[RIGHT, row + 1, h[:-1]], fore[LEFT, row + 1, h[1:]], *ends), row + 1, row + 1
             m = h[(h > 0) & (h < last)]
-            ends = aft[RIGHT, row, m], aft[LEFT, row, m]
-            yield (fore[LEFT, row, m], fore[RIGHT, row, m], *ends), row, row
+            ends = aft[RIGHT, row + 1, m], aft[LEFT, row + 1, m]
+            yield (fore[LEFT, row + 1, m], fore[RIGHT, row + 1, m], *ends), row + 1, row + 1
 
     def meshes(self) -> Iterator[tuple[list[tuple[Counts, Counts]], float]]:
         """Sides of whole meshes, each as its two nodes, and the row of their middle."""
@@ -157,7 +157,7 @@ def patch_of(netting: Netting, wide: int, rows: int, first: int, sewn: Callable[
                 for side in (LEFT, RIGHT):
                     there = sewn(end, side, row, half)
                     if there is None:
-                        key = (along and end == AFT, (2 * side - 1) * across)
+                        key = (along and end == FORE, (2 * side - 1) * across)
                         if key not in numbered:
                             numbered[key] = first + len(own)
                             own.append((row, half, int(key[0]), key[1]))

@@ -48,12 +48,13 @@ def parts_of(knots: Knots) -> Parts:
 def _add_knots(parts: Parts, knots: Knots) -> None:
     """Knots as bars, and the netting between those that lie along it."""
     lattice = knots.lattice
-    row, knot = lattice.places(np.flatnonzero(knots.along[:-1]))
-    fore, after = (knots.ring(LEFT, row, counted, lattice.columns[row]) for counted in (knot, knot + 1))
-    aft, aft_after = knots.aft(LEFT, row, knot), knots.aft(LEFT, row, knot + 1)
-    parts.add_bars(fore, aft, row, True)
-    parts.add_quadrangles(fore, after, aft_after, aft, row)
-    # the entry's knots that lie across are held at both ends: they are no bars
+    band, knot = lattice.places(np.flatnonzero(knots.along[1:]))
+    row = band + 1
+    fore, after = knots.fore(LEFT, row, knot), knots.fore(LEFT, row, knot + 1)
+    aft, aft_after = (knots.ring(LEFT, row, counted, lattice.columns[band]) for counted in (knot, knot + 1))
+    parts.add_bars(fore, aft, band, True)
+    parts.add_quadrangles(fore, after, aft_after, aft, band)
+    # the entry's knots are held at both ends and the codline's are gathered: neither is a bar
     row, knot = lattice.rings(np.flatnonzero(knots.across[1:]) + 1)
     left, right = (knots.ring(side, row, knot, lattice.knots[row]) for side in (LEFT, RIGHT))
-    parts.add_bars(left, right, row, True)
+    parts.add_bars(left, right, row - 1, True)

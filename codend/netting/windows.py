@@ -63,7 +63,7 @@ class LetIn:
         return self.opening.fore + (self.opening.aft - self.opening.fore) * of_patch / self.patch.rows
 
     def band(self, fore: float, aft: float) -> int:
-        """Band that what lies between two places is counted to; of a row, the one ahead, but for its knots."""
+        """Band that what lies between two places is counted to; of a row, the one ahead."""
         middle = 0.5 * (fore + aft)
         band = int(np.floor(middle + 1e-9)) if aft > fore else int(np.ceil(middle - 1e-9)) - 1
         return min(max(band, self.opening.fore), self.opening.aft - 1)
@@ -90,13 +90,9 @@ class LetIn:
         for triangle in ((a, b, c), (a, c, d), (a, b, d), (b, c, d)):
             self.add_facets(triangle, 0.5, fore, aft)
 
-    def band_of_knots(self, row: float) -> int:
-        """Band that the knots of a row of the window are counted to, the one behind."""
-        return min(int(np.floor(self.row(row) + 1e-9)), self.opening.aft - 1)
-
     def _shares(self, fore: float, aft: float) -> Iterator[tuple[int, float]]:
-        if aft - fore < 1e-9:  # netting between knots
-            yield min(int(np.floor(fore + 1e-9)), self.opening.aft - 1), 1.0
+        if aft - fore < 1e-9:
+            yield self.band(fore, fore), 1.0
             return
         for band in range(int(np.floor(fore + 1e-9)), int(np.ceil(aft - 1e-9))):
             yield band, (min(aft, band + 1.0) - max(fore, float(band))) / (aft - fore)
@@ -147,8 +143,8 @@ def let_in(knots: Knots, opening: Opening, netting: Netting, wide: int, deep: in
 
     def lattice_node(end: int, side: int, row: int, column: int) -> int:
         at, counted = np.array([row]), np.array([column])
-        if end == AFT:
-            found = knots.aft(side, at, counted)
+        if end == FORE:
+            found = knots.fore(side, at, counted)
         else:
             # those of the band ahead are counted where the netting behind has others
             around = lattice.columns[at - 1] if row == opening.aft else lattice.columns[at]
@@ -159,11 +155,11 @@ def let_in(knots: Knots, opening: Opening, netting: Netting, wide: int, deep: in
         at_side = half in (0, 2 * wide)
         left = half == 0
         if row in (0, rows):
-            if row == 0 and end == AFT and not at_side and netting.knot_along_m > 0.0:
+            if row == rows and end == FORE and not at_side and netting.knot_along_m > 0.0:
                 return None
             column = opening.first + of_end[half // 2]
             where = opening.fore if row == 0 else opening.aft
-            return lattice_node(AFT if at_side and end == AFT and row == 0 else FORE, side, where, column)
+            return lattice_node(FORE if at_side and end == FORE and row == rows else AFT, side, where, column)
         if not at_side or row // stepped not in of_side:
             return None  # its own, or sewn to a bar
         place = of_side[row // stepped]
@@ -179,7 +175,7 @@ def let_in(knots: Knots, opening: Opening, netting: Netting, wide: int, deep: in
     for (one, other), fore, aft in patch.twines(*edges):
         window.add_bars(one, other, window.band(window.row(fore), window.row(aft)), False)
     for one, other, row in patch.knots:
-        window.add_bars(np.array([one]), np.array([other]), window.band_of_knots(row), True)
+        window.add_bars(np.array([one]), np.array([other]), window.band(window.row(row), window.row(row)), True)
     for corners, fore, aft in patch.quadrangles():
         window.add_quadrangles(corners, window.row(fore), window.row(aft))
     for sides_of, middle in patch.meshes():
@@ -221,10 +217,10 @@ def _sewn_to_bars(window: LetIn, lattice: Chain, deep: int, right: bool) -> tupl
         t, (fore, aft) = knot / deep, (int(patch.nodes[end, facing, steps * knot, edge]) for end in (FORE, AFT))
         if min(share, 1.0 - share) < NEAR_A_KNOT:
             there = lattice[round(place)][1]
-            window.alias.update({fore: there[FORE], aft: there[AFT]} if fore != aft else {fore: there[FORE]})
+            window.alias.update({fore: there[FORE], aft: there[AFT]} if fore != aft else {fore: there[AFT]})
             pairs.append((lattice[round(place)][0], steps * knot))
             continue
-        window.splits.append((lattice[bar][1][AFT], lattice[bar + 1][1][FORE], share, fore))
+        window.splits.append((lattice[bar][1][AFT], lattice[bar + 1][1][FORE], share, aft))
         chain.append((t, [fore, aft]))
         pairs.append((t, steps * knot))
     chain.sort(key=lambda node: node[0])
@@ -243,7 +239,7 @@ def _take_up(
     for h, c in ends:
         for row in (opening.fore, opening.aft):
             for side in (LEFT, RIGHT):
-                one, other = (node(FORE, side, row, opening.first + place) for place in (h, of_end[c]))
+                one, other = (node(AFT, side, row, opening.first + place) for place in (h, of_end[c]))
                 if one != other:
                     window.alias[one] = other
 
@@ -333,7 +329,7 @@ def cut_out(parts: Parts, knots: Knots, opening: Opening, azimuth: Floats, node_
     half = 0.5 * opening.across
     for index, bars in enumerate(parts.bars):
         rows = node_row[bars[:, :2]]
-        of_the_edge = (rows == opening.fore).all(axis=1) | (rows == opening.aft).all(axis=1)
+        of_the_edge = (rows == opening.aft).all(axis=1)
         within = (bars[:, 3] >= opening.fore) & (bars[:, 3] < opening.aft) & ~of_the_edge
         parts.bars[index] = bars[~(within & (off(bars[:, :2]) < half - 1e-3))]
     for index, facets in enumerate(parts.facets):
@@ -356,7 +352,7 @@ def placed_window(window: LetIn, knots: Knots, shape: RowShape) -> Floats:
     step = 2.0 * np.pi / lattice.columns[opening.fore]
     own = patch.own
     deep = (opening.aft - opening.fore) / patch.rows
-    place = opening.fore + deep * (own[:, 0] + 0.3 * own[:, 2])
+    place = opening.fore + deep * (own[:, 0] - 0.3 * own[:, 2])
     column = opening.first + (own[:, 1] / 2 + 0.1 * own[:, 3]) * opening.across / patch.wide
     azimuth = lattice.phase[opening.fore] + step * (column + 0.5 * lattice.shift[opening.fore])
     row = np.ceil(place).astype(np.int64)

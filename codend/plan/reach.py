@@ -29,12 +29,11 @@ def least_radius_m(netting: Sequence[Netting], entry_radius_m: float, rows_to_co
         for _ in range(min(rows, part.rows_per_mesh * part.meshes_long)):
             if part.stretches or radius <= part.bar_m + part.knot_m:
                 return 0.0
-            radius -= part.knot_m - across_m
             # the nearest that the aft ring may come tells the most that its knots take, and so the least turn
             turn = math.pi / part.open_meshes[0] if part.kind.staggered and not joined else 0.0
             turn -= math.asin(0.5 * across_m / radius) + math.asin(0.5 * across_m / (radius - part.bar_m))
             turn = max(turn, 0.0)
             flat_m = math.sqrt(max(part.bar_m**2 - (radius * math.sin(turn)) ** 2, 0.0))
-            radius = radius * math.cos(turn) - flat_m
+            radius = radius * math.cos(turn) - flat_m - (part.knot_m - across_m)
         rows -= min(rows, part.rows_per_mesh * part.meshes_long)
     return float(radius)

@@ -15,26 +15,27 @@ PLAN = ROOT / "tests" / "knots_that_stretch.toml"
 SOFT = {"knot_mm": 8.0, "axial_stiffness_n": 300.0, "knot_axial_stiffness_n": 150.0}
 
 
-@pytest.mark.parametrize("fidelity", ["meridian", "auto"])
-def test_the_public_programs_example_is_met(fidelity):
+@pytest.mark.parametrize(("fidelity", "of_volume"), [("meridian", 1e-3), ("sector", 1.5e-3)])
+def test_the_public_programs_example_is_met(fidelity, of_volume):
     """A sector's rings are polygons of 100 sides, which hold less than the circles by 0.07 % and more between them."""
     table = solve(load_plan(PLAN, [f'model.fidelity="{fidelity}"'])).table
     for quantity, answer in PUBLIC.items():
-        assert table[quantity].to_numpy() == pytest.approx(answer, rel=1e-3)
+        within = of_volume if quantity == "catch_volume_m3" else 1e-3
+        assert table[quantity].to_numpy() == pytest.approx(answer, rel=within)
 
 
 @pytest.mark.parametrize("number", [0, 1])
-def test_circles_are_all_that_a_sector_and_the_public_program_differ_in(number):
+def test_circles_and_the_first_row_of_knots_are_all_that_a_sector_and_the_public_program_differ_in(number):
     plan = load_plan(PLAN, [f"catch.filled_meshes={(50, 75)[number]}"])
     sector = solve(plan).cases[0]
 
-    def of_bars(polygons: bool) -> np.ndarray:
-        bars = AxisymmetricBars(plan, knots_first=True, polygons=polygons)
-        return np.array(bars.solved(rings_of(sector.positions, plan, knots_first=True), sector.case.catch_value))
+    def of_bars(knots_first: bool, polygons: bool) -> np.ndarray:
+        bars = AxisymmetricBars(plan, knots_first, polygons)
+        return np.array(bars.solved(rings_of(sector.positions, plan, knots_first), sector.case.catch_value))
 
-    assert of_bars(polygons=False) == pytest.approx([answer[number] for answer in PUBLIC.values()], rel=1e-5)
+    assert of_bars(True, False) == pytest.approx([answer[number] for answer in PUBLIC.values()], rel=1e-5)
     drag, volume, length, radius = (
-        np.array([getattr(sector.measures, name) for name in QUANTITIES]) / of_bars(polygons=True) - 1.0
+        np.array([getattr(sector.measures, name) for name in QUANTITIES]) / of_bars(False, True) - 1.0
     )
     assert max(abs(drag), abs(length), abs(radius)) <= 6e-5
     assert 0.0 < volume < 3e-4, "between two polygons turned by half a mesh netting bulges"
