@@ -175,6 +175,18 @@ def write_rows(band: Numbers, centre: float, hermitian: bool, rows: Numbers) -> 
 
 
 @njit(cache=True, error_model="numpy")
+def band_times(band: Numbers, vectors: Numbers) -> Numbers:
+    """Products of a band, laid out as for ``write_rows``, with vectors (unknowns, k), which are complex if it is."""
+    width, size = band.shape
+    half, product = width // 2, np.zeros_like(vectors)
+    for i in range(size):
+        for j in range(max(0, i - half), min(size, i + half + 1)):
+            for k in range(vectors.shape[1]):
+                product[i, k] += band[half + i - j, j] * vectors[j, k]
+    return product
+
+
+@njit(cache=True, error_model="numpy")
 def factorise_band_of_numbers(band: Numbers) -> None:
     """Factorise a band in place as L U without pivoting: entry (i, j) in ``band[i, half + j - i]``."""
     size, width = band.shape

@@ -16,6 +16,7 @@ from codend.plan.plan import Plan
 from codend.selectivity.escape.catches import catches_of, run_of
 from codend.selectivity.escape.haul import hauls_of, terms_of_catches
 from codend.studies import tables
+from codend.studies.case_result import CaseResult
 from codend.studies.designs import Run
 from codend.studies.study import Study, solve
 
@@ -44,7 +45,7 @@ def solve_chunk(chunk: Chunk) -> pa.Table:
         run whose values make no plan is one row with its reason.
     """
     rows: list[dict[str, Any]] = []
-    near: list[Study] = []
+    near: list[CaseResult] = []
     for run in chunk.runs:
         told: dict[str, Any] = {"run": run.number}
         if chunk.with_design:
@@ -59,11 +60,11 @@ def solve_chunk(chunk: Chunk) -> pa.Table:
             rows += [{**told, **row} for row in _rows_of(study, chunk.species)] if study else []
             if reason is not None:
                 rows.append({**told, **reason})
-            near += [study] if study is not None and study.converged else []
+            near += [result for result in study.cases if result.converged] if study else []
     return _table(rows, chunk.text.union(TEXT_COLUMNS))
 
 
-def _studies_of(plan: Plan, near: Sequence[Study]) -> Iterator[tuple[Study | None, dict[str, Any] | None]]:
+def _studies_of(plan: Plan, near: Sequence[CaseResult]) -> Iterator[tuple[Study | None, dict[str, Any] | None]]:
     """The study of a plan; where an error of the program ends it, one of every case, or a row that says so."""
     try:
         yield solve(plan, near=near), None

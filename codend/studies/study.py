@@ -26,7 +26,6 @@ from codend.equilibrium.stability import Stability, stability_of
 from codend.equilibrium.start_shapes import carried_over
 from codend.equilibrium.wrinkles import changed_by_wrinkles, within_accuracy
 from codend.mechanics.problem import Problem
-from codend.net.net import Net
 from codend.plan.plan import Case, Plan
 from codend.solvers import newton
 from codend.solvers.outcome import Progress, Solution, SolverReport
@@ -109,7 +108,7 @@ def solve(
     progress: StudyProgress | None = None,
     choice: Choice | None = None,
     keep: Callable[[CaseResult], None] | None = None,
-    near: Sequence[Study] = (),
+    near: Sequence[CaseResult] = (),
 ) -> Study:
     """Solve every case of a plan.
 
@@ -118,8 +117,8 @@ def solve(
         progress: called before and during every case.
         choice: the model, where ``fidelity.choose`` has been asked already.
         keep: called with every case as it is done, in the order they are solved in.
-        near: studies of plans like this one: of those whose nets have the same bars the nearest equilibrium leads to
-            the first.
+        near: solved cases of plans like this one: of those whose nets have the same bars the nearest leads to the
+            first.
 
     Returns:
         A study; a case that failed is in it, not converged, its numbers nan.
@@ -141,7 +140,6 @@ def solve(
     model = model_of(plan, choice.globalisation, choice.sectors, smeared, choice.near)
     cases = plan.cases()
     known: list[tuple[Case, Solution]] = []
-    neighbours = _neighbours(near, model)
     results: dict[int, CaseResult] = {}
     # by growing catch, whatever the plan's order: each equilibrium leads to the next
     for done, case in enumerate(sorted(cases, key=lambda case: (case.speed_m_s, case.catch_value))):
@@ -153,7 +151,7 @@ def solve(
         if progress is not None:
             progress(done, len(cases), f"case {case.number}")
         try:
-            led_by = known or _nearest(neighbours, model, case)
+            led_by = known or _nearest(near, model, case)
             found_on, problem, solution = standing_in.solve(model, choice, case, led_by, report)
             result = measured(found_on.bag, case, problem, solution)
             if result.converged:
@@ -213,34 +211,29 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     return replace(found, errors=errors, stability=shape.stability, followed=followed)
 
 
-def _neighbours(near: Sequence[Study], model: BagModel) -> list[CaseResult]:
-    """Solved cases of other studies whose nets have the same bars between as many nodes as a model's."""
-    mine, kind = model.bag.net, model.plan.catch.kind
+def _nearest(near: Sequence[CaseResult], model: BagModel, case: Case) -> list[tuple[Case, Solution]]:
+    """Of solved cases whose nets have the same bars between as many nodes as a model's, the nearest in catch and size.
 
-    def alike(result: CaseResult) -> bool:
-        same = result.converged and result.case.catch_kind == kind and result.positions.shape == mine.positions.shape
-        pairs = (result.net.bars, mine.bars), (result.net.bar_image, mine.bar_image)
-        return same and all(np.array_equal(*pair) for pair in pairs)
-
-    return [result for study in near if study.choice.fidelity != "meridian" for result in study.cases if alike(result)]
-
-
-def _nearest(neighbours: Sequence[CaseResult], model: BagModel, case: Case) -> list[tuple[Case, Solution]]:
-    """The equilibrium nearest to a case in catch, meshes and their size, carried over to a model's net, if any."""
+    Its equilibrium is carried over to the model's net; the list is empty where there is none.
+    """
+    mine = model.bag.net
 
     def distance(other: CaseResult) -> float:
-        sizes = [(other.case.catch_value, case.catch_value), (other.net.order, mine.order), (lengths(other.net), own)]
-        return sum(abs(a - b) / (a + b) for a, b in sizes)
+        catch, order, bar_m = other.case.catch_value, other.net.order, float(other.net.bar_length[0])
+        sizes = (catch, case.catch_value), (order, mine.order), (bar_m, own_bar_m)
+        return sum(abs(a - b) / (a + b) for a, b in sizes if a != b)
 
-    def lengths(net: Net) -> float:
-        return float(net.bar_length.mean())
+    def alike(other: CaseResult) -> bool:
+        pairs = (other.net.bars, mine.bars), (other.net.bar_image, mine.bar_image)
+        nodes = len(other.positions) == len(mine.positions)
+        return nodes and all(one is two or np.array_equal(one, two) for one, two in pairs)
 
-    mine = model.bag.net
-    own = lengths(mine)
-    if not neighbours:
-        return []
-    nearest = min(neighbours, key=distance)
-    return [(nearest.case, carried_over(nearest.solution, nearest.net, mine))]
+    own_bar_m = float(mine.bar_length[0])
+    solved = [one for one in near if one.case.catch_kind == case.catch_kind and one.report.method != plan_case.METHOD]
+    for nearest in sorted(solved, key=distance):
+        if alike(nearest):
+            return [(nearest.case, carried_over(nearest.solution, nearest.net, mine))]
+    return []
 
 
 def measured(bag: Bag, case: Case, problem: Problem, solution: Solution) -> CaseResult:

@@ -308,7 +308,7 @@ def test_all_mistakes_of_a_study_are_told_at_once(home):
 def test_a_neighbour_leads_to_the_same_equilibrium_in_fewer_steps(home, changes):
     netting = [one for one in changes if "mesh=" in one]
     own, other = load_plan(home / "plan.toml", netting), load_plan(home / "plan.toml", changes)
-    alone, led = solve(other).table, solve(other, near=[solve(own)]).table
+    alone, led = solve(other).table, solve(other, near=solve(own).cases).table
     for name in ("drag_n", "opening_ahead_deg", "max_radius_m", "entry_reaction_n"):
         assert led[name].to_numpy() == pytest.approx(alone[name].to_numpy(), rel=1e-6)
     assert 0 < led["iterations"].iloc[0] < alone["iterations"].iloc[0]
