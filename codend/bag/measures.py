@@ -254,7 +254,7 @@ def _spread_ahead(bag: Bag, meshes: Meshes, ahead: Floats) -> dict[str, float]:
     if len(ahead):
         found &= (place > ahead.min() - 0.5 + 1e-9) & (place < ahead.max() + 0.5 - 1e-9)
     names = ("opening_ahead_spread_deg", "opening_ahead_least_deg", "opening_ahead_most_deg")
-    if len(ahead) == 0 or not found.any() or (len(bag.ropes) and bag.rope_share.min() != 1.0):
+    if len(ahead) == 0 or not found.any() or bag.smeared:
         return dict.fromkeys(names, float("nan"))
     openings, row = meshes.opening_deg[found], bag.mesh_row[found]
     about = openings - mean_by(row, openings, bag.bands + 1)[row]
