@@ -232,7 +232,7 @@ BRIEFLY: Final = (LED, ROWS, CRUDE, MERIDIAN, STEPS)
 
 
 BETWEEN_ROPES: Final = (LED, A_SECTOR, THROUGH, CRUDE)
-"""Those that have led to nets between real ropes, where smeared ones can stand in their place."""
+"""Those that have led to large nets between real ropes, where smeared ones can stand in their place."""
 
 
 def _later(solution: Solution, ms: float) -> Solution:
