@@ -547,8 +547,8 @@ class Model(Table):
     the estimates would exceed the accuracy asked for."""
     contact: Literal["auto"] | bool = "auto"
     """Whether shapes in which layers of netting meet are followed on with contact between them: ``auto`` and
-    ``true``, some seconds a start, of stiff T90 a minute; ``false`` stops there. Layers of ``[[layer]]`` bear on the
-    netting below in any case."""
+    ``true``, some seconds a start, of stiff T90 a minute; ``false`` stops there. Bags that weight folds over their hoop
+    are found by it too. Layers of ``[[layer]]`` bear on the netting below in any case."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
