@@ -241,7 +241,7 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows, meshes: 
         max_bar_tension_n=float(tension[bag.netting].max()),
         max_strap_tension_n=float(tension[straps].max()) if len(straps) else float("nan"),
         max_rope_tension_n=float(tension[bag.ropes].max()) if len(bag.ropes) else float("nan"),
-        folded_share=inward_share(position, structure, loading.catch, share, rows.x_m),
+        folded_share=inward_share(position, structure, loading.catch, share),
         turn_deg=float(np.degrees(band_turns(position, structure, loading.catch, problem.rings)[0].sum())),
         sideways_imbalance=sideways_imbalance(bag, position, load, support),
     )

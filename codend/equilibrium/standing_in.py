@@ -13,7 +13,8 @@ from codend.bag.near_ratio import stand_ins
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
-from codend.equilibrium.starts import BETWEEN_ROPES, BRIEFLY, Start
+from codend.equilibrium.situation import MOST_RELAXED
+from codend.equilibrium.starts import BETWEEN_ROPES, BRIEFLY, STARTS, Start
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case
 from codend.solvers.outcome import Progress, Solution
@@ -36,7 +37,8 @@ def solve(
     others = [model_of(plan, 1, 1, near=near) for near in stand_ins(plan)] if automatic else []
     starts: tuple[Start, ...] = BRIEFLY
     if automatic and plan.rope and not (plan.tapers or plan.layer):
-        others, starts = [model_of(plan, 1, 1, smeared=True)], BETWEEN_ROPES
+        others = [model_of(plan, 1, 1, smeared=True)]
+        starts = BETWEEN_ROPES if len(model.bag.net.positions) > MOST_RELAXED else STARTS["auto"]
     problem, solution = equilibrium.solve(model, case, known, progress, starts if others else None)
     if solution.report.outcome.balanced or not others:
         return model, problem, solution

@@ -34,6 +34,8 @@ class Start:
     applies: Callable[[Situation], bool]
     solve: Callable[[Situation], Solution | None]
     """None where there turns out to be no such start."""
+    in_contact: bool = False
+    """Whether what it solves has contact between layers of the net (``Situation.touching``)."""
 
 
 def _from_where_the_last_lead(s: Situation) -> Solution:
@@ -174,6 +176,14 @@ STEPS = Start(
     _in_steps_from_the_nearest,
 )
 """Led to 46 of 55 later catches that neither the last equilibria nor a crude bag had led to."""
+HUNG = Start(
+    "the nearest equilibrium or a crude bag, gently under contact",
+    lambda s: s.may_hang,
+    lambda s: s.hung(),
+    in_contact=True,
+)
+"""Towed so slowly that its weight folds it over its hoop, a bag is in no balance without contact: all that come after
+lead to nothing but nets that pass through themselves."""
 CRUDE_RELAXED = Start(
     "a crude bag, relaxed",
     lambda s: not s.draws_in,
@@ -207,7 +217,7 @@ RIGID_SLACK = Start(
 )
 """Led to bags of square mesh, whose rings go slack, where bars that push had not."""
 
-_BY_NEWTON = (LED, A_SECTOR, THROUGH, ROWS, CRUDE, MERIDIAN, STEPS, CRUDE_RELAXED, HALF_A_BAG)
+_BY_NEWTON = (LED, A_SECTOR, THROUGH, ROWS, CRUDE, MERIDIAN, STEPS, HUNG, CRUDE_RELAXED, HALF_A_BAG)
 _BY_RELAXATION = (A_SECTOR_RELAXED, RELAXED_TO_THE_END)
 
 STARTS: Final[dict[str, tuple[Start, ...]]] = {
@@ -222,7 +232,7 @@ BRIEFLY: Final = (LED, ROWS, CRUDE, MERIDIAN, STEPS)
 
 
 BETWEEN_ROPES: Final = (LED, A_SECTOR, THROUGH, CRUDE)
-"""Those that have led to nets between real ropes, where smeared ones can stand in their place."""
+"""Those that have led to large nets between real ropes, where smeared ones can stand in their place."""
 
 
 def _later(solution: Solution, ms: float) -> Solution:

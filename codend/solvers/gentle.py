@@ -35,10 +35,11 @@ FIRST_SHIFT, LEAST_SHIFT, MOST_SHIFT = 0.1, 1e-3, 1e4
 LEAST_UNDER_CONTACT = 1e-5
 FALL, RISE = 0.6, 3.0
 """Factors on the shift after a step that was not cut, and where pivots are negative or a step passes through."""
-CALM = 1e-6
-"""Residual at which Newton's method takes over."""
-POLISH, POLISHES, CALMER = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=25), 5, 10.0
-"""How Newton's method is tried then and how often, and the factor on the shift after it led nowhere."""
+CALM, CALMER = 1e-6, (1e-6, 1e-6, 1e-7, 1e-9)
+"""Residual at which Newton's method takes over, and where it led nowhere, for layers that touch are seldom smooth to
+it, those at which it does again."""
+POLISH = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=25)
+"""How it is tried at the first of these under contact."""
 BETWEEN = 6
 """Steps before it is tried again."""
 KINKED, SEEN = 0.1, 1e-4
@@ -95,7 +96,7 @@ def follow(
         progress: told the residual of every step.
         steps_allowed: before it is given up.
     """
-    steps, polishes, waits = _Steps(problem, start, prepared), 0, 0
+    steps, calm, waits = _Steps(problem, start, prepared), [CALM, *CALMER], 0
     for number in range(1, steps_allowed + 1):
         steps.turn()
         size = steps.take()
@@ -105,20 +106,19 @@ def follow(
             progress(METHOD, steps.residual)
         if not np.isfinite(steps.residual):
             break
-        if steps.residual <= CALM and size >= 0.5 and number >= waits:
+        if steps.residual <= calm[0] and size >= 0.5 and number >= waits:
             reached = _as_is(problem, start, steps.here)
-            how = DIRECT if problem.surface is None else POLISH
+            how = DIRECT if problem.surface is None or calm[0] < CALM else POLISH
             polished = newton.solve(problem, tolerance, reached, how, progress, prepared)
             if polished.report.outcome is Outcome.PASSED_THROUGH:
                 return Motion(End.TOUCHING, reached, number)
             near = np.abs(polished.positions - reached.positions).max() <= LONGEST * steps.bar
             if polished.report.outcome.converged and near:
                 return Motion(End.SETTLED, polished, number)
-            polishes += 1
-            if problem.surface is None or polishes == POLISHES:
+            if len(calm) == 1 or problem.surface is None:
                 break
-            steps.shift *= CALMER
-            waits = number + BETWEEN
+            # Newton's method works in the same room
+            steps, calm, waits = _Steps(problem, reached, prepared), calm[1:], number + BETWEEN
     return Motion(End.STEPS_SPENT, _as_is(problem, start, steps.here), number)
 
 

@@ -198,6 +198,7 @@ def test_smeared_ropes_stand_in_where_none_are_found_as_they_are(monkeypatch):
         return replace(found, report=replace(found.report, outcome=Outcome.NOT_IMPROVING))
 
     monkeypatch.setattr(standing_in, "BETWEEN_ROPES", (Start("nowhere", lambda s: True, fails),))
+    monkeypatch.setattr(standing_in, "MOST_RELAXED", 0)
     plan = random_plan(np.random.default_rng(3))
     study = solve(plan)
     smeared = solve(plan.model_copy(update={"model": plan.model.model_copy(update={"fidelity": "smeared"})}))
