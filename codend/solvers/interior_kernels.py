@@ -12,6 +12,7 @@ import numpy as np
 
 from codend.compiled import njit
 from codend.mechanics.bars import bar_vector
+from codend.mechanics.bending import add_bound
 from codend.mechanics.newton_state import State
 from codend.mechanics.newton_step import Step
 from codend.mechanics.structure import Structure
@@ -71,17 +72,21 @@ def strain(structure: Structure, barrier: float, state: State, softness: Floats)
 
 
 @njit(cache=True, error_model="numpy")
-def shift_by_pull(structure: Structure, pattern: Pattern, density: Floats, shift: float, blocks: Floats) -> None:
-    """Add to the tangent, at every node, ``shift`` times the force densities that meet there.
+def shift_by_resistance(structure: Structure, pattern: Pattern, state: State, shift: float, blocks: Floats) -> None:
+    """Add to the tangent, at every node, ``shift`` times what pull and bending of the bars that meet there resist.
 
     Netting all but slack is then held back as much as netting that is tight, and neither more than its own pull does.
     """
     firsts, seconds, diagonal = structure.first, structure.second, pattern.diagonal
-    for bar in range(len(density)):
-        stiffness = shift * abs(density[bar])
+    resistance = np.zeros(len(state.position))
+    for bar in range(len(firsts)):
+        pull = abs(state.density[bar])
+        resistance[firsts[bar]] += pull
+        resistance[seconds[bar]] += pull
+    add_bound(state.position, structure, resistance)
+    for node in range(len(resistance)):
         for i in range(3):
-            blocks[diagonal[firsts[bar]], i, i] += stiffness
-            blocks[diagonal[seconds[bar]], i, i] += stiffness
+            blocks[diagonal[node], i, i] += shift * resistance[node]
 
 
 @njit(cache=True, error_model="numpy")

@@ -5,9 +5,9 @@ that stay above 0 and whose product, the barrier, falls to nothing (``interior_k
 method: Nocedal and Wright, Numerical Optimization, 2006, sections 16.6 and 19.3). Shape, pull and slackness go the
 same share of a step. The barrier is lowered when forces are as near to balance as it allows, by more the nearer the end
 is, and raised to where the bars are when they hit slackness one after the other. One form serves limp and stiff twine,
-ropes, layers, weight and sheets at rest (``python -m validation.interior_steps`` counts the steps): ten to forty
-factorisations, a hundred for T90 of stiff twine with a small catch, where Newton's method alone needs one or two near
-its equilibrium, and the last digits are left to it; but it needs no start nearby.
+ropes, layers, weight and sheets at rest (``python -m validation.interior_steps`` counts the steps): ten to thirty
+factorisations, up to a hundred for T90 of stiff twine with a small catch, where Newton's method alone needs one or two
+near its equilibrium, and the last digits are left to it; but it needs no start nearby.
 """
 
 from dataclasses import dataclass, replace
@@ -28,7 +28,7 @@ from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 METHOD = "interior point"
 LOWERED, LOWERED_WARILY = 0.1, 0.5
 """Factor on the barrier after a step that was nearly whole, at most, and after one that was more than half of it."""
-NEAREST = 0.95
+NEAREST = 0.9
 """Share of the way that a step may go to where the first slackness or force density is nothing; nearer in the end."""
 BLOCKED = 0.3
 """Share of a step under which the barrier is raised to where the bars are."""
@@ -46,8 +46,8 @@ FARTHEST_TURN = 5.0
 in a direction that leads nowhere, and the tangent is shifted."""
 FINEST = 1e-10
 """Residual to which the last barrier is followed: from there Newton's method goes on though bars be nearly slack."""
-FIRST_SHIFT, LEAST_SHIFT = 5e-2, 1e-3
-"""In units of what the pull of the bars at a node resists, see ``kernels.shift_by_pull``."""
+LEAST_SHIFT = 1e-3
+"""In units of what the pull and the bending of the bars at a node resist, see ``kernels.shift_by_resistance``."""
 BOLD, EASY = 0.3, 0.5
 """Share of a step that its turn leaves under which the shift rises, and over which it falls."""
 STALLED = 80
@@ -65,10 +65,11 @@ class InteriorPointSettings:
     """What may be tuned; the default holds for all plans the project knows."""
 
     steps_allowed: int = 300
-    first_barrier: float = 0.1
-    """Slackness times force density of a bar, in units of its rest length and the tension."""
+    first_barrier: float = 0.05
+    """Slackness times force density of a bar, in units of its rest length and the tension: the mean, or the largest
+    load if that is more."""
     last_barrier: float = 1e-12
-    """Likewise; a higher one leaves more to Newton's method."""
+    """Likewise, in units of the mean tension; a higher one leaves more to Newton's method."""
 
 
 def solve(
@@ -137,7 +138,9 @@ def _lower_the_barrier(
     structure, loading = problem.structure, problem.loading
     state, new, _ = prepared.states
     state.position[:] = problem.net.positions if start is None else start.positions
-    tension = _tension_of(problem, state) if start is None else start.mean_tension
+    mean = reference_tension(problem) if start is None else start.mean_tension
+    tension = max(mean, _largest_load(problem, mean, state)) if start is None else mean
+    last_barrier = settings.last_barrier * mean / tension
     tensions = tension if start is None else np.maximum(start.bar_tension, LEAST_TENSION * tension)
     state.density[:] = tensions / structure.length
     measure(structure, loading, tension, 1.0, KEPT_TAUT, state)
@@ -151,12 +154,12 @@ def _lower_the_barrier(
             progress(METHOD, state.residual)
         if not np.isfinite(state.residual):
             return state, Outcome.NOT_FINITE, steps, error
-        if barrier <= settings.last_barrier and state.residual <= min(tolerance, FINEST):
+        if barrier <= last_barrier and state.residual <= min(tolerance, FINEST):
             return state, Outcome.CONVERGED, steps, error
-        if steps - lowered >= STALLED and barrier > settings.last_barrier:
+        if steps - lowered >= STALLED and barrier > last_barrier:
             return state, Outcome.NOT_IMPROVING, steps, error
         if steps >= settings.steps_allowed:
-            close = barrier <= settings.last_barrier and state.residual <= tolerance
+            close = barrier <= last_barrier and state.residual <= tolerance
             return state, Outcome.CONVERGED if close else Outcome.STEPS_SPENT, steps, error
         steps += 1
         turn, shift = _step(problem, tension, shift, softness, state, prepared)
@@ -174,22 +177,25 @@ def _lower_the_barrier(
             shift = min(max(2.0 * shift, LEAST_SHIFT), LARGEST_SHIFT)
         if share < BLOCKED:
             barrier = max(barrier, kernels.reached_barrier(structure, state) / tension)
-        elif share > 0.5 and kernels.largest_force(structure, state.force) <= NEAR * tension * barrier:
+            continue
+        near = kernels.largest_force(structure, state.force) <= NEAR * tension * barrier or state.residual <= FINEST
+        if share > 0.5 and near:
             lowered = steps
             lower = min(LOWERED, np.sqrt(barrier)) if share > 0.9 else LOWERED_WARILY
-            barrier = max(lower * barrier, settings.last_barrier)
+            barrier = max(lower * barrier, last_barrier)
 
 
-def _tension_of(problem: Problem, state: State) -> float:
-    """Size of the tensions that the loads on a shape ask for, N: on an average, or of the bars at the largest load.
+def _largest_load(problem: Problem, tension: float, state: State) -> float:
+    """Largest load on a free node in a shape, N: what the bars beside it have to pull with.
 
-    Where little but a few weights loads a net, the pull beside them is a hundred times the mean, and from that bars
-    would all but have to be cut.
+    Where little but a few weights loads a net, that is a hundred times the mean. What layers resist with is left out:
+    in a crude shape that may be any size.
     """
-    tension = reference_tension(problem)
-    state.density[:] = tension / problem.structure.length
-    measure(problem.structure, problem.loading, tension, 1.0, KEPT_TAUT, state)
-    return max(tension, kernels.largest_force(problem.structure, state.load))
+    structure = problem.structure
+    bare = structure._replace(wrap_ring=structure.wrap_ring[:0])
+    state.density[:] = tension / structure.length
+    measure(bare, problem.loading, tension, 1.0, KEPT_TAUT, state)
+    return kernels.largest_force(structure, state.load)
 
 
 def _step(
@@ -207,11 +213,11 @@ def _step(
         turn = np.nan
         sides = newton_step.linearise(softened, loading, prepared.pattern, tension, 0.0, state, step)
         if shift > 0.0:
-            kernels.shift_by_pull(structure, prepared.pattern, state.density, shift, step.blocks)
+            kernels.shift_by_resistance(structure, prepared.pattern, state, shift, step.blocks)
         if system.factorise(step.blocks) == 0:
             solved = system.solve(step.right[:sides])
             _, _, determinant = newton_step.finish_step(structure, state, state, solved, step)
             turn = kernels.largest_turn(structure, state, step) if determinant > 0.0 else np.inf
         if turn <= FARTHEST_TURN or shift >= LARGEST_SHIFT:
             return turn, shift
-        shift = max(4.0 * shift, FIRST_SHIFT)
+        shift = max(4.0 * shift, LEAST_SHIFT)
