@@ -1,14 +1,15 @@
 """Derivatives against differences of full solves: ``python -m validation.derivatives [--plans 5] [--seed 0]``.
 
-Plans of every kind, drawn at random: T0, T90 and square netting, with straps, with ropes, of joined sections, each with
-twine that stretches or not and a catch by one of its four measures. Every real number that they give is asked, and what
-implicit differentiation tells of drag, volume, opening and L50 is held to central differences, by five points, of
-equilibria that are solved each for itself. Errors are relative to the derivative, or where that is next to nothing to
-a hundredth of quantity over number. Where the front or a bar changes over between the five points there is no
-derivative to compare: the table counts these as kinks. Retention is a sum over fish of some shapes that try at some
-angles, in the order in which meshes let them through: where two change places L50 has small kinks, which no tangent
-tells. Where a difference is off by more than 1e-5 it is taken again over a tenth of the step, and the table counts
-these too. Exits with 1 where an error is still above 1e-5; SR, a difference of two lengths, is told and not held.
+Plans of every kind, drawn at random: T0, T90 and square netting, with straps, with ropes, of joined sections, of panels
+laced by selvedges, each with twine that stretches or not and a catch by one of its four measures. Every real number
+that they give is asked, and what implicit differentiation tells of drag, volume, opening and L50 is held to central
+differences, by five points, of equilibria that are solved each for itself. Errors are relative to the derivative, or
+where that is next to nothing to a hundredth of quantity over number. Where the front or a bar changes over between the
+five points there is no derivative to compare: the table counts these as kinks. Retention is a sum over fish of some
+shapes that try at some angles, in the order in which meshes let them through: where two change places L50 has small
+kinks, which no tangent tells. Where a difference is off by more than 1e-5 it is taken again over a tenth of the step,
+and the table counts these too. Exits with 1 where an error is still above 1e-5; SR, a difference of two lengths, is
+told and not held.
 """
 
 import sys
@@ -27,7 +28,7 @@ from codend.selectivity.escape.species import example_species_path, load_species
 from codend.studies.sensitivity.derivatives import Derivatives, sensitivity_of
 from codend.studies.sensitivity.solved_case import SolvedCase, quantities, solved_case
 
-KINDS = ("diamond", "t90", "square", "straps", "ropes", "joined")
+KINDS = ("diamond", "t90", "square", "straps", "ropes", "joined", "panels")
 STEPS = 1e-4, 1e-5
 """Between two of the five points, relative; the second where the first is off."""
 SMALL = 1e-2
@@ -53,9 +54,10 @@ class Compared:
 def random_plan(kind: str, rng: np.random.Generator) -> Plan:
     """A plan of a kind, small enough for ropes to be quick."""
     mesh = kind if kind in ("diamond", "t90", "square") else str(rng.choice(["diamond", "t90"]))
-    if kind == "ropes":
+    wide = kind in ("ropes", "panels")
+    if wide:
         mesh = "diamond"
-    around, bar_mm = 4 * int(rng.integers(6, 12) if kind == "ropes" else rng.integers(10, 30)), rng.uniform(30.0, 60.0)
+    around, bar_mm = 4 * int(rng.integers(6, 12) if wide else rng.integers(10, 30)), rng.uniform(30.0, 60.0)
     knot_mm = 0.0 if mesh == "square" else float(rng.choice([0.0, 0.15])) * bar_mm
     section = {
         "mesh": mesh,
@@ -69,6 +71,8 @@ def random_plan(kind: str, rng: np.random.Generator) -> Plan:
         section["axial_stiffness_n"] = float(rng.uniform(3e3, 3e4))
     if mesh != "square" and rng.random() < 0.5:
         section |= {"bending_stiffness_n_m2": float(rng.uniform(1e-5, 1e-4)), "rest_opening_deg": 25.0}
+    if kind == "panels":
+        section |= {"panels": int(rng.choice([2, 4])), "selvedge_meshes": 1}
     radius_m = around * (bar_mm + (knot_mm if mesh == "t90" else 0.0)) / 1000.0 / np.pi
     radius_m *= 0.5 if mesh == "square" else 1.0
     sections = [section]

@@ -94,7 +94,7 @@ def assembled(
         bar_is_twine=~is_knot,
         facet_band=layout.facet_band,
         band_meshes=lattice.of_bands(lambda section: g / section.rows_per_mesh),
-        band_kind=tuple(s.kind for s in lattice.sections),
+        band_kind=tuple(lattice.of_bands(lambda section: section.kind)),
         band_bending_n=lattice.of_bands(lambda section: section.bending_n),
         band_rest_rad=lattice.of_bands(lambda section: section.rest_half_angle_rad),
         mesh_sides=layout.mesh_sides,

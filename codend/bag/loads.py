@@ -1,5 +1,6 @@
 """What acts on a net in a case of a plan: the current, the catch (by its law in ``catch_models``) and wet weight."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,12 @@ def problem_of(bag: Bag, plan: Plan, case: Case) -> Problem:
     """
     water = uniform_flow(plan.tow.water_density_kg_m3, np.array([case.speed_m_s, 0.0, 0.0]))
     return Problem.of(bag.net, water=water, weight=bag.net.order == 1, catch=catch_of(bag, plan, case))
+
+
+def in_case(problem: Problem, bag: Bag, plan: Plan, case: Case) -> Problem:
+    """The same net under the loads of another case of the plan, without anything that touches."""
+    flow = uniform_flow(plan.tow.water_density_kg_m3, np.array([case.speed_m_s, 0.0, 0.0]))
+    return replace(problem, loading=problem.loading._replace(water=flow, catch=catch_of(bag, plan, case)))
 
 
 def catch_of(bag: Bag, plan: Plan, case: Case) -> Catch:

@@ -6,11 +6,13 @@ from functools import cached_property, lru_cache
 
 from codend.bag.bag import Bag
 from codend.bag.build import build_bag
+from codend.bag.loads import in_case, problem_of
 from codend.bag.near_ratio import NearRatio
 from codend.errors import InputError
-from codend.mechanics.structure import Structure, structure_of
+from codend.mechanics.problem import Problem
+from codend.mechanics.structure import Structure
 from codend.net.last_made import LastMade
-from codend.plan.plan import Plan
+from codend.plan.plan import Case, Plan
 from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.ring import Ring
 
@@ -30,12 +32,20 @@ class BagModel:
     """Nearly the ratio of the sections' counts, where a sector of it is modelled."""
 
     @cached_property
+    def _first_problem(self) -> Problem:
+        return problem_of(self.bag, self.plan, self.plan.cases()[0])
+
+    def problem(self, case: Case) -> Problem:
+        """The bag under the loads of a case of its plan."""
+        return in_case(self._first_problem, self.bag, self.plan, case)
+
+    @cached_property
     def prepared(self) -> Prepared:
         """The unknowns numbered, and room for Newton's method to work in; made when first asked for.
 
         The numbering is that of the last model of the same joints.
         """
-        structure, bands = structure_of(self.bag.net), self.bag.bands
+        structure, bands = self._first_problem.structure, self.bag.bands
         if len(structure.free) > MOST_NODES:
             return prepare(structure, bands)
         like = _prepared.of(_joints(structure, bands), lambda: prepare(structure, bands))
@@ -44,7 +54,7 @@ class BagModel:
     @cached_property
     def ring(self) -> Ring:
         """The net as a sector of a ring, and room to ask its harmonics; numbered as the last of its joints."""
-        structure, bands = structure_of(self.bag.net), self.bag.bands
+        structure, bands = self._first_problem.structure, self.bag.bands
         if len(structure.free) > MOST_NODES:
             return Ring(structure, bands)
         key = (structure.order == 2.0, *_joints(structure, bands))

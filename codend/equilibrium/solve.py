@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from codend.bag.loads import problem_of
 from codend.equilibrium.bag_model import BagModel
 from codend.equilibrium.situation import Situation
 from codend.equilibrium.starts import STARTS, Start
@@ -24,7 +23,7 @@ def solve(
     The starts that apply, of ``STARTS`` unless others are named, are tried until one ends in balance. The report of
     what is returned tells every attempt; its time is that of all of them, of finding where to start too.
     """
-    problem = problem_of(model.bag, model.plan, case)
+    problem = model.problem(case)
     situation = Situation(model, problem, case, known, progress, lambda other, case: solve(other, case, (), None)[1])
     attempts: list[str] = []
     spent_ms = 0.0

@@ -10,7 +10,7 @@ from codend.bag.measures import mean_by, ring_means
 from codend.bag.meridian.plan_case import tensions_on
 from codend.bag.meridian.problem import MeridianShape
 from codend.equilibrium.bag_model import BagModel
-from codend.net.net import Floats, rotate
+from codend.net.net import Floats, Net, rotate
 from codend.solvers.outcome import START, Solution
 
 
@@ -108,3 +108,17 @@ def laid_out(model: BagModel, shape: MeridianShape) -> Solution:
     tension = g * tensions_on(sector, shape, g)
     sectors = sector.net.sectors // model.bag.net.sectors
     return all_round_start(sector, sector.net.positions, tension, sectors, model.bag)
+
+
+def carried_over(solution: Solution, of: Net, to: Net) -> Solution:
+    """The equilibrium of a net as a start for another with the same bars, held where that one is.
+
+    It is longer by as much as the bars are, and wider as they and the sectors all round are. Under the same pressure
+    the tension of a bar rises with the netting's section over the number of bars round it.
+    """
+    longer, more = float(to.bar_length.mean() / of.bar_length.mean()), to.order / of.order
+    x, y, z = solution.positions.T
+    radius, azimuth = longer * more * np.hypot(y, z), np.arctan2(z, y) / more
+    moved = np.stack([longer * x, radius * np.cos(azimuth), radius * np.sin(azimuth)], axis=1)
+    tension = longer**2 * more * solution.bar_tension
+    return replace(solution, positions=np.where(to.fixed, to.positions, moved), bar_tension=tension)

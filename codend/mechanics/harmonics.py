@@ -13,10 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.compiled import njit
-from codend.mechanics.lanes import LANES, take_conjugate_product
+from codend.mechanics.lanes import (
+    LANES,
+    add_multiple,
+    aligned,
+    take_conjugate_products,
+    write_inverse,
+    write_multiple,
+    write_product,
+)
 from codend.net.net import Floats, Ints
 
 Complex = NDArray[np.complex128]
+Places = NDArray[np.int64]
 Numbers = NDArray[np.inexact]
 """Complex, or real where every turn is: in harmonic 0, and in that of half the order."""
 
@@ -60,70 +69,92 @@ def negative_pivots_side_by_side(
         negative: the counts are written, (harmonics,).
     """
     turns, unknowns, width = even.shape
-    rows, count = len(depth), len(shift)
-    # whole vectors of lanes; those to spare hold ones
-    lanes = (count + LANES - 1) // LANES * LANES
-    wave = np.ones((2, turns, lanes))
-    wave[:, :, :count] = turn
-    # rows j to j + width - 1, each at its number modulo width: its places, real and imaginary parts
-    window, scaled = np.ones(width * width * 2 * lanes), np.empty(width * 2 * lanes)
-    negative[:] = 0
-    ready = 0
-    for j in range(rows):
-        while ready < min(j + width, rows):
-            start = ready % width * width * 2 * lanes
-            for d in range(depth[ready] + 1):
-                entry = window[start + 2 * d * lanes :][: 2 * lanes]
-                if ready >= unknowns:
-                    entry[:count], entry[lanes : lanes + count] = (
-                        tail[ready - unknowns, d, 0],
-                        tail[ready - unknowns, d, 1],
-                    )
-                    continue
-                entry[:lanes] = even[0, ready, d]
-                entry[lanes:] = 0.0
-                for m in range(1, turns):
-                    c, s = even[m, ready, d], odd[m, ready, d]
-                    if c != 0.0:
-                        for lane in range(lanes):
-                            entry[lane] += c * wave[0, m, lane]
-                    if s != 0.0:
-                        for lane in range(lanes):
-                            entry[lanes + lane] += s * wave[1, m, lane]
-            for lane in range(count):
-                window[start + lane] += shift[lane]
-            ready += 1
-        pivot = window[j % width * width * 2 * lanes :][:lanes]
-        for lane in range(count):
-            negative[lane] += 0 if pivot[lane] > 0.0 else 1
-        for lane in range(lanes):
-            pivot[lane] = 1.0 / pivot[lane]
-        for d in range(1, min(width, rows - j)):
-            if depth[j + d] < d:
-                continue
-            row = (j + d) % width * width * 2 * lanes
-            x = row + 2 * d * lanes
-            by_pivot, entry = scaled[2 * d * lanes : 2 * (d + 1) * lanes], window[x : x + 2 * lanes]
-            for lane in range(lanes):
-                by_pivot[lane] = entry[lane] * pivot[lane]
-            for lane in range(lanes):
-                by_pivot[lanes + lane] = entry[lanes + lane] * pivot[lane]
-            # row j + d less its entry in column j times, over the pivot and conjugate, those of rows j + 1 to j + d
-            for e in range(1, d + 1):
-                if depth[j + e] < e:
-                    continue
-                real_at, u = row + 2 * (d - e) * lanes, 2 * e * lanes
-                for lane in range(0, lanes, LANES):
-                    take_conjugate_product(
-                        window,
-                        scaled,
-                        real_at + lane,
-                        real_at + lanes + lane,
-                        x + lane,
-                        x + lanes + lane,
-                        u + lane,
-                        u + lanes + lane,
-                    )
+    rows, count, number = len(depth), len(shift), 2 * LANES
+    # rows j to j + width - 1, each at its number modulo width: its places, real and imaginary parts of all lanes
+    window, scaled = aligned(width * width * number), aligned(width * number)
+    start = np.arange(2 * width) % width * width * number
+    wave, shifted, inverse, counted = (aligned(2 * turns * LANES), aligned(LANES), aligned(LANES), aligned(LANES))
+    places, evens, odds = np.empty(width, dtype=np.int64), even.reshape(-1), odd.reshape(-1)
+    for first in range(0, count, LANES):
+        used = min(LANES, count - first)
+        # lanes to spare hold ones
+        wave[:], window[:], shifted[:], counted[:] = 1.0, 1.0, 0.0, 0.0
+        for lane in range(used):
+            shifted[lane] = shift[first + lane]
+            for m in range(turns):
+                wave[2 * m * LANES + lane] = turn[0, m, first + lane]
+                wave[(2 * m + 1) * LANES + lane] = turn[1, m, first + lane]
+        ready, turned = 0, 0
+        for j in range(rows):
+            while ready < min(j + width, rows):
+                at = start[turned + ready - j]
+                if ready < unknowns:
+                    entry = ready * width
+                    write_entries(evens, odds, entry, entry + depth[ready] + 1, unknowns * width, wave, window, at)
+                else:
+                    for d in range(depth[ready] + 1):
+                        for lane in range(used):
+                            window[at + d * number + lane] = tail[ready - unknowns, d, 0, first + lane]
+                            window[at + d * number + LANES + lane] = tail[ready - unknowns, d, 1, first + lane]
+                add_multiple(window, at, shifted, 0, 1.0)
+                ready += 1
+            write_inverse(inverse, window, start[turned], counted)
+            below = 0
+            for d in range(1, min(width, rows - j)):
+                if depth[j + d] >= d:
+                    places[below] = d * number
+                    below += 1
+                    take_column(window, start[turned + d] + d * number, inverse, scaled, places, below)
+            turned = turned + 1 if turned + 1 < width else 0
+        for lane in range(used):
+            negative[first + lane] = int(counted[lane])
+
+
+@njit(cache=True, error_model="numpy")
+def write_entries(
+    evens: Floats, odds: Floats, entry: int, past: int, size: int, wave: Floats, window: Floats, at: int
+) -> None:
+    """Write entries of the Hermitian parts of harmonics that follow one another in C and S, both flattened.
+
+    Args:
+        evens: C, image by image.
+        odds: S, likewise.
+        entry: the first entry's place in them.
+        past: the place after the last.
+        size: entries of an image.
+        wave: cosine and sine of m phi in lanes, m by m.
+        window: is written.
+        at: where.
+    """
+    for first in range(entry, past):
+        write_multiple(window, at, wave, 0, evens[first])
+        write_multiple(window, at + LANES, wave, LANES, odds[first])
+        turn = 2 * LANES
+        for place in range(first + size, len(evens), size):
+            if evens[place] != 0.0:
+                add_multiple(window, at, wave, turn, evens[place])
+            if odds[place] != 0.0:
+                add_multiple(window, at + LANES, wave, turn + LANES, odds[place])
+            turn += 2 * LANES
+        at += 2 * LANES
+
+
+@njit(cache=True, error_model="numpy")
+def take_column(window: Floats, at: int, inverse: Floats, scaled: Floats, places: Places, below: int) -> None:
+    """Take from a row its entry in a column times, over the pivot and conjugate, the rows from the pivot's to itself.
+
+    Args:
+        window: rows in lanes.
+        at: where the row's entry in the column is.
+        inverse: over the pivot, (lanes,).
+        scaled: entries of the column over the pivot; this row's is written.
+        places: where in ``scaled`` those are of the rows that reach the column, from the pivot's.
+        below: how many there are up to this row.
+    """
+    place = places[below - 1]
+    write_product(scaled, place, window, at, inverse, 0)
+    write_product(scaled, place + LANES, window, at + LANES, inverse, 0)
+    take_conjugate_products(window, at, scaled, places, below)
 
 
 @njit(cache=True, error_model="numpy")
@@ -141,6 +172,18 @@ def write_rows(band: Numbers, centre: float, hermitian: bool, rows: Numbers) -> 
                 entry = 0.5 * (entry + np.conj(band[half + j - i, i]))
             rows[i, half + j - i] = entry
         rows[i, half] -= centre
+
+
+@njit(cache=True, error_model="numpy")
+def band_times(band: Numbers, vectors: Numbers) -> Numbers:
+    """Products of a band, laid out as for ``write_rows``, with vectors (unknowns, k), which are complex if it is."""
+    width, size = band.shape
+    half, product = width // 2, np.zeros_like(vectors)
+    for i in range(size):
+        for j in range(max(0, i - half), min(size, i + half + 1)):
+            for k in range(vectors.shape[1]):
+                product[i, k] += band[half + i - j, j] * vectors[j, k]
+    return product
 
 
 @njit(cache=True, error_model="numpy")

@@ -37,11 +37,12 @@ class Lattice:
     @cached_property
     def _numbered_sections(self) -> tuple[list[Netting], Counts]:
         """Every section once, and its number of each band, (bands,)."""
-        distinct = {id(section): section for section in self.sections}
+        keys = list(map(id, self.sections))
+        distinct = dict(zip(keys, self.sections, strict=True))
         number = {key: i for i, key in enumerate(distinct)}
-        return list(distinct.values()), np.array([number[id(section)] for section in self.sections])
+        return list(distinct.values()), np.array(list(map(number.__getitem__, keys)))
 
-    def of_bands(self, value: Callable[[Netting], float | bool | str]) -> NDArray:
+    def of_bands(self, value: Callable[[Netting], object]) -> NDArray:
         """A value of every band's section, (bands,)."""
         sections, number = self._numbered_sections
         return np.array([value(section) for section in sections])[number]

@@ -7,6 +7,7 @@ A new kind is a record here, its name in ``MeshName`` and, if knots and twine ar
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, Literal
 
 MeshName = Literal["diamond", "t90", "square"]
@@ -41,7 +42,7 @@ class Kind:
     folds_over_from: float = math.inf
     """Wet weight over the drag from which nets of it can fold over, and no estimate holds (found on full nets)."""
 
-    @property
+    @cached_property
     def staggered(self) -> bool:
         """Whether rows are half a mesh apart and turned by half a mesh.
 

@@ -2,7 +2,6 @@
 
 import tomllib
 from collections.abc import Mapping, Sequence
-from copy import deepcopy
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -51,7 +50,7 @@ def apply_values(
     Raises:
         InputError: a key leads into something that is no table or list.
     """
-    changed = deepcopy(dict(data))
+    changed: dict[str, Any] = _copied(data)
     overridden = {key for key, _ in wanted}
     for key, value in wanted:
         *parents, last = key
@@ -69,6 +68,13 @@ def apply_values(
         else:
             table[_position(table, last, key, file)] = value
     return changed
+
+
+def _copied(value: Any) -> Any:
+    """Tables and lists anew, all the way in; what is in them does not change."""
+    if isinstance(value, Mapping):
+        return {key: _copied(one) for key, one in value.items()}
+    return [_copied(one) for one in value] if isinstance(value, list) else value
 
 
 def parsed_override(override: str, file: str | Path) -> tuple[tuple[str, ...], Any]:

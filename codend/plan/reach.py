@@ -25,15 +25,20 @@ def least_radius_m(netting: Sequence[Netting], entry_radius_m: float, rows_to_co
         radius = radius * math.cos(math.pi * len(counts) / min(counts)) - 0.5 * netting[0].knot_m
     rows = sum(part.rows_per_mesh * part.meshes_long for part in netting) - rows_to_codline
     for part in netting:
-        across_m = 0.0 if joined else part.knot_across_m
-        for _ in range(min(rows, part.rows_per_mesh * part.meshes_long)):
-            if part.stretches or radius <= part.bar_m + part.knot_m:
+        across_m, bar_m, knot_m = 0.0 if joined else part.knot_across_m, part.bar_m, part.knot_m
+        half_mesh = math.pi / part.open_meshes[0] if part.kind.staggered and not joined else 0.0
+        own_rows = min(rows, part.rows_per_mesh * part.meshes_long)
+        if own_rows and part.stretches:
+            return 0.0
+        for _ in range(own_rows):
+            if radius <= bar_m + knot_m:
                 return 0.0
             # the nearest that the aft ring may come tells the most that its knots take, and so the least turn
-            turn = math.pi / part.open_meshes[0] if part.kind.staggered and not joined else 0.0
-            turn -= math.asin(0.5 * across_m / radius) + math.asin(0.5 * across_m / (radius - part.bar_m))
+            turn = half_mesh
+            if across_m > 0.0:
+                turn -= math.asin(0.5 * across_m / radius) + math.asin(0.5 * across_m / (radius - bar_m))
             turn = max(turn, 0.0)
-            flat_m = math.sqrt(max(part.bar_m**2 - (radius * math.sin(turn)) ** 2, 0.0))
-            radius = radius * math.cos(turn) - flat_m - (part.knot_m - across_m)
-        rows -= min(rows, part.rows_per_mesh * part.meshes_long)
+            flat_m = math.sqrt(max(bar_m**2 - (radius * math.sin(turn)) ** 2, 0.0))
+            radius = radius * math.cos(turn) - flat_m - (knot_m - across_m)
+        rows -= own_rows
     return float(radius)

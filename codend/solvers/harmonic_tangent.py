@@ -1,6 +1,7 @@
 """The tangent that one harmonic of a sector's net sees: a band, less a product where the front follows the net."""
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -8,6 +9,7 @@ from codend.mechanics.harmonics import (
     Complex,
     Numbers,
     arnoldi,
+    band_times,
     factorise_band_of_numbers,
     solve_band_of_numbers,
     write_rows,
@@ -20,6 +22,13 @@ HELD = 1e-3
 """What a solution by the factors, which are made without pivoting, may leave of its load: of an eigenvalue likewise."""
 FIRST_STEPS, MORE_STEPS, MOST_STEPS = 26, 13, 150
 """Of Arnoldi's method, before it is first looked what it found, until it is looked again, and in all."""
+
+
+@lru_cache(maxsize=8)
+def _start(size: int) -> Floats:
+    """A direction that no eigenvector is at right angles to, (size,)."""
+    start = np.random.default_rng(0).standard_normal(size)
+    return np.asarray(start / np.sqrt(np.sum(start**2)))
 
 
 class HarmonicTangent:
@@ -47,55 +56,19 @@ class HarmonicTangent:
 
     def __matmul__(self, vectors: Numbers) -> Numbers:
         """Products with vectors, (unknowns, k)."""
-        from scipy.sparse import dia_array
-
-        below = np.arange(len(self.band)) - self.half
-        product: Numbers = np.asarray(dia_array((self.band, -below), shape=(self.size, self.size)) @ vectors)
+        product = band_times(self.band, np.asarray(vectors, dtype=np.result_type(self.band, vectors)))
         return product if self.front is None else product - np.outer(self.front[0], self.front[1] @ vectors)
 
-    def _factors(self, centre: float, hermitian: bool = False) -> Numbers:
+    def factors(self, centre: float, hermitian: bool = False) -> Numbers:
         """Factors of B, or of its Hermitian part, less ``centre`` on its diagonal, row by row."""
         rows = np.zeros((self.size, len(self.band)), dtype=self.band.dtype)
         write_rows(self.band, centre, hermitian, rows)
         factorise_band_of_numbers(rows)
         return rows
 
-    def nearest(self, centre: float, wanted: int, first_steps: int = FIRST_STEPS) -> tuple[Complex, Complex] | None:
-        """The eigenvalues nearest to a real number and their vectors, by Arnoldi's method on the inverse.
-
-        None if late, and where the factors are of no use.
-
-        The residual of an eigenvalue of the projection is the last entry of its vector times the next row's length.
-        """
-        band, most = self._factors(centre), min(MOST_STEPS, self.size - 1)
-        kind = band.dtype
-        by_load, gradient = np.zeros((2, self.size), dtype=kind)
-        if self.front is not None:
-            by_load[:], gradient[:] = self.front
-            solve_band_of_numbers(band, by_load)
-            by_load /= 1.0 - np.sum(gradient * by_load)
-        basis = np.zeros((most + 1, self.size), dtype=kind)
-        projection = np.zeros((most + 1, most), dtype=kind)
-        start = np.random.default_rng(0).standard_normal(self.size)
-        basis[0] = start / np.sqrt(np.sum(start**2))
-        steps = 0
-        while steps < most:
-            last = min(steps + MORE_STEPS if steps else max(first_steps, 3 * wanted), most)
-            arnoldi(band, by_load, gradient, steps, last, basis, projection)
-            steps = last
-            if not np.isfinite(projection[:, :steps]).all():
-                return None
-            inverse, parts = np.linalg.eig(projection[:steps, :steps])
-            chosen = np.argsort(-np.abs(inverse))[:wanted]
-            residual = np.abs(projection[steps, steps - 1] * parts[-1, chosen])
-            if np.all(residual <= NEAREST * np.abs(inverse[chosen])):
-                # the first solution is the start's
-                solution = basis[:2].T @ projection[:2, :1]
-                if np.linalg.norm(self @ solution - centre * solution - basis[:1].T) > HELD:
-                    return None
-                found = np.asarray(centre + 1.0 / inverse[chosen], dtype=np.complex128)
-                return found, np.einsum("mi,mk->ik", basis[:steps], parts[:, chosen])
-        return None
+    def nearest(self, centre: float) -> "Nearest":
+        """Its eigenvalues nearest to a real number, as many as will be asked for."""
+        return Nearest(self, centre)
 
     def negative_eigenvalues(self, negative: int, basis: Complex | None = None) -> int:
         """Number of negative eigenvalues of the Hermitian part of K, on moves at right angles to a basis if any.
@@ -112,7 +85,7 @@ class HarmonicTangent:
             basis: Y, (unknowns, moves).
         """
         # sides may be complex where the band is real
-        factors = self._factors(0.0, hermitian=True).astype(np.complex128)
+        factors = self.factors(0.0, hermitian=True).astype(np.complex128)
 
         def solve(sides: Complex) -> Complex:
             solved = sides.copy()
@@ -121,6 +94,66 @@ class HarmonicTangent:
             return solved
 
         return negative_beside(negative, solve, basis, () if self.front is None else (self.front,))
+
+
+class Nearest:
+    """Eigenvalues nearest to a real number, by Arnoldi's method on the inverse: carried on as more of them are wanted.
+
+    The residual of an eigenvalue of the projection is the last entry of its vector times the next row's length.
+    """
+
+    def __init__(self, tangent: HarmonicTangent, centre: float) -> None:
+        self.tangent, self.centre = tangent, centre
+        self._factors = tangent.factors(centre)
+        kind = self._factors.dtype
+        self._by_load, self._gradient = np.zeros((2, tangent.size), dtype=kind)
+        if tangent.front is not None:
+            self._by_load[:], self._gradient[:] = tangent.front
+            solve_band_of_numbers(self._factors, self._by_load)
+            self._by_load /= 1.0 - np.sum(self._gradient * self._by_load)
+        most = min(MOST_STEPS, tangent.size - 1)
+        self._basis = np.zeros((most + 1, tangent.size), dtype=kind)
+        self._projection = np.zeros((most + 1, most), dtype=kind)
+        self._basis[0] = _start(tangent.size)
+        self._steps = 0
+        self._inverse = np.zeros(0, dtype=complex)
+        self._parts = np.zeros((0, 0), dtype=complex)
+        self._settled = 0
+
+    def eigenvalues(self, wanted: int, first_steps: int = FIRST_STEPS) -> tuple[Complex, Complex] | None:
+        """As many as are wanted or more, nearest first, and their vectors, (unknowns, k).
+
+        None if late, and where the factors are of no use.
+        """
+        most = self._projection.shape[1]
+        while self._settled < wanted:
+            if self._steps == most:
+                return None
+            last = min(self._steps + MORE_STEPS if self._steps else max(first_steps, 3 * wanted), most)
+            arnoldi(self._factors, self._by_load, self._gradient, self._steps, last, self._basis, self._projection)
+            self._steps = last
+            if not np.isfinite(self._projection[:, :last]).all() or not self._factors_hold():
+                return None
+            self._look()
+        inverse, parts = self._inverse[: self._settled], self._parts[:, : self._settled]
+        found = np.asarray(self.centre + 1.0 / inverse, dtype=np.complex128)
+        return found, np.einsum("mi,mk->ik", self._basis[: self._steps], parts)
+
+    def _look(self) -> None:
+        """Eigenvalues of the projection, nearest first, and how many of the first ones have settled."""
+        steps = self._steps
+        inverse, parts = np.linalg.eig(self._projection[:steps, :steps])
+        nearest_first = np.argsort(-np.abs(inverse))
+        self._inverse, self._parts = inverse[nearest_first], parts[:, nearest_first]
+        residual = np.abs(self._projection[steps, steps - 1] * self._parts[-1])
+        late = residual > NEAREST * np.abs(self._inverse)
+        self._settled = int(np.argmax(late)) if late.any() else steps
+
+    def _factors_hold(self) -> bool:
+        """Whether the first solution by the factors, the start's, is one."""
+        solution = self._basis[:2].T @ self._projection[:2, :1]
+        left = self.tangent @ solution - self.centre * solution - self._basis[:1].T
+        return bool(np.linalg.norm(left) <= HELD)
 
 
 def negative_beside(

@@ -14,9 +14,11 @@ Every tangent is shifted by ``newton.NEUTRAL``: what moves for nothing, as slack
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import ThreadpoolController
 
 from codend.mechanics import newton_step as kernels
 from codend.mechanics.bars import bar_lengths
@@ -100,10 +102,11 @@ def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
     if ring.fronted:
         with_front[0] = ring.tangent(0).negative_eigenvalues(int(negative[0]))
     doubtful = asked[with_front > 0]
-    found = {k: _nearest_to_none(ring.tangent(k), int(negative[k]), int(with_front[k])) for k in doubtful.tolist()}
-    left = np.array([k for k, pair in found.items() if pair is None], dtype=doubtful.dtype)
-    for k, lowest in zip(left.tolist(), _lower_bounds(ring, left, scale), strict=True):
-        found[k] = _lowest_eigenvalues(ring.tangent(k), lowest, int(negative[k]), int(with_front[k]))
+    with _libraries().limit(limits=1, user_api="blas"):
+        found = {k: _nearest_to_none(ring.tangent(k), int(negative[k]), int(with_front[k])) for k in doubtful.tolist()}
+        left = np.array([k for k, pair in found.items() if pair is None], dtype=doubtful.dtype)
+        for k, lowest in zip(left.tolist(), _lower_bounds(ring, left, scale), strict=True):
+            found[k] = _lowest_eigenvalues(ring.tangent(k), lowest, int(negative[k]), int(with_front[k]))
     growing, undecided = [], []
     for k, pair in found.items():
         if pair is None:
@@ -115,6 +118,12 @@ def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
             grows = grows[np.argsort(eigenvalues[grows].real)]
             growing.append(Growth(k, eigenvalues[grows], ring.shape_of(vectors[:, grows[0]], k)))
     return Harmonics(ring.order, tuple(growing), tuple(undecided))
+
+
+@cache
+def _libraries() -> ThreadpoolController:
+    """Matrices as small as a harmonic's projections take far longer where libraries share them out among threads."""
+    return ThreadpoolController()
 
 
 def _linearise(problem: Problem, solution: Solution, ring: Ring) -> None:
@@ -159,7 +168,7 @@ def _nearest_to_none(tangent: HarmonicTangent, negative: int, expected: int) -> 
     """
     if not tangent.size > DENSE or expected >= tangent.size // 4:
         return None
-    found = tangent.nearest(0.0, expected, AT_FIRST)
+    found = tangent.nearest(0.0).eigenvalues(expected, AT_FIRST)
     if found is None or tangent.negative_eigenvalues(negative, np.linalg.qr(found[1])[0]) > 0:
         return None
     return found
@@ -179,12 +188,10 @@ def _lowest_eigenvalues(
         negative: how many of these are negative.
         expected: how many are with the front: nearly always as many as eigenvalues are needed.
     """
-    wanted = expected
-    while tangent.size > DENSE and wanted < tangent.size // 4:
-        found = tangent.nearest(lowest, wanted)
-        if found is None:
-            break
-        if tangent.negative_eigenvalues(negative, np.linalg.qr(found[1])[0]) == 0:
-            return found
-        wanted += 2  # few at a time: behind them may be a cluster, of which no part is found alone
+    if tangent.size > DENSE:
+        nearest, wanted = tangent.nearest(lowest), expected
+        while wanted < tangent.size // 4 and (found := nearest.eigenvalues(wanted)) is not None:
+            if tangent.negative_eigenvalues(negative, np.linalg.qr(found[1])[0]) == 0:
+                return found
+            wanted = len(found[0]) + 1
     return np.linalg.eig(tangent.dense()) if tangent.size <= DENSE_AT_LAST else None

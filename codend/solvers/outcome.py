@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -129,7 +130,7 @@ class Solution:
             positions, bar_tension = np.full_like(positions, np.nan), np.full_like(bar_tension, np.nan)
         return cls(positions.copy(), bar_tension.copy(), share.copy(), report)
 
-    @property
+    @cached_property
     def mean_tension(self) -> float:
         """Mean pull or push of the bars, N."""
         return float(np.abs(self.bar_tension).mean())

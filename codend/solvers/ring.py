@@ -74,6 +74,7 @@ class Ring:
         """C and S of ``mechanics.harmonics``."""
         row, column, image = self._row, self._column, self._image
         off = np.abs(row - column)
+        self._tails = self._tail_of(0), self._tail_of(1)
         self._place = np.full(9 * len(self.pattern.row), -1)
         self._place[self._off_axis] = (np.abs(image) * self.size + np.maximum(row, column)) * width + off
         self._weight = np.zeros((len(self._place), 2))
@@ -145,18 +146,31 @@ class Ring:
     def turn_and_tail(self, harmonics: NDArray[np.integer]) -> tuple[Floats, Floats]:
         """What ``negative_pivots_side_by_side`` asks for of some harmonics."""
         angle = np.arange(len(self.even))[:, None] * (2.0 * np.pi / self.order * harmonics)
-        tail = np.zeros((len(self.depth) - self.size, self.even.shape[2], 2, len(harmonics)))
+        rows, width = len(self.depth) - self.size, self.even.shape[2]
+        tail = np.zeros((rows, width, 2, len(harmonics)))
         tail[:, 0, 0] = 1.0
         for lane in np.flatnonzero(harmonics <= 1):
-            row, column, value = self._values_at_axis(harmonics[lane])
-            # of each pair the lower, of which the upper is the conjugate
-            lower: Complex = np.where(row >= column, value, value.conj())
-            weight = np.where(row == column, 1.0, 0.5)
-            place = np.maximum(row, column) - self.size, np.abs(row - column)
-            tail[np.unique(place[0]), 0, 0, lane] = 0.0
-            np.add.at(tail[:, :, 0, lane], place, weight * lower.real)
-            np.add.at(tail[:, :, 1, lane], place, weight * lower.imag)
+            place, held, real, imaginary = self._tails[harmonics[lane]]
+            value = self._values_at_axis(harmonics[lane])[2]
+            parts = real * value.real, imaginary * value.imag
+            for i, part in enumerate(parts):
+                tail[:, :, i, lane] = np.bincount(place, part, rows * width).reshape(rows, width)
+            tail[held, 0, 0, lane] = 1.0
         return np.stack([np.cos(angle), np.sin(angle)]), tail
+
+    def _tail_of(self, harmonic: int) -> tuple[Places, NDArray[np.bool_], Floats, Floats]:
+        """Of the entries at the axis in a harmonic where they go among the tail's, and what their two parts weigh.
+
+        Between the two, rows that it does not have. Of each pair of entries the lower counts, of which the upper is the
+        conjugate.
+        """
+        entries = self._at_axis[harmonic]
+        below, width = np.maximum(entries.row, entries.column) - self.size, self.even.shape[2]
+        weight = np.where(entries.row == entries.column, 1.0, 0.5)
+        held = np.ones(len(self.depth) - self.size, dtype=bool)
+        held[below] = False
+        place = below * width + np.abs(entries.row - entries.column)
+        return place, held, weight, np.where(entries.row >= entries.column, weight, -weight)
 
     def tangent(self, harmonic: int) -> HarmonicTangent:
         """Tangent of a harmonic at the equilibrium that was gathered last."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import pandas as pd
+import pyarrow as pa
 
 from catch_models.fish import PARAMETERS, Species
 from codend.equilibrium.fidelity import choose
@@ -16,6 +16,7 @@ from codend.plan.plan import Plan
 from codend.selectivity.escape.catches import catches_of, run_of
 from codend.selectivity.escape.haul import hauls_of, terms_of_catches
 from codend.studies import tables
+from codend.studies.case_result import CaseResult
 from codend.studies.designs import Run
 from codend.studies.study import Study, solve
 
@@ -36,7 +37,7 @@ class Chunk:
     """Keys that vary whose values are text in the table, in every chunk alike."""
 
 
-def solve_chunk(chunk: Chunk) -> pd.DataFrame:
+def solve_chunk(chunk: Chunk) -> pa.Table:
     """Solve the runs of a chunk in turn.
 
     Returns:
@@ -44,7 +45,7 @@ def solve_chunk(chunk: Chunk) -> pd.DataFrame:
         run whose values make no plan is one row with its reason.
     """
     rows: list[dict[str, Any]] = []
-    near: Study | None = None
+    near: list[CaseResult] = []
     for run in chunk.runs:
         told: dict[str, Any] = {"run": run.number}
         if chunk.with_design:
@@ -59,11 +60,11 @@ def solve_chunk(chunk: Chunk) -> pd.DataFrame:
             rows += [{**told, **row} for row in _rows_of(study, chunk.species)] if study else []
             if reason is not None:
                 rows.append({**told, **reason})
-            near = study if study is not None and study.converged else near
+            near += [result for result in study.cases if result.converged] if study else []
     return _table(rows, chunk.text.union(TEXT_COLUMNS))
 
 
-def _studies_of(plan: Plan, near: Study | None) -> Iterator[tuple[Study | None, dict[str, Any] | None]]:
+def _studies_of(plan: Plan, near: Sequence[CaseResult]) -> Iterator[tuple[Study | None, dict[str, Any] | None]]:
     """The study of a plan; where an error of the program ends it, one of every case, or a row that says so."""
     try:
         yield solve(plan, near=near), None
@@ -128,22 +129,21 @@ def _cell(value: Any) -> Any:
     return toml_value(list(value)) if isinstance(value, list | tuple) else value
 
 
-def _table(rows: Sequence[dict[str, Any]], text: Set[str]) -> pd.DataFrame:
+def _table(rows: Sequence[dict[str, Any]], text: Set[str]) -> pa.Table:
     """Rows as columns of one kind each, those named as ``text``, the reason last; what no row has is missing."""
     names = [name for name in dict.fromkeys(name for row in rows for name in row) if name != REASON]
-    columns: dict[str, Any] = {}
-    for name in (*names, REASON):
-        cells = [row.get(name) for row in rows]
-        there = [cell for cell in cells if cell is not None]
-        if name in text or any(isinstance(cell, str) for cell in there):
-            columns[name] = pd.array([_text(cell) for cell in cells], dtype="string")
-        elif there and all(isinstance(cell, bool | np.bool_) for cell in there):
-            columns[name] = pd.array(cells, dtype="boolean" if len(there) < len(cells) else "bool")
-        elif there and all(isinstance(cell, int | np.integer) and not isinstance(cell, bool) for cell in there):
-            columns[name] = pd.array(cells, dtype="Int64")
-        else:
-            columns[name] = np.array([np.nan if cell is None else cell for cell in cells], dtype=float)
-    return pd.DataFrame(columns)
+    return pa.table({name: _column([row.get(name) for row in rows], name in text) for name in (*names, REASON)})
+
+
+def _column(cells: Sequence[Any], is_text: bool) -> pa.Array:
+    kinds = set(map(type, cells)) - {type(None)}
+    if is_text or str in kinds:
+        return pa.array([_text(cell) for cell in cells], pa.string())
+    if kinds and kinds <= {bool, np.bool_}:
+        return pa.array(cells, pa.bool_())
+    if kinds and all(issubclass(kind, int | np.integer) and kind is not bool for kind in kinds):
+        return pa.array(cells, pa.int64())
+    return pa.array([np.nan if cell is None else float(cell) for cell in cells], pa.float64())
 
 
 def _text(cell: Any) -> str | None:

@@ -27,7 +27,7 @@ CASES_IN_A_CHUNK: Final = 100
 """At most: some tenths of a second of solving, which is what a killed study loses."""
 CURVE: Final = "catch.sphere_cp_csv"
 """Key that names a file beside the plan."""
-LEAST_CHUNKS: Final = 64
+LEAST_CHUNKS: Final = 16
 """Where there are as many runs, so that many cores have work."""
 
 

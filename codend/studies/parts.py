@@ -24,12 +24,11 @@ def part_path(folder: Path, number: int) -> Path:
     return folder / FOLDER / f"part-{number:06d}.parquet"
 
 
-def write_part(table: pd.DataFrame, path: Path, inputs: str) -> None:
+def write_part(table: pa.Table, path: Path, inputs: str) -> None:
     """Write a part; ``inputs`` is a digest of all that decides its numbers."""
-    arrow = pa.Table.from_pandas(table, preserve_index=False)
-    told = {_INPUTS: inputs.encode(), _CONTENT: _content(arrow)}
+    told = {_INPUTS: inputs.encode(), _CONTENT: _content(table)}
     with whole_file(path) as temporary:
-        pq.write_table(arrow.replace_schema_metadata(told), temporary, write_page_checksum=True)
+        pq.write_table(table.replace_schema_metadata(told), temporary, write_page_checksum=True)
 
 
 def why_not_whole(path: Path, inputs: str) -> str | None:
@@ -74,11 +73,9 @@ def _read(path: Path) -> pa.Table:
     return pq.read_table(path, page_checksum_verification=True, partitioning=None)
 
 
-def _content(arrow: pa.Table) -> bytes:
+def _content(table: pa.Table) -> bytes:
     """A digest of the columns' names and values."""
-    table = arrow.to_pandas()
-    rows = pd.util.hash_pandas_object(table, index=False).to_numpy()
-    return sha256("|".join(table.columns).encode() + rows.tobytes()).hexdigest().encode()
+    return sha256(repr(table.to_pydict()).encode(errors="replace")).hexdigest().encode()
 
 
 def _ordered(table: pd.DataFrame) -> pd.DataFrame:

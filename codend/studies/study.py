@@ -1,6 +1,6 @@
 """Cases of a plan: every speed and catch solved in turn, each from the last one where that helps."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from time import perf_counter
@@ -22,6 +22,7 @@ from codend.equilibrium.following import LYING_ON_ITSELF, NOT_FOLLOWED, follow
 from codend.equilibrium.other_shapes import apart_from_other_shapes
 from codend.equilibrium.room import check_room, explained
 from codend.equilibrium.stability import Stability, stability_of
+from codend.equilibrium.start_shapes import carried_over
 from codend.equilibrium.wrinkles import changed_by_wrinkles, within_accuracy
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
@@ -106,7 +107,7 @@ def solve(
     progress: StudyProgress | None = None,
     choice: Choice | None = None,
     keep: Callable[[CaseResult], None] | None = None,
-    near: Study | None = None,
+    near: Sequence[CaseResult] = (),
 ) -> Study:
     """Solve every case of a plan.
 
@@ -115,7 +116,8 @@ def solve(
         progress: called before and during every case.
         choice: the model, where ``fidelity.choose`` has been asked already.
         keep: called with every case as it is done, in the order they are solved in.
-        near: a study of a plan much like this one: where its net has the same bars, its equilibria lead to the first.
+        near: solved cases of plans like this one: of those whose nets have the same bars the nearest leads to the
+            first.
 
     Returns:
         A study; a case that failed is in it, not converged, its numbers nan.
@@ -137,7 +139,6 @@ def solve(
     model = model_of(plan, choice.globalisation, choice.sectors, smeared, choice.near)
     cases = plan.cases()
     known: list[tuple[Case, Solution]] = []
-    neighbours = _equilibria_of(near, model)
     results: dict[int, CaseResult] = {}
     # by growing catch, whatever the plan's order: each equilibrium leads to the next
     for done, case in enumerate(sorted(cases, key=lambda case: (case.speed_m_s, case.catch_value))):
@@ -149,7 +150,8 @@ def solve(
         if progress is not None:
             progress(done, len(cases), f"case {case.number}")
         try:
-            found_on, problem, solution = standing_in.solve(model, choice, case, known or neighbours, report)
+            led_by = known or _nearest(near, model, case)
+            found_on, problem, solution = standing_in.solve(model, choice, case, led_by, report)
             result = measured(found_on.bag, case, problem, solution)
             if result.converged:
                 if found_on is model:
@@ -206,15 +208,29 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     return replace(found, errors=errors, stability=shape.stability, followed=followed)
 
 
-def _equilibria_of(near: Study | None, model: BagModel) -> list[tuple[Case, Solution]]:
-    """Equilibria of another study, where a model has the same bars between as many nodes."""
-    if near is None or near.choice.fidelity == "meridian":
-        return []
-    mine, solved = model.bag.net, [result for result in near.cases if result.converged]
-    same = bool(solved) and np.array_equal(solved[0].net.bars, mine.bars)
-    if not same or solved[0].positions.shape != mine.positions.shape:
-        return []
-    return [(result.case, result.solution) for result in solved if result.case.catch_kind == model.plan.catch.kind]
+def _nearest(near: Sequence[CaseResult], model: BagModel, case: Case) -> list[tuple[Case, Solution]]:
+    """Of solved cases whose nets have the same bars between as many nodes as a model's, the nearest in catch and size.
+
+    Its equilibrium is carried over to the model's net; the list is empty where there is none.
+    """
+    mine = model.bag.net
+
+    def distance(other: CaseResult) -> float:
+        catch, order, bar_m = other.case.catch_value, other.net.order, float(other.net.bar_length[0])
+        sizes = (catch, case.catch_value), (order, mine.order), (bar_m, own_bar_m)
+        return sum(abs(a - b) / (a + b) for a, b in sizes if a != b)
+
+    def alike(other: CaseResult) -> bool:
+        pairs = (other.net.bars, mine.bars), (other.net.bar_image, mine.bar_image)
+        nodes = len(other.positions) == len(mine.positions)
+        return nodes and all(one is two or np.array_equal(one, two) for one, two in pairs)
+
+    own_bar_m = float(mine.bar_length[0])
+    solved = [one for one in near if one.case.catch_kind == case.catch_kind and one.report.method != plan_case.METHOD]
+    for nearest in sorted(solved, key=distance):
+        if alike(nearest):
+            return [(nearest.case, carried_over(nearest.solution, nearest.net, mine))]
+    return []
 
 
 def measured(bag: Bag, case: Case, problem: Problem, solution: Solution) -> CaseResult:

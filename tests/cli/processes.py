@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
@@ -38,6 +39,12 @@ def run(*words: object, **options: Any) -> subprocess.CompletedProcess[str]:
     process = start(*words, **options)
     out, err = (text.decode(errors="replace") if text else "" for text in process.communicate())
     return subprocess.CompletedProcess(process.args, process.returncode, out, err)
+
+
+def words(done: subprocess.CompletedProcess[str]) -> str:
+    """What was said beside the results, but for how far it was: that is told where a machine is slow."""
+    lines = done.stderr.splitlines(keepends=True)
+    return "".join(line for line in lines if not re.match(r"\d+ of \d+ done ", line))
 
 
 def numbers(table: Path) -> pd.DataFrame:

@@ -124,6 +124,9 @@ def test_the_command_writes_the_plan_found_with_the_catch_of_the_target(tmp_path
     assert solve(plan).table["opening_ahead_deg"][0] == pytest.approx(43.0, rel=2e-4)
     looked_at = pd.read_csv(tmp_path / "out" / "search.csv")
     assert looked_at["reaches"].any()
+    page = (tmp_path / "out" / "search.html").read_text(encoding="utf-8")
+    assert "Reached: opening_ahead_deg at" in page
+    assert (tmp_path / "out" / "search.png").stat().st_size > 0
 
 
 @pytest.mark.parametrize(

@@ -299,3 +299,16 @@ def test_all_mistakes_of_a_study_are_told_at_once(home):
     with pytest.raises(InputError, match=re.escape("spices")) as caught:
         load_study(home / "bad.toml")
     assert len(caught.value.lines) == 3
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [["entry.radius_m=0.2"], ["netting.0.meshes_round=30", "netting.0.mesh=t90"], ["netting.0.bar_mm=55"]],
+)
+def test_a_neighbour_leads_to_the_same_equilibrium_in_fewer_steps(home, changes):
+    netting = [one for one in changes if "mesh=" in one]
+    own, other = load_plan(home / "plan.toml", netting), load_plan(home / "plan.toml", changes)
+    alone, led = solve(other).table, solve(other, near=solve(own).cases).table
+    for name in ("drag_n", "opening_ahead_deg", "max_radius_m", "entry_reaction_n"):
+        assert led[name].to_numpy() == pytest.approx(alone[name].to_numpy(), rel=1e-6)
+    assert 0 < led["iterations"].iloc[0] < alone["iterations"].iloc[0]

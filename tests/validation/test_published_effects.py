@@ -2,10 +2,9 @@
 
 import pytest
 
-from codend.selectivity.escape.species import example_species_path, load_species
 from validation import published_effects
 
-SPECIES = load_species(example_species_path())
+SPECIES = published_effects.assumed_fish()
 
 
 @pytest.fixture(scope="module")
@@ -13,8 +12,13 @@ def hauls():
     return published_effects.hauls(SPECIES)
 
 
-@pytest.mark.parametrize("push_n", [0.0, 1.0, 2.0])
+@pytest.mark.parametrize("push_n", [0.0, 0.5, 1.0])
 def test_all_published_effects_have_the_right_sign_with_one_push(hauls, push_n):
     found = published_effects.effects(hauls, SPECIES, push_n)
     assert len(found) == 9
     assert [one.name for one in found if not one.sign_right] == []
+
+
+def test_with_half_a_newton_four_of_six_sizes_are_inside_the_published_ranges(hauls):
+    found = published_effects.effects(hauls, SPECIES, 0.5)
+    assert [one.name for one in found if one.inside is False] == ["T90, cm", "double 6 to double 4 mm, cm"]
