@@ -127,7 +127,10 @@ def catch_pressure(problem: Problem, position: np.ndarray, share: np.ndarray) ->
 
 
 def catch_weight(problem: Problem, position: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """d g (z_f - z) at the middle of every facet on its area vector, a third to each corner."""
+    """d g (z_f - z) at the middle of every facet on its area vector, a third to each corner.
+
+    What that lacks of d g V in sum, the two rings of the front's band bear, by its share.
+    """
     net, catch = problem.net, problem.loading.catch
     corners = facet_corners(net, position)
     area = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -136,7 +139,16 @@ def catch_weight(problem: Problem, position: np.ndarray, share: np.ndarray) -> n
     height = share[front] * fore + (1.0 - share[front]) * aft
     filled = share[catch.facet_band] * net.facet_weight
     third = (filled * catch.weight_density * (height - corners[:, :, 2].mean(axis=1)) / 3.0)[:, None] * area
-    return gathered(net, *((net.facets[:, i], net.facet_image[:, i], third) for i in range(3)))
+    load = gathered(net, *((net.facets[:, i], net.facet_image[:, i], third) for i in range(3)))
+    if net.order > 1:
+        return load
+    weight_density = catch.weight_density
+    volume = _volume(*_shape(problem, position), front, share[front])
+    left = -load.sum(axis=0) - np.array([0.0, 0.0, 1.0]) * weight_density * volume
+    for row, part in ((front, share[front]), (front + 1, 1.0 - share[front])):
+        ring = catch.node_row == row
+        load[ring] += part * left / ring.sum()
+    return load
 
 
 def corner_twines(net: Net, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

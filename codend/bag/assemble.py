@@ -34,9 +34,12 @@ def assembled(
     band, is_knot = layout.bar_band, layout.bar_is_knot
     netting = np.where(layout.bar_piece >= 0, lattice.bands + layout.bar_piece, band)
 
+    def of_all(value: Callable[[Netting], float | bool]) -> NDArray:
+        """A value of every band's section, and then of every window."""
+        return np.append(lattice.of_bands(value), [value(window.netting) for window in windows])
+
     def of_bars(value: Callable[[Netting], float | bool]) -> NDArray:
-        """A value of each bar's netting, that of its band's section or of its window."""
-        return np.append(lattice.of_bands(value), [value(window.netting) for window in windows])[netting]
+        return of_all(value)[netting]
 
     def of_section(value: str) -> Floats:
         return np.asarray(of_bars(attrgetter(value)), dtype=np.float64)
@@ -56,11 +59,13 @@ def assembled(
     fixed[entry] = True
     fixed[layout.codline, 1:] = lattice.order > 1
     corners = layout.corners
-    clamped = lattice.of_bands(lambda section: 12.0 * section.bending_stiffness_n_m2 / section.bar_m)[corners[:, 6]]
+    # where twines of two nettings meet, either bends as it does
+    stiffness = of_all(lambda section: 12.0 * section.bending_stiffness_n_m2 / section.bar_m)
+    clamped = stiffness[corners[:, 6:8]].mean(axis=1)
     # two twines gathered at the codline have no angle between them
     resists = (clamped > 0.0) & ((corners[:, 1] != corners[:, 2]) | (corners[:, 4] != corners[:, 5]))
     corners, clamped = corners[resists], clamped[resists]
-    at_rest = lattice.of_bands(lambda section: 2.0 * section.rest_half_angle_rad)[corners[:, 6]]
+    at_rest = of_all(lambda section: 2.0 * section.rest_half_angle_rad)[corners[:, 6:8]].mean(axis=1)
     net = Net(
         positions=positions,
         order=lattice.order,
@@ -84,7 +89,7 @@ def assembled(
         corners=corners[:, :3].astype(np.int32),
         corner_image=corners[:, 3:6].astype(np.int32),
         corner_stiffness=g**2 * clamped,
-        corner_rest=np.where(corners[:, 7] == 1, np.pi - at_rest, at_rest),
+        corner_rest=np.where(corners[:, 8] == 1, np.pi - at_rest, at_rest),
         **NO_POINTS,
     )
     return Bag(

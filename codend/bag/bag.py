@@ -117,6 +117,11 @@ class Bag:
         """Band that a bar of twine lies in, -1 for other bars, (m,)."""
         return np.where(self.bar_is_twine, self.bar_band, -1)
 
+    @property
+    def smeared(self) -> bool:
+        """Whether ropes are spread over all columns of knots, a share of one along each."""
+        return len(self.ropes) > 0 and bool(self.rope_share.min() != 1.0)
+
     @cached_property
     def netting(self) -> Ints:
         """Bars that are neither straps nor ropes."""

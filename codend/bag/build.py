@@ -123,15 +123,18 @@ def _columns_of(plan: Plan, globalisation: int) -> NDArray[np.int64]:
 
 def _check_bending(plan: Plan) -> None:
     """Refuse bending stiffness where the model has no place for it, rather than leave it out."""
-    stiff = [s for s in plan.netting if s.bending_stiffness_n_m2 > 0.0]
-    if rigid := [s for s in stiff if not s.kind.opens]:
-        allowed = f"0 for {rigid[0].kind.words} mesh, whose opening bending does not resist"
-    elif stiff and plan.model.bars_per_side > 1:
-        allowed = "0 with bars_per_side = 2: a hinge in mid-bar and stiff twine contradict each other"
-    else:
-        return
-    value = stiff[0].bending_stiffness_n_m2
-    raise InputError(file=plan.source, key="netting.bending_stiffness_n_m2", value=value, allowed=allowed)
+    for table, nettings in (("netting", plan.netting), ("window", plan.window)):
+        for index, section in enumerate(nettings):
+            if section.bending_stiffness_n_m2 == 0.0:
+                continue
+            if not section.kind.opens:
+                allowed = f"0 for {section.kind.words} mesh, whose opening bending does not resist"
+            elif plan.model.bars_per_side > 1:
+                allowed = "0 with bars_per_side = 2: a hinge in mid-bar and stiff twine contradict each other"
+            else:
+                continue
+            key = f"{table}.{index}.bending_stiffness_n_m2"
+            raise InputError(plan.source, key, section.bending_stiffness_n_m2, allowed)
 
 
 def _check_layers(plan: Plan, lattice: Lattice) -> None:
@@ -151,8 +154,6 @@ def _check_panels(plan: Plan) -> None:
         key = "meshes_round_aft" if section.meshes_round_aft is not None else "cut"
         if 2 * abs(section.edge_loss) > section.rows_per_mesh * section.meshes_long:
             allowed = f"no steeper than along bars all the way: {section.meshes_long} meshes of an edge"
-        elif section.knot_across_m > 0.0:
-            allowed = f"left out: {section.kind.words} netting with knot_mm that tapers is not modelled yet"
         else:
             continue
         raise InputError(plan.source, f"netting.{index}.{key}", getattr(section, key), allowed)

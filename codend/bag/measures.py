@@ -241,7 +241,7 @@ def measure(bag: Bag, problem: Problem, solution: Solution, rows: Rows, meshes: 
         max_bar_tension_n=float(tension[bag.netting].max()),
         max_strap_tension_n=float(tension[straps].max()) if len(straps) else float("nan"),
         max_rope_tension_n=float(tension[bag.ropes].max()) if len(bag.ropes) else float("nan"),
-        folded_share=inward_share(position, structure, loading.catch, share, rows.x_m),
+        folded_share=inward_share(position, structure, loading.catch, share),
         turn_deg=float(np.degrees(band_turns(position, structure, loading.catch, problem.rings)[0].sum())),
         sideways_imbalance=sideways_imbalance(bag, position, load, support),
     )
@@ -254,7 +254,7 @@ def _spread_ahead(bag: Bag, meshes: Meshes, ahead: Floats) -> dict[str, float]:
     if len(ahead):
         found &= (place > ahead.min() - 0.5 + 1e-9) & (place < ahead.max() + 0.5 - 1e-9)
     names = ("opening_ahead_spread_deg", "opening_ahead_least_deg", "opening_ahead_most_deg")
-    if len(ahead) == 0 or not found.any() or (len(bag.ropes) and bag.rope_share.min() != 1.0):
+    if len(ahead) == 0 or not found.any() or bag.smeared:
         return dict.fromkeys(names, float("nan"))
     openings, row = meshes.opening_deg[found], bag.mesh_row[found]
     about = openings - mean_by(row, openings, bag.bands + 1)[row]

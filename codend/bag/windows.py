@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from codend.bag.bag import Bag
 from codend.errors import InputError
 from codend.net.net import BAR_ARRAYS, Floats, Ints
+from codend.netting.corners import corners_beside
 from codend.netting.knots import Knots
 from codend.netting.parts import Parts, RowShape
 from codend.netting.windows import LetIn, Opening, cut_out, let_in, placed_window, rows_of_window
@@ -54,9 +55,6 @@ def _opening(plan: Plan, knots: Knots, index: int) -> Opening:
     if part.tapers:
         allowed = "a section with as many meshes round all along: windows in one that tapers are not modelled yet"
         raise InputError(plan.source, f"window.{index}.netting", plan.window[index].netting, allowed)
-    if any(section.bending_stiffness_n_m2 for section in (*plan.netting, *plan.window)):
-        allowed = "0 in plans with windows: stiff twine at their seams is not modelled yet"
-        raise InputError(plan.source, "netting.bending_stiffness_n_m2", None, allowed)
     return Opening(fore, aft, int(hole.first), hole.across)
 
 
@@ -109,6 +107,7 @@ def _numbered_anew(
         window.facets, window.weights = [facets[sound]], [weights[sound]]
         meshes = anew(np.concatenate(window.meshes), 8)
         window.meshes = [meshes[open_meshes(meshes)]]
+    parts.corners = corners_beside(parts, windows, knots.lattice)
     return windows, replace(knots, renumbered=number), positions[kept], node_row[kept]
 
 

@@ -4,6 +4,8 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
+import numpy as np
+
 from codend.bag.bag import Bag
 from codend.bag.build import build_bag
 from codend.bag.loads import in_case, problem_of
@@ -13,6 +15,8 @@ from codend.mechanics.problem import Problem
 from codend.mechanics.structure import Structure
 from codend.net.last_made import LastMade
 from codend.plan.plan import Case, Plan
+from codend.solvers.linear_systems import BandedSystem
+from codend.solvers.mirror import Mirror, mirror_of
 from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.ring import Ring
 
@@ -50,6 +54,26 @@ class BagModel:
             return prepare(structure, bands)
         like = _prepared.of(_joints(structure, bands), lambda: prepare(structure, bands))
         return prepare(structure, bands, like)
+
+    @property
+    def narrow(self) -> bool:
+        """Whether it is so narrow that a step costs next to nothing."""
+        return isinstance(self.prepared.system, BandedSystem)
+
+    @property
+    def mirror_planes_rad(self) -> tuple[float, ...]:
+        """Azimuths of the planes that may mirror it: upright, through the first seam, and through the sides."""
+        return (np.pi / 2, float(np.radians(self.plan.seam_deg)), 0.0)
+
+    @cached_property
+    def half(self) -> tuple[Mirror, Prepared] | None:
+        """The plane in which a wide net is its own mirror image, and room for one half; None without one."""
+        if self.narrow:
+            return None
+        mirror = mirror_of(self._first_problem, self.mirror_planes_rad)
+        if mirror is None:
+            return None
+        return mirror, prepare(self._first_problem.structure, self.bag.bands, mirror=mirror)
 
     @cached_property
     def ring(self) -> Ring:

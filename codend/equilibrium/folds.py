@@ -12,6 +12,7 @@ from codend.mechanics.surface import ContactLaw, Surface
 from codend.net.net import Floats, rotate
 from codend.plan.plan import Plan
 from codend.solvers import gentle
+from codend.solvers.dynamic_relaxation import as_built
 from codend.solvers.gentle import End, Motion
 from codend.solvers.outcome import Progress, Solution
 from codend.solvers.refusal import passage
@@ -50,6 +51,16 @@ def follow_under_contact(
     if motion.end is not End.SETTLED:
         return touching, motion
     return touching.touching_at(motion.solution.positions), motion
+
+
+def under_weight(problem: Problem) -> Solution:
+    """The shape in which a net was built, every bar with a tension that bears the net's weight, or its loads if more.
+
+    In a crude bag, drawn out along the axis, nothing lies on anything.
+    """
+    start = as_built(problem)
+    borne = float(np.abs(problem.loading.dead).sum() / (2.0 * problem.loading.catch.row_size.max()))
+    return replace(start, bar_tension=np.maximum(start.bar_tension, borne))
 
 
 def is_pierced(problem: Problem, solution: Solution) -> bool:

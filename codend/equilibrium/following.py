@@ -100,6 +100,12 @@ LYING_ON_ITSELF = "netting lies on netting in this shape: contact is not modelle
 NOT_FOLLOWED = Followed(None, "", float("nan"), float("nan"), False, np.zeros(4), 0.0)
 
 
+def as_it_lies(bag: Bag, problem: Problem, solution: Solution) -> Followed:
+    """What is told of an equilibrium that was found with contact between its layers, without following anything."""
+    share, folds = in_contact_share(problem, solution), fold_count(solution.positions, problem.rings, bag.net.order)
+    return replace(NOT_FOLLOWED, folds=share > 0.0, contact_share=share, fold_count=folds)
+
+
 def follow(
     model: BagModel,
     case: Case,

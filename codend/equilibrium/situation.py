@@ -6,14 +6,18 @@ from functools import cached_property
 
 from codend.bag.near_ratio import SLOW_MESHES, near_ratios
 from codend.equilibrium.bag_model import BagModel, model_of
+from codend.equilibrium.folds import contact_law, under_weight
 from codend.equilibrium.start_shapes import all_round_start, along_the_rows, windowed_start
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
-from codend.solvers import dynamic_relaxation, interior_point, newton
+from codend.solvers import dynamic_relaxation, gentle, interior_point, newton
 from codend.solvers.dynamic_relaxation import RelaxationSettings
-from codend.solvers.linear_systems import BandedSystem
+from codend.solvers.gentle import GentleSettings
+from codend.solvers.mirror import ALIKE
 from codend.solvers.newton import DIRECT, NewtonSettings
 from codend.solvers.outcome import Progress, Solution
+from codend.solvers.prepared import Prepared
+from codend.solvers.refusal import passage
 
 BRIEF = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=10)
 """Newton's method from a start for no longer than a good one needs."""
@@ -26,6 +30,10 @@ NEARLY = 0.12
 
 MOST_RELAXED = 1500
 """Knots of a net with ropes or windows up to which it is relaxed where nothing else leads to its equilibrium."""
+
+MOST_HUNG, HANGING_STEPS = 3000, 1000
+"""Knots of a net that is followed as it falls under its weight, and gentle steps that it may take: bags of 100 to 500
+knots took 190 to 450, in 1 to 15 s."""
 
 Known = Sequence[tuple[Case, Solution]]
 """Equilibria of other cases of the same model."""
@@ -90,15 +98,15 @@ class Situation:
         narrowest = self.model.sectors == 1 and not self.has_sector
         if narrowest or any(other.catch_value == self.case.catch_value for other, _ in self.known):
             return len(self.known) > 0
-        # sectors as wide as their ropes are apart: each way through the interior costs some thirty factorisations
-        if self.model.sectors is not None and self.has_sector:
+        # each way through the interior from nothing costs some thirty factorisations
+        if self.geared:
             return len(self.others_at_its_speed) > 0
         return self.within_prediction and (self.narrow or not self.by_meshes)
 
     @property
     def narrow(self) -> bool:
         """Whether the model is so narrow that a step costs next to nothing."""
-        return isinstance(self.model.prepared.system, BandedSystem)
+        return self.model.narrow
 
     @property
     def has_sector(self) -> bool:
@@ -107,14 +115,18 @@ class Situation:
         return wider and self.plan.model.bars_per_side == 1
 
     @property
+    def geared(self) -> bool:
+        """Whether ropes or windows are modelled as they are, and bars between and beside them go slack by many."""
+        return self.has_sector and (len(self.plan.ropes) > 0 or len(self.model.bag.windows) > 0)
+
+    @property
     def draws_in(self) -> bool:
         """Whether ropes or windows are modelled as they are, in so large a net that relaxing it would take minutes.
 
         Netting beside them hangs all but slack, and moves on and on: knotted nets with four ropes that the interior did
         not lead to were not found so either, in 30 s of 1800 knots and 100 s of 5000.
         """
-        there = len(self.plan.ropes) > 0 or len(self.model.bag.windows) > 0
-        return self.has_sector and there and len(self.model.bag.net.positions) > MOST_RELAXED
+        return self.geared and len(self.model.bag.net.positions) > MOST_RELAXED
 
     @cached_property
     def sector_all_round(self) -> Solution | None:
@@ -160,25 +172,61 @@ class Situation:
         return None
 
     @property
+    def heavy(self) -> bool:
+        """Whether weight acts on the model, of its twine or its catch."""
+        loading = self.problem.loading
+        return bool(loading.dead.any() or loading.catch.weight_density != 0.0)
+
+    @property
+    def may_hang(self) -> bool:
+        """Whether layers of the net may lie on each other under its weight, and it can be followed until they do."""
+        small = len(self.model.bag.net.positions) <= MOST_HUNG
+        return self.heavy and small and self.plan.model.contact is not False and not self.plan.layer
+
+    @cached_property
+    def touching(self) -> Problem:
+        """The problem with contact between layers of the net."""
+        return self.problem.touching_by(contact_law(self.problem, under_weight(self.problem)))
+
+    @property
     def first_settings(self) -> NewtonSettings:
         """Newton's method where better starts are left: none is followed for long.
 
         Weight may hide below the tolerance of single nodes.
         """
-        loading = self.problem.loading
-        heavy = loading.dead.any() or loading.catch.weight_density != 0.0
         brief = self.by_meshes and len(self.model.bag.net.corners) == 0
-        return replace(BRIEF if brief else DIRECT, least_iterations=int(heavy))
+        return replace(BRIEF if brief else DIRECT, least_iterations=int(self.heavy))
 
     def by_newton(self, problem: Problem, start: Solution | None, settings: NewtonSettings = DIRECT) -> Solution:
         """Newton's method to the plan's tolerance."""
-        return newton.solve(problem, self.tolerance, start, settings, self.progress, self.model.prepared)
+        start, prepared = self._halved(start)
+        return newton.solve(problem, self.tolerance, start, settings, self.progress, prepared)
 
     def through_the_interior(self, problem: Problem, start: Solution | None = None) -> Solution:
         """The interior-point method to the plan's tolerance, from a start or the crude bag the net was built as."""
-        return interior_point.solve(
-            problem, self.tolerance, start, progress=self.progress, prepared=self.model.prepared
-        )
+        start, prepared = self._halved(start)
+        return interior_point.solve(problem, self.tolerance, start, progress=self.progress, prepared=prepared)
+
+    def _halved(self, start: Solution | None) -> tuple[Solution | None, Prepared]:
+        """A start, and room to work in: with half of the net where that mirrors the other, and the start does.
+
+        Without a start the whole net is asked, so that a shape that is not mirrored is found where no other is.
+        """
+        half = self.model.half if start is not None else None
+        if start is None or half is None:
+            return start, self.model.prepared
+        mirror, prepared = half
+        if mirror.off(start.positions) > ALIKE * float(self.model.bag.net.bar_length.min()):
+            return start, self.model.prepared
+        return mirror.made_mirrored(start), prepared
+
+    def hung(self) -> Solution:
+        """Gentle steps under contact from the nearest equilibrium known, or from a crude bag, as it falls."""
+        start = under_weight(self.problem)
+        if self.known:
+            nearest = min(self.known, key=lambda pair: abs(pair[0].catch_value - self.case.catch_value))[1]
+            start = nearest if passage(self.touching, nearest.positions) is None else start
+        return gentle.solve(self.touching, self.tolerance, start, GentleSettings(HANGING_STEPS), self.progress)
 
     def relaxed(self, start: Solution | None) -> Solution:
         """Relaxation to the plan's tolerance."""

@@ -28,16 +28,20 @@ def solve(
     attempts: list[str] = []
     spent_ms = 0.0
     solution: Solution | None = None
+    in_contact = False
     for start in STARTS[model.plan.model.method] if starts is None else starts:
         tried = start.solve(situation) if start.applies(situation) else None
         if tried is None:
             continue
         # a net found in balance and refused tells more than a later start that led nowhere
         if solution is None or not solution.report.outcome.refused or tried.report.outcome.balanced:
-            solution = tried
+            solution, in_contact = tried, start.in_contact
         attempts += [f"from {start.name}: {line}" for line in tried.report.attempts]
         spent_ms += tried.report.solve_ms
         if solution.report.outcome.balanced:
             break
     assert solution is not None  # every method has a start that is always there
+    if in_contact and solution.report.outcome.balanced:
+        touching = situation.touching.touching_at(solution.positions)
+        problem = touching if len(touching.loading.contact.kind) else problem
     return problem, replace(solution, report=replace(solution.report, attempts=tuple(attempts), solve_ms=spent_ms))

@@ -1,7 +1,9 @@
-"""A sector of nearly the ratio of the counts in place of a wide one in which no equilibrium is found.
+"""A narrow sector in place of a wide one in which no equilibrium is found.
 
 Where much netting is spare at a joint it lies in folds, or hangs all but without load, and a wide sector then ends
-unsolved after minutes. A narrow one mostly is solved in milliseconds; how far its counts are off is in its errors.
+unsolved after minutes. One of nearly the ratio of the counts mostly is solved in milliseconds; how far its counts are
+off is in its errors. Between short ropes netting may hang so slack that it flutters, or be drawn into lobes that pass
+through each other: there the ropes are smeared, and what that costs is in the errors.
 """
 
 from collections.abc import Sequence
@@ -11,7 +13,8 @@ from codend.bag.near_ratio import stand_ins
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
-from codend.equilibrium.starts import BRIEFLY
+from codend.equilibrium.situation import MOST_RELAXED
+from codend.equilibrium.starts import BETWEEN_ROPES, BRIEFLY, STARTS, Start
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case
 from codend.solvers.outcome import Progress, Solution
@@ -31,13 +34,16 @@ def solve(
     """
     plan = model.plan
     automatic = plan.model.fidelity == plan.model.method == "auto" and choice.fidelity == "sector"
-    others = stand_ins(plan) if automatic else []
-    problem, solution = equilibrium.solve(model, case, known, progress, BRIEFLY if others else None)
+    others = [model_of(plan, 1, 1, near=near) for near in stand_ins(plan)] if automatic else []
+    starts: tuple[Start, ...] = BRIEFLY
+    if automatic and plan.rope and not (plan.tapers or plan.layer):
+        others = [model_of(plan, 1, 1, smeared=True)]
+        starts = BETWEEN_ROPES if len(model.bag.net.positions) > MOST_RELAXED else STARTS["auto"]
+    problem, solution = equilibrium.solve(model, case, known, progress, starts if others else None)
     if solution.report.outcome.balanced or not others:
         return model, problem, solution
     attempts, spent_ms = solution.report.attempts, solution.report.solve_ms
-    for near in others:
-        other = model_of(plan, 1, 1, near=near)
+    for other in others:
         its_problem, found = equilibrium.solve(other, case, (), progress, BRIEFLY)
         spent_ms += found.report.solve_ms
         if found.report.outcome.converged:

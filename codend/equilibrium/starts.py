@@ -34,13 +34,15 @@ class Start:
     applies: Callable[[Situation], bool]
     solve: Callable[[Situation], Solution | None]
     """None where there turns out to be no such start."""
+    in_contact: bool = False
+    """Whether what it solves has contact between layers of the net (``Situation.touching``)."""
 
 
 def _from_where_the_last_lead(s: Situation) -> Solution:
     began = perf_counter()
     start = _led(s)
     led_ms = 1e3 * (perf_counter() - began)
-    if s.has_sector and s.model.sectors is not None and not s.narrow:
+    if s.geared and not s.narrow:
         return _later(s.through_the_interior(s.problem, start), led_ms)
     return _later(s.by_newton(s.problem, start, s.first_settings), led_ms)
 
@@ -131,11 +133,16 @@ LED = Start(
 other twine goes slack with every catch: ten steps of Newton's method led to none of three, twenty of the other did."""
 A_SECTOR = Start(
     "the equilibrium of a sector",
-    lambda s: s.has_sector and not any(rope.shortening > 0.0 for rope in s.plan.rope),
+    lambda s: (
+        s.has_sector
+        and not any(rope.shortening > 0.0 for rope in s.plan.rope)
+        and (s.narrow or len(s.model.bag.windows) == 0)
+    ),
     _from_a_sector,
 )
 """Not where ropes are shorter than the netting: there it led nowhere, at a quarter of the cost of the way through the
-interior. Led to all of 418 full nets, in 14 ms with the sector's own equilibrium."""
+interior; nor in wide nets with windows, which it led to after the ten steps it has only where they change nothing. Led
+to all of 418 full nets, in 14 ms with the sector's own equilibrium."""
 THROUGH = Start(
     "the equilibrium of a sector, through the interior",
     lambda s: s.has_sector,
@@ -176,6 +183,14 @@ STEPS = Start(
     _in_steps_from_the_nearest,
 )
 """Led to 46 of 55 later catches that neither the last equilibria nor a crude bag had led to."""
+HUNG = Start(
+    "the nearest equilibrium or a crude bag, gently under contact",
+    lambda s: s.may_hang,
+    lambda s: s.hung(),
+    in_contact=True,
+)
+"""Towed so slowly that its weight folds it over its hoop, a bag is in no balance without contact: all that come after
+lead to nothing but nets that pass through themselves."""
 CRUDE_RELAXED = Start(
     "a crude bag, relaxed",
     lambda s: not s.draws_in,
@@ -209,7 +224,7 @@ RIGID_SLACK = Start(
 )
 """Led to bags of square mesh, whose rings go slack, where bars that push had not."""
 
-_BY_NEWTON = (LED, A_SECTOR, THROUGH, ROWS, STIFF, CRUDE, MERIDIAN, STEPS, CRUDE_RELAXED, HALF_A_BAG)
+_BY_NEWTON = (LED, A_SECTOR, THROUGH, ROWS, STIFF, CRUDE, MERIDIAN, STEPS, HUNG, CRUDE_RELAXED, HALF_A_BAG)
 _BY_RELAXATION = (A_SECTOR_RELAXED, RELAXED_TO_THE_END)
 
 STARTS: Final[dict[str, tuple[Start, ...]]] = {
@@ -221,6 +236,10 @@ STARTS: Final[dict[str, tuple[Start, ...]]] = {
 """For each ``model.method`` the starts in the order tried."""
 BRIEFLY: Final = (LED, ROWS, STIFF, CRUDE, MERIDIAN, STEPS)
 """Those that take a wide joined net no minutes, where another model can stand in its place."""
+
+
+BETWEEN_ROPES: Final = (LED, A_SECTOR, THROUGH, CRUDE)
+"""Those that have led to large nets between real ropes, where smeared ones can stand in their place."""
 
 
 def _has_meridian(s: Situation) -> bool:

@@ -169,3 +169,4 @@ def load_by_share(
     for node in range(len(load)):
         for i in range(3):
             load[node, i] += rise * by_height[node, i]
+    catch_weight.add_by_share(position, structure, catch, filled, band, height, load)

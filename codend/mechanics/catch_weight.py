@@ -2,8 +2,12 @@
 
 A catch denser than the water by d presses with d g (z_f - z) beside what the water does, z_f the height of the middle
 of its front. On a facet that is what it is at the middle, times the area vector, so that over closed netting the sum is
-d g V downward. The height of the front follows the net: it adds one product to the tangent, -dF/dx = K - u v^T with
-u = dF/dz_f and v = dz_f/dx at given shares.
+d g V downward. Netting that is open at a front which is neither level nor a vertical plane lacks what would press on a
+lid there; nothing but the net bears a catch, so the rings at the front bear that, c = -d g V e_z less the sum over the
+netting, evenly: whatever its shape the catch weighs d g V and pushes to no side.
+
+The height of the front and c follow the net: each adds a product to the tangent, -dF/dx = K - u v^T, with u = dF/dz_f
+and v = dz_f/dx, and with u the share of a ring's node in a part of c and v its derivative, all at given shares.
 """
 
 import numpy as np
@@ -47,9 +51,12 @@ def front_height(position: Floats, catch: Catch, share: Floats) -> float:
 
 @njit(cache=True)
 def add_force(position: Floats, structure: Structure, catch: Catch, share: Floats, force: Floats) -> None:
-    """Add what the catch's weight presses with on every facet to the nodal forces, a third to each corner."""
-    if catch.weight_density != 0.0:
-        add_force_below(position, structure, catch, share, front_height(position, catch, share), force)
+    """Add what the catch's weight presses with on every facet, a third to each corner, and what the rings bear."""
+    if catch.weight_density == 0.0:
+        return
+    height = front_height(position, catch, share)
+    add_force_below(position, structure, catch, share, height, force)
+    add_to_rings(catch, share, left_to_rings(position, structure, catch, share, height), force)
 
 
 @njit(cache=True)
@@ -73,20 +80,158 @@ def add_force_below(
 
 
 @njit(cache=True)
+def left_to_rings(
+    position: Floats, structure: Structure, catch: Catch, share: Floats, height: float
+) -> tuple[float, float, float]:
+    """Force c that netting with the middle of the front at a given height lacks of the catch's weight, N."""
+    facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
+    bands, weights = catch.facet_band, structure.facet_weight
+    fore, lid = planes(position, catch, share)
+    band, x, y, z, volume = foremost(share), 0.0, 0.0, 0.0, 0.0
+    for facet in range(len(bands)):
+        filled = share[bands[facet]] * weights[facet]
+        if filled == 0.0:
+            continue
+        corners = corners_of_facet(position, facets, images, rotations, facet)
+        ax, ay, az = area_vector(corners)
+        depth = filled * (height - (corners[2] + corners[5] + corners[8]) / 3.0)
+        x, y, z = x + depth * ax, y + depth * ay, z + depth * az
+        plane = fore if bands[facet] == band else lid
+        volume += filled * ax * ((corners[0] + corners[3] + corners[6]) / 3.0 - plane)
+    k = catch.weight_density
+    return -k * x, -k * y, -k * (z + volume)
+
+
+@njit(cache=True)
+def planes(position: Floats, catch: Catch, share: Floats) -> tuple[float, float]:
+    """Axial position of the foremost ring of the front's band, and of the lid, m: see ``catch_front``."""
+    band = foremost(share)
+    if band == len(share):
+        return 0.0, 0.0
+    fore, aft, rows, sizes = 0.0, 0.0, catch.node_row, catch.row_size
+    for node in range(len(rows)):
+        if rows[node] == band:
+            fore += position[node, 0] / sizes[band]
+        elif rows[node] == band + 1:
+            aft += position[node, 0] / sizes[band + 1]
+    return fore, aft + share[band] * (fore - aft)
+
+
+@njit(cache=True)
+def add_to_rings(catch: Catch, share: Floats, whole: tuple[float, float, float], force: Floats) -> None:
+    """Add a force to the nodes of the two rings of the front's band, more to the one that the front is nearer to."""
+    band = foremost(share)
+    if band == len(share):
+        return
+    rows, sizes = catch.node_row, catch.row_size
+    for node in range(len(rows)):
+        part = 0.0
+        if rows[node] == band:
+            part = share[band] / sizes[band]
+        elif rows[node] == band + 1:
+            part = (1.0 - share[band]) / sizes[band + 1]
+        force[node, 0] += part * whole[0]
+        force[node, 1] += part * whole[1]
+        force[node, 2] += part * whole[2]
+
+
+@njit(cache=True)
+def rings_gradient(position: Floats, structure: Structure, catch: Catch, share: Floats, gradients: Floats) -> None:
+    """Write the derivatives of the parts of c by the nodes, at a given height of the front and given shares, (3, n, 3).
+
+    A facet's part k (z_f - z) A of what the netting bears changes by k (z_f - z) dA - k A dz, and the volume, of x' A_x
+    from the plane of the front's foremost ring or of its lid, x', by x' dA_x + A_x dx'.
+    """
+    gradients[:] = 0.0
+    facets, bands, weights = structure.facets, catch.facet_band, structure.facet_weight
+    images, rotations = structure.facet_image, structure.rotations
+    height, (fore, lid) = front_height(position, catch, share), planes(position, catch, share)
+    band, area, area_of_band = foremost(share), 0.0, 0.0
+    for facet in range(len(bands)):
+        filled = share[bands[facet]] * weights[facet] * catch.weight_density
+        if filled == 0.0:
+            continue
+        corners = corners_of_facet(position, facets, images, rotations, facet)
+        x, y, z = area_vector(corners)
+        plane = fore if bands[facet] == band else lid
+        half = 0.5 * filled * (height - (corners[2] + corners[5] + corners[8]) / 3.0)
+        behind = 0.5 * filled * ((corners[0] + corners[3] + corners[6]) / 3.0 - plane)
+        third = filled / 3.0
+        if bands[facet] == band:
+            area_of_band += filled * x
+        else:
+            area += filled * x
+        for moved in range(3):
+            node = facets[facet, moved]
+            ex, ey, ez = side_across(corners, moved)
+            gradients[0, node, 1] -= half * ez
+            gradients[0, node, 2] += half * ey + third * x
+            gradients[1, node, 0] += half * ez
+            gradients[1, node, 2] += third * y - half * ex
+            gradients[2, node, 0] -= half * ey + third * x
+            gradients[2, node, 1] += half * ex - behind * ez
+            gradients[2, node, 2] += third * z + behind * ey
+    rows, sizes = catch.node_row, catch.row_size
+    for node in range(len(rows)):
+        if rows[node] == band:
+            gradients[2, node, 0] += (area_of_band + share[band] * area) / sizes[band]
+        elif rows[node] == band + 1:
+            gradients[2, node, 0] += (1.0 - share[band]) * area / sizes[band + 1]
+
+
+@njit(cache=True)
+def add_by_share(
+    position: Floats, structure: Structure, catch: Catch, share: Floats, band: int, height: float, force: Floats
+) -> None:
+    """Add the derivative of c and of how the rings share it by the share of the front's band, N, (n, 3)."""
+    k, (fore, lid) = catch.weight_density, planes(position, catch, share)
+    facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
+    bands, weights = catch.facet_band, structure.facet_weight
+    x, y, z, volume, area = 0.0, 0.0, 0.0, 0.0, 0.0
+    for facet in range(len(bands)):
+        if bands[facet] < band:
+            continue
+        corners = corners_of_facet(position, facets, images, rotations, facet)
+        ax, ay, az = area_vector(corners)
+        if bands[facet] > band:
+            area += weights[facet] * ax
+            continue
+        depth = weights[facet] * (height - (corners[2] + corners[5] + corners[8]) / 3.0)
+        x, y, z = x + depth * ax, y + depth * ay, z + depth * az
+        volume += weights[facet] * ax * ((corners[0] + corners[3] + corners[6]) / 3.0 - fore)
+    # the lid moves from one ring to the other
+    volume += area * (lid - fore) / (1.0 - share[band])
+    add_to_rings(catch, share, (-k * x, -k * y, -k * (z + volume)), force)
+    whole = left_to_rings(position, structure, catch, share, height)
+    rows, sizes = catch.node_row, catch.row_size
+    for node in range(len(rows)):
+        part = 0.0
+        if rows[node] == band:
+            part = 1.0 / sizes[band]
+        elif rows[node] == band + 1:
+            part = -1.0 / sizes[band + 1]
+        for i in range(3):
+            force[node, i] += part * whole[i]
+
+
+@njit(cache=True)
 def force_by_height(position: Floats, structure: Structure, catch: Catch, share: Floats, force: Floats) -> None:
     """Write the derivative of that force by the height of the front, N/m, (n, 3)."""
     force[:] = 0.0
     facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
     bands, weights = catch.facet_band, structure.facet_weight
+    whole_x, whole_y, whole_z = 0.0, 0.0, 0.0
     for facet in range(len(bands)):
         third = share[bands[facet]] * weights[facet] * catch.weight_density / 3.0
         if third == 0.0:
             continue
         x, y, z = area_vector(corners_of_facet(position, facets, images, rotations, facet))
+        whole_x, whole_y, whole_z = whole_x - 3.0 * third * x, whole_y - 3.0 * third * y, whole_z - 3.0 * third * z
         for corner in range(3):
             add_turned_back(
                 force, facets[facet, corner], third * x, third * y, third * z, images[facet, corner], rotations
             )
+    add_to_rings(catch, share, (whole_x, whole_y, whole_z), force)
 
 
 @njit(cache=True)

@@ -15,7 +15,7 @@ from codend.compiled import njit
 from codend.mechanics.bars import add_bar_tangent, bar_vector
 from codend.mechanics.broyden import PastSteps, no_steps
 from codend.mechanics.catch_front import front_band, load_by_share, share_gradient
-from codend.mechanics.catch_weight import force_by_height, height_gradient
+from codend.mechanics.catch_weight import add_to_rings, force_by_height, height_gradient, rings_gradient
 from codend.mechanics.images import add_turned_back
 from codend.mechanics.loads import Loading, add_tangent
 from codend.mechanics.newton_state import State, measure
@@ -24,6 +24,8 @@ from codend.mechanics.tangent import Pattern
 from codend.net.net import Floats
 
 STIFFEST = 1e8
+MOST_PRODUCTS = 5
+"""By which what moves with the front adds to a tangent: its band's share, its height, three parts of a force."""
 
 
 class Step(NamedTuple):
@@ -32,11 +34,12 @@ class Step(NamedTuple):
     blocks: Floats
     """Tangent, (b, 3, 3)."""
     right: Floats
-    """Right side, and the loads by what moves with the front: its band's share, its height, (1 + 2, n, 3)."""
+    """Right side, and the loads by what moves with the front, (1 + ``MOST_PRODUCTS``, n, 3): its band's share, its
+    height, and the parts of what its rings bear."""
     gradient: Floats
-    """Derivatives of these, (2, n, 3)."""
+    """Derivatives of these, (``MOST_PRODUCTS``, n, 3)."""
     solved: Floats
-    """Solutions for the right sides, (1 + 2, n, 3)."""
+    """Solutions for the right sides, (1 + ``MOST_PRODUCTS``, n, 3)."""
     move: Floats
     """Change of the positions, (n, 3)."""
     simplified: Floats
@@ -53,9 +56,9 @@ def empty_step(structure: Structure, pattern: Pattern) -> Step:
     nodes, bars = len(structure.free), len(structure.first)
     return Step(
         np.zeros((len(pattern.row), 3, 3)),
-        np.zeros((3, nodes, 3)),
-        np.zeros((2, nodes, 3)),
-        np.zeros((3, nodes, 3)),
+        np.zeros((1 + MOST_PRODUCTS, nodes, 3)),
+        np.zeros((MOST_PRODUCTS, nodes, 3)),
+        np.zeros((1 + MOST_PRODUCTS, nodes, 3)),
         np.zeros((nodes, 3)),
         np.zeros((nodes, 3)),
         np.zeros(bars),
@@ -90,7 +93,7 @@ def right_sides(structure: Structure, loading: Loading, tension: float, state: S
     """Write the right sides at a state, and how the bars there harden: all of ``linearise`` but the tangent.
 
     Returns:
-        the number of right sides: one more where the front's share follows the net, one where its height counts.
+        the number of right sides: one more where the front's share follows the net, four where a catch has weight.
     """
     flexibilities, position = structure.flexibility, state.position
     density, gaps, lengths, hardening = state.density, state.gap, state.length, step.hardening
@@ -109,7 +112,12 @@ def right_sides(structure: Structure, loading: Loading, tension: float, state: S
     if catch.weight_density != 0.0:
         height_gradient(catch, share, step.gradient[sides - 1])
         force_by_height(position, structure, catch, share, step.right[sides])
-        sides += 1
+        rings_gradient(position, structure, catch, share, step.gradient[sides : sides + 3])
+        step.right[sides + 1 : sides + 4] = 0.0
+        add_to_rings(catch, share, (1.0, 0.0, 0.0), step.right[sides + 1])
+        add_to_rings(catch, share, (0.0, 1.0, 0.0), step.right[sides + 2])
+        add_to_rings(catch, share, (0.0, 0.0, 1.0), step.right[sides + 3])
+        sides += 4
     return sides
 
 
@@ -153,22 +161,46 @@ def combine(solved: Floats, step: Step, move: Floats) -> float:
     for node in range(len(move)):
         for i in range(3):
             move[node, i] = solved[0, node, i]
-    if len(solved) == 1:
+    count = len(solved) - 1
+    if count == 0:
         return 1.0
-    first = step.gradient[0]
-    a, b, c, d = 1.0 - _along(first, solved[1]), 0.0, 0.0, 1.0
-    by_first, by_second = _along(first, solved[0]), 0.0
-    if len(solved) == 3:
-        second = step.gradient[1]
-        b, c, d = -_along(first, solved[2]), -_along(second, solved[1]), 1.0 - _along(second, solved[2])
-        by_second = _along(second, solved[0])
-    determinant = a * d - b * c
-    by_first, by_second = (d * by_first - b * by_second) / determinant, (a * by_second - c * by_first) / determinant
-    for node in range(len(move)):
-        for i in range(3):
-            move[node, i] += by_first * solved[1, node, i]
-            if len(solved) == 3:
-                move[node, i] += by_second * solved[2, node, i]
+    by, corner = np.empty(count), np.empty((count, count))
+    for row in range(count):
+        by[row] = _along(step.gradient[row], solved[0])
+        for column in range(count):
+            corner[row, column] = (1.0 if row == column else 0.0) - _along(step.gradient[row], solved[1 + column])
+    determinant = _solve_in_place(corner, by)
+    for number in range(count):
+        for node in range(len(move)):
+            for i in range(3):
+                move[node, i] += by[number] * solved[1 + number, node, i]
+    return determinant
+
+
+@njit(cache=True, error_model="numpy")
+def _solve_in_place(matrix: Floats, right: Floats) -> float:
+    """Solve a small system in the place of its right side by elimination; returns the determinant."""
+    count, determinant = len(right), 1.0
+    for step in range(count):
+        pivot = step
+        for row in range(step + 1, count):
+            if abs(matrix[row, step]) > abs(matrix[pivot, step]):
+                pivot = row
+        if pivot != step:
+            for column in range(count):
+                matrix[step, column], matrix[pivot, column] = matrix[pivot, column], matrix[step, column]
+            right[step], right[pivot] = right[pivot], right[step]
+            determinant = -determinant
+        determinant *= matrix[step, step]
+        for row in range(count):
+            if row == step:
+                continue
+            factor = matrix[row, step] / matrix[step, step]
+            for column in range(step, count):
+                matrix[row, column] -= factor * matrix[step, column]
+            right[row] -= factor * right[step]
+    for row in range(count):
+        right[row] /= matrix[row, row]
     return determinant
 
 

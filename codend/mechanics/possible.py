@@ -17,20 +17,39 @@ MOST_INWARD = 0.5
 
 
 @njit(cache=True)
-def inward_share(position: Floats, structure: Structure, catch: Catch, share: Floats, row_x: Floats) -> float:
+def middles(position: Floats, structure: Structure, catch: Catch) -> tuple[Floats, Floats]:
+    """Middles of the rows, (rows + 1, 3), and the direction of the bag, (3,).
+
+    That of a full net, from the middle of its entry to its codline, is where it is towed or hangs; a sector's is x.
+    """
+    middle, axis = np.zeros((len(catch.row_size), 3)), np.array([1.0, 0.0, 0.0])
+    last = 3 if structure.order == 1.0 else 1
+    for node in range(len(catch.node_row)):
+        row = catch.node_row[node]
+        if row >= 0:
+            for i in range(last):
+                middle[row, i] += position[node, i] / catch.row_size[row]
+    long = 0.0
+    for i in range(last):
+        long += (middle[-1, i] - middle[0, i]) ** 2
+    if last == 3 and long > 0.0:
+        for i in range(3):
+            axis[i] = (middle[-1, i] - middle[0, i]) / np.sqrt(long)
+    return middle, axis
+
+
+@njit(cache=True)
+def inward_share(position: Floats, structure: Structure, catch: Catch, share: Floats) -> float:
     """Share of the area of the facets on the catch that face inward, seen from the mean meridian of their band."""
-    rows, count = catch.node_row, len(row_x)
-    middle, radius = np.zeros((count, 2)), np.zeros(count)
-    if structure.order == 1.0:
-        for node in range(len(rows)):
-            if rows[node] >= 0:
-                for i in range(2):
-                    middle[rows[node], i] += position[node, 1 + i] / catch.row_size[rows[node]]
+    middle, axis = middles(position, structure, catch)
+    rows, count = catch.node_row, len(middle)
+    radius, out = np.zeros(count), np.empty(3)
     for node in range(len(rows)):
         row = rows[node]
         if row >= 0:
-            y, z = position[node, 1] - middle[row, 0], position[node, 2] - middle[row, 1]
-            radius[row] += np.sqrt(y * y + z * z) / catch.row_size[row]
+            for i in range(3):
+                out[i] = position[node, i] - middle[row, i]
+            radius[row] += _across(out, axis) / catch.row_size[row]
     inward, whole = 0.0, 0.0
     for facet in range(len(catch.facet_band)):
         band = catch.facet_band[facet]
@@ -38,14 +57,30 @@ def inward_share(position: Floats, structure: Structure, catch: Catch, share: Fl
             continue
         corners = corners_of_facet(position, structure.facets, structure.facet_image, structure.rotations, facet)
         x, y, z = area_vector(corners)
-        out_y = (corners[1] + corners[4] + corners[7]) / 3.0 - 0.5 * (middle[band, 0] + middle[band + 1, 0])
-        out_z = (corners[2] + corners[5] + corners[8]) / 3.0 - 0.5 * (middle[band, 1] + middle[band + 1, 1])
-        along, across = row_x[band + 1] - row_x[band], radius[band + 1] - radius[band]
+        along = 0.0
+        for i in range(3):
+            out[i] = (corners[i] + corners[3 + i] + corners[6 + i]) / 3.0 - 0.5 * (
+                middle[band, i] + middle[band + 1, i]
+            )
+            along += axis[i] * (middle[band + 1, i] - middle[band, i])
+        far, across = _across(out, axis), radius[band + 1] - radius[band]
+        aft = axis[0] * x + axis[1] * y + axis[2] * z
         size = share[band] * structure.facet_weight[facet] * np.sqrt(x * x + y * y + z * z)
         whole += size
-        if along * (out_y * y + out_z * z) < across * np.sqrt(out_y * out_y + out_z * out_z) * x:
+        if along * (out[0] * x + out[1] * y + out[2] * z) < across * far * aft:
             inward += size
     return inward / whole if whole > 0.0 else 0.0
+
+
+@njit(cache=True)
+def _across(out: Floats, axis: Floats) -> float:
+    """Leave of a vector what is across an axis, (3,), and tell its length."""
+    along = out[0] * axis[0] + out[1] * axis[1] + out[2] * axis[2]
+    squares = 0.0
+    for i in range(3):
+        out[i] -= along * axis[i]
+        squares += out[i] ** 2
+    return np.sqrt(squares)
 
 
 @njit(cache=True)
@@ -68,10 +103,13 @@ def impossible(position: Floats, structure: Structure, catch: Catch, share: Floa
         return NO_VOLUME, volume
     place = len(share) - filled
     row = min(int(place), len(share) - 1)
-    front = row_x[-1] - (row_x[row] + (place - row) * (row_x[row + 1] - row_x[row]))
+    middle, axis = middles(position, structure, catch)
+    front = 0.0
+    for i in range(3):
+        front += axis[i] * (middle[-1, i] - middle[row, i] - (place - row) * (middle[row + 1, i] - middle[row, i]))
     if front < -NOTHING * bar:
         return FRONT_BEHIND, front
-    inward = inward_share(position, structure, catch, share, row_x)
+    inward = inward_share(position, structure, catch, share)
     if inward > MOST_INWARD:
         return INSIDE_OUT, inward
     return POSSIBLE, 0.0

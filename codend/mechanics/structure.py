@@ -41,6 +41,12 @@ class Structure(NamedTuple):
     order: float
 
 
+def _exact_where_whole(turns: Floats) -> Floats:
+    """Cosines and sines of halves and quarters without round-off: a net's two halves are alike to the last digit."""
+    whole = np.rint(turns)
+    return np.ascontiguousarray(np.where(np.abs(turns - whole) < 1e-15, whole, turns))
+
+
 def structure_of(net: Net) -> Structure:
     """The net as named arrays; every bar is written from the lower to the higher node number."""
     swap = net.bars[:, 0] > net.bars[:, 1]
@@ -54,7 +60,7 @@ def structure_of(net: Net) -> Structure:
         first=first.astype(np.int32),
         second=second.astype(np.int32),
         image=image.astype(np.int32),
-        rotations=np.ascontiguousarray(np.stack([np.cos(angle), np.sin(angle)], axis=1)),
+        rotations=_exact_where_whole(np.stack([np.cos(angle), np.sin(angle)], axis=1)),
         length=net.bar_length,
         flexibility=net.bar_flexibility,
         drag_diameter=net.bar_drag_diameter,

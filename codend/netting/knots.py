@@ -11,6 +11,7 @@ knots if they lie along the netting.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,11 +73,13 @@ def knots_of(lattice: Lattice) -> Knots:
 
     The knot of a row belongs to the band ahead of it; the entry's own row has knots only where they lie across, and
     the codline gathers those. Where the counts of two sections differ, or square mesh follows, the row is laced at
-    points: its knots cannot lie across.
+    points: its knots cannot lie across. Where a section tapers they do: of the two that are sewn together at a seam one
+    lies there.
     """
     along = np.append(False, lattice.of_bands(lambda section: section.knot_along_m > 0.0))
     lie_across = lattice.of_bands(lambda section: section.knot_across_m > 0.0)
-    plain = (lattice.columns[:-1] == lattice.columns[1:]) & lattice.staggered[1:]
+    tapering = np.array([ahead is aft for ahead, aft in pairwise(lattice.sections)], dtype=bool)
+    plain = ((lattice.columns[:-1] == lattice.columns[1:]) | tapering) & lattice.staggered[1:]
     across = np.concatenate([lie_across[:1], lie_across[:-1] & plain, [False]])
     fore_nodes = along * np.concatenate([[0], lattice.columns])
     nodes = fore_nodes + lattice.knots * (1 + across)

@@ -198,7 +198,7 @@ class Parts:
         """Add a corner between two twines at a knot for every place."""
         nodes = (middle.node, first.node, second.node)
         images = [np.where(c.node == self.codline, 0, c.image) for c in (middle, first, second)]
-        self.corners.append(np.stack([*nodes, *images, band, np.full_like(band, across)], axis=1))
+        self.corners.append(np.stack([*nodes, *images, band, band, np.full_like(band, across)], axis=1))
 
     def joined(self, pieces: Sequence["Piece"] = ()) -> "Layout":
         """All of them, with those of pieces of other netting after them."""
@@ -265,8 +265,8 @@ class Layout:
     mesh_bars: Ints
     mesh_row: Ints
     corners: Counts
-    """Middle, first and second node of all corners between two twines, their images, the band, and whether it lies
-    across, (c, 8)."""
+    """Middle, first and second node of all corners between two twines, their images, the band of either twine (beyond
+    all bands the number of a piece), and whether it lies across, (c, 9)."""
 
 
 def _numbered(tables: Sequence[list[NDArray]]) -> tuple[NDArray, Ints]:

@@ -158,17 +158,19 @@ class Netting(Table):
             if count is not None and count % self.panels:
                 yield Contradiction(key, f"a multiple of {self.panels}, the panels")
                 return
+        if self.meshes_round_aft is None and self.aft_meshes_round < 3 * self.panels:
+            deep, width = self.meshes_long, self.meshes_round // self.panels
+            allowed = f"a cut that leaves 3 meshes or more of a panel of {width}, {deep} deep"
+            yield Contradiction("cut", allowed)
+            return
         taken_up = 2 * self.panels * self.selvedge_meshes
         if self.selvedge_meshes and self.aft_meshes_round - taken_up < 3 * self.panels:
             widest = (min(self.meshes_round, max(self.aft_meshes_round, 0)) // self.panels - 3) // 2
             allowed = f"at most {max(widest, 0)}: 3 meshes of every panel stay open at its narrower end"
             yield Contradiction("selvedge_meshes", allowed)
         if self.meshes_round_aft is None:
-            if self.aft_meshes_round < 3 * self.panels:
-                deep, width = self.meshes_long, self.meshes_round // self.panels
-                allowed = f"a cut that leaves 3 meshes or more of a panel of {width}, {deep} deep"
-                yield Contradiction("cut", allowed)
-        elif given is not None and not abs(given.rate * self.meshes_long - abs(self.edge_loss)) < 0.5:
+            return
+        if given is not None and not abs(given.rate * self.meshes_long - abs(self.edge_loss)) < 0.5:
             fits = cut_that_loses(round(2 * abs(self.edge_loss)), self.meshes_long).text(self._straight)
             lost = f"{abs(self.edge_loss):g} mesh{'' if abs(self.edge_loss) == 1 else 'es'}"
             allowed = f'"{fits}", by which an edge loses {lost} over {self.meshes_long}'
@@ -545,8 +547,8 @@ class Model(Table):
     the estimates would exceed the accuracy asked for."""
     contact: Literal["auto"] | bool = "auto"
     """Whether shapes in which layers of netting meet are followed on with contact between them: ``auto`` and
-    ``true``, some seconds a start, of stiff T90 a minute; ``false`` stops there. Layers of ``[[layer]]`` bear on the
-    netting below in any case."""
+    ``true``, some seconds a start, of stiff T90 a minute; ``false`` stops there. Bags that weight folds over their hoop
+    are found by it too. Layers of ``[[layer]]`` bear on the netting below in any case."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

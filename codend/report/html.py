@@ -181,6 +181,13 @@ def cautions(study: Study) -> list[str]:
             f"No equilibrium was found with the meshes round that the plan has: {same}. In its place stands a sector "
             f"{wide} meshes wide, as of {stands_for} meshes round; the estimates cover what that changes."
         )
+    of_smeared = [result for result in study.cases if result.smeared and study.choice.fidelity != "smeared"]
+    if smeared := _named(of_smeared, study):
+        found.append(
+            f"No equilibrium was found with the ropes where they are: {smeared}. Between them netting hangs so slack "
+            "that it flutters, or is drawn into lobes that pass through each other. In their place ropes are smeared "
+            "over all meshes; the estimates cover what that changed on nets that were found both ways."
+        )
     pressed = [result for result in study.cases if result.followed.contact_share > 0.0]
     if in_contact := _named(pressed, study):
         counts = sorted({result.followed.fold_count for result in pressed})

@@ -75,7 +75,7 @@ def _panel(plan: Plan, panel: Panel, column: int, scale: float, middle: float, t
         (x0, y0), _, (x2, y2), _ = placed(corners)
         words = f"{plan.window[number].meshes_round} x {plan.window[number].meshes_long}"
         if x2 - x0 > LETTER_PX * len(words) and y2 - y0 > LINE_PX:
-            parts.append(_text((x0 + x2) / 2, (y0 + y2) / 2 + 4, words, anchor="middle"))
+            parts.append(_on_netting((x0 + x2) / 2, (y0 + y2) / 2 + 4, words))
     return parts
 
 
@@ -86,10 +86,10 @@ def _counts(plan: Plan, piece: Piece, outline: list[Corner]) -> list[str]:
     (x0, y0), (x1, _), _, (_, y1) = outline
     middle = (x0 + x1) / 2
     if y1 - y0 > 2.2 * LINE_PX:
-        return [_text(middle, y0 + 12, fore, anchor="middle"), _text(middle, y1 - 4, aft, anchor="middle")]
+        return [_on_netting(middle, y0 + 13, fore), _on_netting(middle, y1 - 4, aft)]
     if y1 - y0 > 0.8 * LINE_PX:
         both = fore if fore == aft else f"{fore} to {aft}"
-        return [_text(middle, (y0 + y1) / 2 + 4, both, anchor="middle")]
+        return [_on_netting(middle, (y0 + y1) / 2 + 4, both)]
     return []
 
 
@@ -140,17 +140,25 @@ def _words(plan: Plan, name: str, section: Netting) -> list[str]:
 
 
 def _rope_words(plan: Plan) -> list[str]:
-    stretched = sum(section.stretched_length_m for section in plan.netting)
-    found = [
-        f"{rope.number} {rope.kind} ropes, {100 * rope.shortening:.3g} % short"
-        + (
-            f", {(1 - rope.shortening) * stretched:.4g} m each"
-            if rope.meshes_from_codline is None
-            else ", from {:g} to {:g} meshes from the codline".format(*rope.meshes_from_codline)
-        )
-        for rope in plan.rope
-    ]
+    long = float(sum(section.meshes_long for section in plan.netting))
+    found = []
+    for rope in plan.rope:
+        near, far = rope.meshes_from_codline or (0.0, long)
+        each_m = (1 - rope.shortening) * (_stretched_m(plan, far) - _stretched_m(plan, near))
+        where = "" if rope.meshes_from_codline is None else f", from {near:g} to {far:g} meshes from the codline"
+        many = f"{rope.number} {rope.kind} rope{'s' if rope.number > 1 else ''}"
+        short = f"{100 * abs(rope.shortening):.3g} % {'short' if rope.shortening >= 0.0 else 'long'}"
+        found.append(f"{many}, {short}, {each_m:.4g} m{' each' if rope.number > 1 else ''}{where}")
     return found + [f"strap {s.meshes_from_codline:g} meshes from the codline, {s.around_m:.4g} m" for s in plan.straps]
+
+
+def _stretched_m(plan: Plan, meshes_from_codline: float) -> float:
+    """Stretched length of the netting from the codline to a place, m."""
+    length_m, left = 0.0, meshes_from_codline
+    for part in reversed(plan.netting):
+        own = min(left, part.meshes_long)
+        length_m, left = length_m + part.stretched_length_m * own / part.meshes_long, left - own
+    return length_m
 
 
 def _window_words(plan: Plan) -> list[str]:
@@ -193,8 +201,14 @@ def _limit_words(findings: Sequence[Finding]) -> list[str]:
 
 def _text(x: float, y: float, words: str, anchor: str = "start", bold: bool = False) -> str:
     weight = ' font-weight="bold"' if bold else ""
-    clear = 'paint-order="stroke" stroke="#fff" stroke-width="3"'
-    return f'<text x="{x:.2f}" y="{y:.2f}" text-anchor="{anchor}" {clear}{weight}>{escape(words)}</text>'
+    return f'<text x="{x:.2f}" y="{y:.2f}" text-anchor="{anchor}"{weight}>{escape(words)}</text>'
+
+
+def _on_netting(x: float, y: float, words: str) -> str:
+    """Words in the middle of netting, on a ground that keeps lines off them in every program that shows the drawing."""
+    wide = LETTER_PX * len(words) + 2
+    ground = f'<rect x="{x - wide / 2:.2f}" y="{y - 11:.2f}" width="{wide:.2f}" height="14" fill="#fff"/>'
+    return ground + _text(x, y, words, anchor="middle")
 
 
 def _polygon(corners: Iterable[Corner], how: str) -> str:

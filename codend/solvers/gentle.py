@@ -35,8 +35,9 @@ FIRST_SHIFT, LEAST_SHIFT, MOST_SHIFT = 0.1, 1e-3, 1e4
 LEAST_UNDER_CONTACT = 1e-5
 FALL, RISE = 0.6, 3.0
 """Factors on the shift after a step that was not cut, and where pivots are negative or a step passes through."""
-CALM = 1e-6
-"""Residual at which Newton's method takes over."""
+CALM, CALMER = 1e-6, (1e-7, 1e-9)
+"""Residual at which Newton's method takes over, and where it led nowhere, for layers that touch are seldom smooth to
+it, those at which it does again."""
 HALVINGS = 5
 """Most halvings of a step that would carry netting through netting, or to where it is pushed back."""
 SHORT, BOLDER = 0.7, 2.0
@@ -88,7 +89,7 @@ def follow(
         progress: told the residual of every step.
         steps_allowed: before it is given up.
     """
-    steps = _Steps(problem, start, prepared)
+    steps, calm = _Steps(problem, start, prepared), [CALM, *CALMER]
     for number in range(1, steps_allowed + 1):
         steps.turn()
         size = steps.take()
@@ -98,7 +99,7 @@ def follow(
             progress(METHOD, steps.residual)
         if not np.isfinite(steps.residual):
             break
-        if steps.residual <= CALM and size >= 0.5:
+        if steps.residual <= calm[0] and size >= 0.5:
             reached = _as_is(problem, start, steps.here)
             polished = newton.solve(problem, tolerance, reached, DIRECT, progress, prepared)
             if polished.report.outcome is Outcome.PASSED_THROUGH:
@@ -106,7 +107,10 @@ def follow(
             near = np.abs(polished.positions - reached.positions).max() <= LONGEST * steps.bar
             if polished.report.outcome.converged and near:
                 return Motion(End.SETTLED, polished, number)
-            break
+            if len(calm) == 1 or problem.surface is None:
+                break
+            # Newton's method works in the same room
+            steps, calm = _Steps(problem, reached, prepared), calm[1:]
     return Motion(End.STEPS_SPENT, _as_is(problem, start, steps.here), number)
 
 

@@ -6,8 +6,8 @@ from codend.mechanics.newton_state import State, empty_state
 from codend.mechanics.newton_step import Step, empty_step
 from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import Pattern, pattern_of
-from codend.net.net import Ints
 from codend.solvers.linear_systems import BandedSystem, LinearSystem, linear_system
+from codend.solvers.mirror import Mirror
 from codend.solvers.mirrored_system import MirroredSystem
 
 
@@ -21,11 +21,11 @@ class Prepared:
     step: Step
 
 
-def prepare(structure: Structure, bands: int, like: Prepared | None = None, mirror: Ints | None = None) -> Prepared:
+def prepare(structure: Structure, bands: int, like: Prepared | None = None, mirror: Mirror | None = None) -> Prepared:
     """Number the unknowns of a structure, once for all its equilibria with a catch that fills so many bands.
 
     ``like`` is what was prepared of a net of the same joints: its numbering is taken, and nothing that is written to.
-    ``mirror`` are the nodes' images in the plane y = 0, where net and loads are mirrored in it and stay so, (n,).
+    With a ``mirror``, in which net and loads are their own images and stay so, half of the unknowns are factorised.
     """
     pattern = pattern_of(structure) if like is None else like.pattern
     system: LinearSystem

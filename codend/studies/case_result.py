@@ -36,6 +36,11 @@ class CaseResult:
     """The sector of nearly the ratio of the counts that it is the equilibrium of, where that chosen has none."""
 
     @property
+    def smeared(self) -> bool:
+        """Whether its ropes are spread over all meshes: asked for so, or as none was found with them as they are."""
+        return self.bag.smeared
+
+    @property
     def net(self) -> Net:
         """The net as it was modelled."""
         return self.problem.net

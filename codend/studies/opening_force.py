@@ -28,7 +28,7 @@ from codend.plan.kinds import kinds_in_words
 from codend.plan.plan import Case, Plan
 from codend.solvers import interior_point, newton
 from codend.solvers.interior_point import InteriorPointSettings
-from codend.solvers.mirrored_system import made_mirrored, mirrored_nodes
+from codend.solvers.mirror import Mirror, mirror_of
 from codend.solvers.outcome import Progress, Solution
 
 FEWEST_SECTORS = 10
@@ -211,8 +211,8 @@ def _pulled(plan: Plan, sectors: int, row: int, start: Solution, pull: Pull, pro
     hooks = len(right) + len(left)
     if mirror is not None:
         knots = np.concatenate([right, left])
-        of_anchors = len(net.positions) + np.argmax(mirror[knots][:, None] == knots, axis=1)
-        mirror = np.append(mirror, of_anchors).astype(np.int32)
+        of_anchors = len(net.positions) + np.argmax(mirror.node[knots][:, None] == knots, axis=1)
+        mirror = mirror.beside(of_anchors)
     solution = replace(
         start,
         positions=_with_hooks(bag, right, left, abeam, HOOK * side, 0.0).net.positions,
@@ -283,21 +283,21 @@ def _middle_mesh(bag: Bag, row: int) -> int:
     return int(inside[len(inside) // 2])
 
 
-def _mirrored(bag: Bag, mesh: int, problem: Problem) -> tuple[Bag, Ints | None]:
-    """A full net turned about its axis until the plane y = 0 halves a mesh, and its nodes' images in that plane.
+def _mirrored(bag: Bag, mesh: int, problem: Problem) -> tuple[Bag, Mirror | None]:
+    """A full net turned about its axis until the plane y = 0 halves a mesh, and that plane as its mirror.
 
-    None, and the net as it was, where it has no such plane, or is no full net, or its weight tells up from down.
+    None, and the net as it was, where it has no such plane, or is no full net, or its weight tells it from others.
     """
-    net, weight = bag.net, problem.loading.dead.any() or problem.loading.catch.weight_density != 0.0
-    if net.order != 1 or weight:
+    net = bag.net
+    if net.order != 1:
         return bag, None
     middle = net.positions[bag.mesh_sides[mesh].ravel()].mean(axis=0)
     quarter_less = 0.25 - np.arctan2(middle[2], middle[1]) / (2.0 * np.pi)
     turned = replace(net, positions=rotate(net.positions, quarter_less, 1.0))
-    image = mirrored_nodes(turned)
-    if image is None:
+    mirror = mirror_of(replace(problem, net=turned), (np.pi / 2,))
+    if mirror is None:
         return bag, None
-    return replace(bag, net=replace(turned, positions=made_mirrored(turned.positions, image))), image
+    return replace(bag, net=replace(turned, positions=mirror.mirrored(turned.positions))), mirror
 
 
 def _with_hooks(bag: Bag, right: Ints, left: Ints, abeam: Floats, length: float, pulled: float) -> Bag:

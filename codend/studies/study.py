@@ -18,7 +18,8 @@ from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.accuracy import Errors
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
-from codend.equilibrium.following import LYING_ON_ITSELF, NOT_FOLLOWED, follow
+from codend.equilibrium.folds import in_contact_share
+from codend.equilibrium.following import LYING_ON_ITSELF, NOT_FOLLOWED, as_it_lies, follow
 from codend.equilibrium.other_shapes import apart_from_other_shapes
 from codend.equilibrium.room import check_room, explained
 from codend.equilibrium.stability import Stability, stability_of
@@ -180,10 +181,12 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     turned = any(part.knot_across_m > 0.0 for part in plan.netting)
     may_touch = stability.stable != "yes" or turned or result.net.order == 1
     touching = may_touch and layers_touch(problem, solution.positions)
-    changed = changed_by_wrinkles(result.bag, case, solution, stability, result.measures, touching)
+    pressed = in_contact_share(problem, solution) > 0.0
+    changed = changed_by_wrinkles(result.bag, case, solution, stability, result.measures, touching or pressed)
     changed = changed + apart_from_other_shapes(model, case, tangent, stability, result.measures)
     errors = accuracy.estimate(model, case, tangent, result.measures, unseen_weight_n, changed)
     followed = replace(NOT_FOLLOWED, folds=True, reason=LYING_ON_ITSELF) if touching else NOT_FOLLOWED
+    followed = as_it_lies(result.bag, problem, solution) if pressed else followed
     result = replace(result, errors=errors, stability=stability, followed=followed)
     if stability.stable != "no" or plan.model.wrinkles is False or plan.model.bars_per_side > 1 or plan.ropes:
         return result

@@ -63,7 +63,7 @@ def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, objec
         "speed_m_s": result.case.speed_m_s,
         **measures,
         **vars(result.errors),
-        "fidelity": fidelity if result.followed.shape is None else _fidelity_of(result.bag),
+        "fidelity": fidelity if result.followed.shape is None and not result.smeared else _fidelity_of(result.bag),
         "method": result.report.method,
         "iterations": result.report.iterations,
         "residual": result.report.residual,
@@ -118,6 +118,8 @@ def layer_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
 
 
 def _fidelity_of(bag: Bag) -> str:
+    if bag.smeared:
+        return "smeared"
     return "globalised" if bag.globalisation > 1 else "full" if bag.net.order == 1 else "sector"
 
 

@@ -1,20 +1,27 @@
 """Lastridge ropes: bars along the netting that shorten it, without any compression."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
+from codend.equilibrium import standing_in
 from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.fidelity import Reason, choose
 from codend.equilibrium.start_shapes import set_round
+from codend.equilibrium.starts import Start
 from codend.errors import InputError
 from codend.plan.plan import Plan, plan_from_dict
+from codend.report.html import cautions
 from codend.solvers import newton
+from codend.solvers.outcome import Outcome
 from codend.studies.case_result import CaseResult
 from codend.studies.study import solve
 from validation.reference import nodal_loads, residual
+from validation.ropes_judged import found, judged
 from validation.ropes_short import measured, plan_with
 from validation.smeared_ropes import compare, random_plan
 
@@ -43,10 +50,12 @@ def case_of(plan: Plan) -> CaseResult:
     return result
 
 
+@pytest.mark.parametrize("fidelity", ["auto", "smeared"])
 @pytest.mark.parametrize("number", [2, 3, 8])
 @pytest.mark.parametrize("rope", [{"shortening": -0.02}, {"shortening": 0.1, "axial_stiffness_n": 1e-6}])
-def test_a_rope_longer_than_the_netting_or_without_stiffness_changes_nothing(number, rope):
-    none, with_rope = (case_of(roped(r)).measures for r in (None, {"number": number, **rope}))
+def test_a_rope_longer_than_the_netting_or_without_stiffness_changes_nothing(number, rope, fidelity):
+    tables = (None, {}), ({"number": number, **rope}, {"fidelity": fidelity})
+    none, with_rope = (case_of(roped(r, model=model)).measures for r, model in tables)
     for name in ("drag_n", "length_m", "opening_ahead_deg", "max_radius_m"):
         assert getattr(with_rope, name) == pytest.approx(getattr(none, name), rel=1e-6)
     assert with_rope.max_rope_tension_n < 1e-5
@@ -181,3 +190,28 @@ def test_ropes_of_a_codend_of_fifty_meshes_open_it_ahead_and_raise_its_drag(numb
     assert least < short.opening_ahead_deg - tube.opening_ahead_deg < most
     assert short.drag_n > 1.1 * tube.drag_n
     assert short.entry_reaction_n == pytest.approx(short.drag_n, rel=1e-6)
+
+
+def test_smeared_ropes_stand_in_where_none_are_found_as_they_are(monkeypatch):
+    def fails(situation):
+        found = situation.sector_all_round
+        return replace(found, report=replace(found.report, outcome=Outcome.NOT_IMPROVING))
+
+    monkeypatch.setattr(standing_in, "BETWEEN_ROPES", (Start("nowhere", lambda s: True, fails),))
+    monkeypatch.setattr(standing_in, "MOST_RELAXED", 0)
+    plan = random_plan(np.random.default_rng(3))
+    study = solve(plan)
+    smeared = solve(plan.model_copy(update={"model": plan.model.model_copy(update={"fidelity": "smeared"})}))
+    assert study.choice.fidelity == "sector"
+    assert study.table["fidelity"].tolist() == ["smeared"]
+    columns = ["drag_n", "drag_error_n", "opening_ahead_deg", "opening_ahead_error_deg"]
+    assert study.table[columns].iloc[0].tolist() == pytest.approx(smeared.table[columns].iloc[0].tolist(), rel=1e-6)
+    assert any("smeared over all meshes" in sentence for sentence in cautions(study))
+
+
+def test_a_plain_model_written_apart_is_in_balance_where_the_net_between_ropes_is():
+    measures, places = found(4, 0.2, 16.0, True)
+    plain = judged(4, 0.2, 16.0, True, places)
+    assert plain.off_balance < 1e-8
+    assert plain.drag_n == pytest.approx(measures.drag_n, rel=1e-8)
+    assert plain.opening_ahead_deg[0] == pytest.approx(measures.opening_ahead_deg, abs=1e-6)

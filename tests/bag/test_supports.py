@@ -10,8 +10,9 @@ from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
 from codend.bag.supports import held_by_the_entry
+from codend.equilibrium import fidelity
 from codend.mechanics.problem import Problem
-from codend.plan.plan import Plan, load_plan
+from codend.plan.plan import Plan, load_plan, plan_from_dict
 from codend.solvers import interior_point
 from codend.solvers.outcome import Solution
 from codend.solvers.reactions import loads_and_supports
@@ -79,3 +80,59 @@ def test_a_bag_with_weight_sags_to_its_codline():
     assert result.measures.opening_ahead_deg == pytest.approx(31.15, abs=5e-3)
     assert result.positions[-1] == pytest.approx([result.measures.length_m, 0.0, -0.45], abs=2e-3)
     assert study.table["sideways_imbalance"].item() <= 1e-6
+
+
+NETTING = {"mesh": "diamond", "meshes_round": 12, "meshes_long": 12, "bar_mm": 40.0, "twine_mm": 2.0, **HEAVY}
+ROPE = {"number": 2, "shortening": 0.05, "diameter_mm": 8.0, "density_kg_m3": 2000.0}
+STRAP = {"meshes_from_codline": 4.0, "length_m": 0.5, "diameter_mm": 8.0, "density_kg_m3": 2000.0}
+WINDOW = {**NETTING, "meshes_round": 4, "meshes_long": 3, "netting": "1", "panel": "upper"}
+WINDOW |= {"meshes_from_codline": [5, 8], "meshes_across": 4}
+OF_EVERY_KIND = {
+    "ropes and a strap": {"rope": [ROPE], "strap": [STRAP]},
+    "a heavy catch and ropes": {"rope": [ROPE], "catch": {"filled_meshes": 4.0, "density_kg_m3": 1200.0}},
+    "a heavy catch given by its mass": {"catch": {"mass_kg": 8.0, "density_kg_m3": 1200.0}},
+    "a window and a heavy catch": {"window": [WINDOW], "catch": {"filled_meshes": 4.0, "density_kg_m3": 1100.0}},
+    "panels": {"netting": [{**NETTING, "panels": 2, "selvedge_meshes": 1}]},
+    "netting that tapers": {"netting": [{**NETTING, "meshes_round_aft": 8}]},
+    "knots that stretch": {
+        "netting": [{**NETTING, "knot_mm": 6.0, "axial_stiffness_n": 500.0, "knot_axial_stiffness_n": 500.0}]
+    },
+    "merged meshes": {"model": {"fidelity": "globalised", "globalisation": 2}},
+    "a sector": {"model": {"fidelity": "sector"}},
+    "a sector between ropes": {"rope": [ROPE], "model": {"fidelity": "sector"}},
+    "ropes smeared": {"rope": [ROPE], "model": {"fidelity": "smeared"}},
+}
+
+
+def tables(**changed: object) -> dict:
+    data = {
+        "title": "held",
+        "tow": {"speed_m_s": 0.6, "water_density_kg_m3": 1000.0},
+        "entry": {"radius_m": 0.08},
+        "netting": [NETTING],
+        "catch": {"filled_meshes": 4.0},
+    }
+    return {**data, **changed, "model": {"tolerance": 1e-9, "wrinkles": False, **changed.get("model", {})}}  # type: ignore[dict-item]
+
+
+@pytest.mark.parametrize("kind", OF_EVERY_KIND)
+def test_of_models_of_every_kind_no_free_node_carries_anything_and_the_entry_all(kind):
+    result = solve(plan_from_dict(tables(**OF_EVERY_KIND[kind]))).cases[0]
+    assert result.converged
+    load, support = loads_and_supports(result.problem, result.solution)
+    entry, size = held_by_the_entry(result.bag), np.abs(load).sum()
+    if result.net.order > 1:
+        support[len(support) - 1 - result.bag.anchors, 1:] = 0.0  # the images of a sector take that off
+    assert np.abs(support[~entry]).max() <= 1e-8 * size
+    assert result.measures.sideways_imbalance <= 1e-7
+
+
+def test_straps_and_ropes_weigh_what_they_are_long_and_thick():
+    plan = plan_from_dict(tables(netting=[{**NETTING, "twine_density_kg_m3": None}], rope=[ROPE], strap=[STRAP]))
+    long_m = 0.5 + 2 * 0.95 * 24 * 0.04
+    expected = 9.80665 * 1000.0 * np.pi / 4.0 * 0.008**2 * long_m
+    choice = fidelity.choose(plan)
+    problem = problem_of(build_bag(plan), plan, plan.cases()[0])
+    assert -problem.loading.dead.sum() == pytest.approx(expected, rel=1e-9)
+    assert choice.weight_n == pytest.approx(expected, rel=1e-9)
+    assert choice.fidelity == "full"

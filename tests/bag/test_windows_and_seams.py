@@ -58,6 +58,10 @@ TAPERED = {
     "a tube": [{"meshes_round_aft": 18}],
     "two panels": [{"panels": 2, "meshes_round_aft": 16}],
     "two panels, with knots": [{"panels": 2, "meshes_round_aft": 20, "knot_mm": 5.0}],
+    "turned, with knots": [{"panels": 2, "mesh": "t90", "meshes_round_aft": 20, "knot_mm": 5.0}],
+    "turned and stiff": [
+        {"panels": 2, "mesh": "t90", "meshes_round_aft": 20, "knot_mm": 5.0, "bending_stiffness_n_m2": 1e-4}
+    ],
     "four panels": [{"panels": 4, "meshes_round": 32, "meshes_round_aft": 24}],
     "wider": [{"panels": 2, "meshes_round": 20, "meshes_round_aft": 24}],
 }
@@ -71,6 +75,12 @@ def test_a_sector_of_netting_that_tapers_is_the_full_net_and_not_turned(sections
     assert numbers(sector) == pytest.approx(numbers(full), rel=1e-8)
     assert full.measures.entry_reaction_n == pytest.approx(full.measures.drag_n, rel=1e-8)
     assert abs(full.measures.turn_deg) < 1e-6
+
+
+def test_knots_of_turned_netting_that_tapers_shrink_to_those_without_a_length():
+    tapered = {"panels": 2, "mesh": "t90", "meshes_round_aft": 20, "axial_stiffness_n": 1e4}
+    short, none = (solved(tapered | {"knot_mm": knot_mm}) for knot_mm in (0.05, 0.0))
+    assert numbers(short) == pytest.approx(numbers(none), rel=5e-3)
 
 
 @pytest.mark.parametrize("panels", [2, 4])
@@ -111,6 +121,30 @@ def test_a_window_of_the_same_netting_changes_nothing(kind):
     across = {"meshes_round": 12, "meshes_across": 12} if kind.get("mesh") == "square" else {}
     window = {key: value for key, value in kind.items() if key != "meshes_round"} | across
     assert numbers(solved(kind, windows=[window])) == pytest.approx(numbers(solved(kind)), rel=1e-9)
+
+
+STIFF = {"bending_stiffness_n_m2": 2e-4, "rest_opening_deg": 30.0, "axial_stiffness_n": 1e4}
+
+
+@pytest.mark.parametrize(
+    "kind", [*KINDS[:3], {"mesh": "t90"}], ids=["plain", "knots", "turned", "turned without knots"]
+)
+def test_a_window_of_the_same_stiff_netting_changes_nothing(kind):
+    whole = build_bag(plan(kind | STIFF)).net
+    stiff = solved(kind | STIFF, windows=[kind | STIFF])
+    assert len(stiff.net.corners) == len(whole.corners)
+    assert numbers(stiff) == pytest.approx(numbers(solved(kind | STIFF)), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["square", "turned", "larger", "smaller"])
+def test_stiff_netting_about_a_window_is_in_balance_and_tends_to_limp_netting(name):
+    limp, hardly, stiff = (
+        solved({"axial_stiffness_n": 1e4} | bending, windows=[OTHER[name]])
+        for bending in ({}, {"bending_stiffness_n_m2": 1e-9}, STIFF)
+    )
+    assert numbers(hardly) == pytest.approx(numbers(limp), rel=1e-3)
+    assert stiff.measures.entry_reaction_n == pytest.approx(stiff.measures.drag_n, rel=1e-8)
+    assert abs(stiff.measures.opening_ahead_deg - limp.measures.opening_ahead_deg) > 0.05
 
 
 @pytest.mark.parametrize("window", OTHER.values(), ids=OTHER.keys())
@@ -244,9 +278,8 @@ def test_a_sector_has_no_place_for_a_window(asked):
     ("sections", "windows", "key"),
     [
         ([{"meshes_long": 4, "meshes_round_aft": 8}], [], "netting.0.meshes_round_aft"),
-        ([{"mesh": "t90", "knot_mm": 5.0, "cut": "5T2B"}], [], "netting.0.cut"),
         ([{"meshes_round_aft": 20}], [{}], "window.0.netting"),
-        ([{"bending_stiffness_n_m2": 1e-4}], [{}], "netting.bending_stiffness_n_m2"),
+        ([{}], [{"mesh": "square", "bending_stiffness_n_m2": 1e-4}], "window.0.bending_stiffness_n_m2"),
     ],
 )
 def test_what_is_not_modelled_is_refused(sections, windows, key):

@@ -138,7 +138,7 @@ def check_pressure(problem: Problem) -> None:
 
 
 def check_catch_weight(problem: Problem) -> None:
-    """With the front where it is; how it follows the net adds a product."""
+    """With the front where it is; its height and the parts of what its rings bear add a product each."""
     structure, catch, share = problem.structure, problem.loading.catch, shares(problem)
     position = problem.net.positions
     pattern = pattern_of(structure)
@@ -150,6 +150,11 @@ def check_catch_weight(problem: Problem) -> None:
     catch_weight.force_by_height(position, structure, catch, share, by_height)
     catch_weight.height_gradient(catch, share, gradient)
     found = dense(pattern, blocks, len(position)) - np.outer(by_height.ravel(), gradient.ravel())
+    gradients, borne = np.zeros((3, *position.shape)), np.zeros((3, *position.shape))
+    catch_weight.rings_gradient(position, structure, catch, share, gradients)
+    for i, way in enumerate(np.eye(3)):
+        catch_weight.add_to_rings(catch, share, tuple(way), borne[i])
+        found -= np.outer(borne[i].ravel(), gradients[i].ravel())
     assert_same(found, -derivative(lambda at: complex_loads.catch_weight(problem, at, share), position))
 
 
@@ -242,7 +247,7 @@ def test_the_share_of_the_fronts_band_follows_the_net_by_its_gradient(mesh, sect
         pytest.param(catch | weight, sectors, sides, id=f"{name} {sectors or 'full'}{' heavy' if weight else ''}")
         for name, catch, moving in (("meshes", MESHES_FILLED, 0), ("plane", PLANE, 1), ("volume", VOLUME, 1))
         for sectors, weight in [*((sectors, {}) for sectors in COLUMNS), (1, HEAVY), (None, HEAVY)]
-        for sides in [1 + moving + int(bool(weight) and sectors is None)]
+        for sides in [1 + moving + 4 * int(bool(weight) and sectors is None)]
     ],
 )
 def test_newtons_linearisation_is_the_derivative_of_all_that_is_out_of_balance(mesh, sectors, catch, sides):

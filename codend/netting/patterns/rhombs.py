@@ -44,19 +44,19 @@ def _add_corners(parts: Parts, knots: Knots, bands: Counts) -> None:
     right, left = _half_mesh_away(knots, band + 1, here)
     twines = knots.aft(LEFT, band, right), knots.aft(RIGHT, band, left)
     parts.add_corners(knots.fore(LEFT, band + 1, here), *twines, band, False)
-    row, here = lattice.rings(np.flatnonzero(knots.across[1:]) + 1)
-    right, left = _half_mesh_away(knots, row, here)
-    twines = knots.aft(LEFT, row - 1, right), knots.fore(LEFT, row + 1, right)
-    parts.add_corners(knots.aft(RIGHT, row, here), *twines, row, True)
-    twines = knots.aft(RIGHT, row - 1, left), knots.fore(RIGHT, row + 1, left)
-    parts.add_corners(knots.aft(LEFT, row, here), *twines, row, True)
+    row, knot = lattice.rings(np.flatnonzero(knots.across[1:]) + 1)
+    ring, shift = lattice.knots[row], lattice.shift[row]
+    last_ahead, last_behind = _last_that_share(knots, row, knot)
+    twines = knots.aft(LEFT, row - 1, last_ahead + shift), knots.fore(LEFT, row + 1, last_behind + shift)
+    parts.add_corners(knots.ring(RIGHT, row, knot, ring), *twines, row, True)
+    first_ahead, first_behind = (last + 1 for last in _last_that_share(knots, row, knot - 1))
+    twines = knots.aft(RIGHT, row - 1, first_ahead + shift - 1), knots.fore(RIGHT, row + 1, first_behind + shift - 1)
+    parts.add_corners(knots.ring(LEFT, row, knot, ring), *twines, row, True)
 
 
-def _add_meshes(parts: Parts, knots: Knots, rows: Counts) -> None:
-    """Meshes whose widest part lies in a row between two such bands; those closed by the lacing have none."""
+def _last_that_share(knots: Knots, row: Counts, knot: Counts) -> tuple[Counts, Counts]:
+    """Of the columns of the bands ahead and behind whose knots are laced to one of a row's ring, the last ones."""
     lattice = knots.lattice
-    row, knot = lattice.rings(rows)
-    # of the knots of either band that share one, the last one leads to the next knot of the ring
     upward, around = lattice.upward[row], lattice.knots[row]
     ahead, behind = (
         np.where(
@@ -64,6 +64,15 @@ def _add_meshes(parts: Parts, knots: Knots, rows: Counts) -> None:
         )
         for i in (1, 0)
     )
+    return ahead, behind
+
+
+def _add_meshes(parts: Parts, knots: Knots, rows: Counts) -> None:
+    """Meshes whose widest part lies in a row between two such bands; those closed by the lacing have none."""
+    lattice = knots.lattice
+    row, knot = lattice.rings(rows)
+    # the last of those that share a knot leads to the next knot of the ring
+    ahead, behind = _last_that_share(knots, row, knot)
     fore_middle, aft_middle = ahead + lattice.shift[row], behind + lattice.shift[row]
     parts.add_meshes(
         [
