@@ -162,9 +162,16 @@ CRUDE = Start(
     lambda s: s.through_the_interior(s.problem),
 )
 """Led to 3181 of 3547 nets that nothing known led to."""
+STIFF = Start(
+    "the meridian method's shape",
+    lambda s: _has_meridian(s) and len(s.model.bag.net.corners) > 0,
+    _from_the_meridian,
+)
+"""Stiff twine may have more than one symmetric shape: brought up from limp twine it takes that which is steadier, where
+a crude bag led to one of twice as many growing directions."""
 MERIDIAN = Start(
     "the meridian method's shape",
-    lambda s: s.by_meshes and s.plan.model.bars_per_side == 1 and not s.plan.layer and not s.model.bag.windows,
+    lambda s: _has_meridian(s) and len(s.model.bag.net.corners) == 0,
     _from_the_meridian,
 )
 """Led to 45 of 51 nets of one section that a crude bag had not led to, most of them of stiff twine with small catches.
@@ -217,7 +224,7 @@ RIGID_SLACK = Start(
 )
 """Led to bags of square mesh, whose rings go slack, where bars that push had not."""
 
-_BY_NEWTON = (LED, A_SECTOR, THROUGH, ROWS, CRUDE, MERIDIAN, STEPS, HUNG, CRUDE_RELAXED, HALF_A_BAG)
+_BY_NEWTON = (LED, A_SECTOR, THROUGH, ROWS, STIFF, CRUDE, MERIDIAN, STEPS, HUNG, CRUDE_RELAXED, HALF_A_BAG)
 _BY_RELAXATION = (A_SECTOR_RELAXED, RELAXED_TO_THE_END)
 
 STARTS: Final[dict[str, tuple[Start, ...]]] = {
@@ -227,12 +234,16 @@ STARTS: Final[dict[str, tuple[Start, ...]]] = {
     "rigid-bars": (RIGID, RIGID_SLACK),
 }
 """For each ``model.method`` the starts in the order tried."""
-BRIEFLY: Final = (LED, ROWS, CRUDE, MERIDIAN, STEPS)
+BRIEFLY: Final = (LED, ROWS, STIFF, CRUDE, MERIDIAN, STEPS)
 """Those that take a wide joined net no minutes, where another model can stand in its place."""
 
 
 BETWEEN_ROPES: Final = (LED, A_SECTOR, THROUGH, CRUDE)
 """Those that have led to large nets between real ropes, where smeared ones can stand in their place."""
+
+
+def _has_meridian(s: Situation) -> bool:
+    return s.by_meshes and s.plan.model.bars_per_side == 1 and not s.plan.layer and not s.model.bag.windows
 
 
 def _later(solution: Solution, ms: float) -> Solution:

@@ -3,7 +3,6 @@
 With gap = 1/l0 - 1/l, a bar is taut where q + w (gap - q / EA) > 0, for any w > 0 (in newtons); then gap = q / EA must
 hold, else q = 0: together that is the law of twine that carries no compression (a semismooth complementarity problem).
 With a barrier b > 0 (in N/m2) all bars stay taut and the law is (q / EA - gap) q = b, which tends to it as b does to 0.
-What is in the brackets, a bar's slackness, is an unknown beside q on the way to it (``slack``).
 For struts, which carry compression, gap = q / EA holds whatever the sign of q, and no barrier.
 """
 
@@ -36,7 +35,8 @@ class State(NamedTuple):
     """1/l0 - 1/l - q / EA of the bars that count as taut, 0 for the others, 1/m, (m,); with a barrier b plus b / q."""
     length: Floats
     slack: Floats
-    """With a barrier: what a bar is taken to be short of its length, above 0, 1/m, (m,); not written by ``measure``."""
+    """In the interior: what a bar is taken to be short of its length (``interior_kernels``), m2, (m,); not written by
+    ``measure``."""
     share: Floats
     force: Floats
     """Out-of-balance force of the nodes, N, (n, 3)."""

@@ -1,10 +1,13 @@
 """Newton's method with a barrier that keeps all twine taut, made lower and lower: for nets whose bars go slack by many.
 
-Which bars end slack is not tried out but emerges: with the barrier b every bar obeys (q / EA - gap) q = b (see
-``newton_state``), so that its force density q and what it is short of its length stay above 0 and their product falls
-to nothing (a primal-dual interior-point method: Nocedal and Wright, Numerical Optimization, 2006, sections 16.6 and
-19.3). It needs ten to thirty factorisations where Newton's method alone, near its equilibrium, needs one or two, and
-leaves the last digits to it; but it needs no start nearby.
+Which bars end slack is not tried out but emerges: every bar has a force density q and a slackness s, unknowns both,
+that stay above 0 and whose product, the barrier, falls to nothing (``interior_kernels``; a primal-dual interior-point
+method: Nocedal and Wright, Numerical Optimization, 2006, sections 16.6 and 19.3). Shape, pull and slackness go the
+same share of a step. The barrier is lowered when forces are as near to balance as it allows, by more the nearer the end
+is, and raised to where the bars are when they hit slackness one after the other. One form serves limp and stiff twine,
+ropes, layers, weight and sheets at rest (``python -m validation.interior_steps`` counts the steps): ten to thirty
+factorisations, up to a hundred for T90 of stiff twine with a small catch, where Newton's method alone needs one or two
+near its equilibrium, and the last digits are left to it; but it needs no start nearby.
 """
 
 from dataclasses import dataclass, replace
@@ -14,6 +17,7 @@ import numpy as np
 from codend.mechanics import newton_step
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
+from codend.net.net import Floats
 from codend.solvers import interior_kernels as kernels
 from codend.solvers import newton
 from codend.solvers.clock import Clock
@@ -22,17 +26,17 @@ from codend.solvers.newton import DIRECT, LARGEST_SHIFT, Prepared
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 
 METHOD = "interior point"
-LOWERED, LOWERED_WARILY = 0.1, 0.3
-"""Factor on the barrier after a step that was nearly whole, and after one that was more than half of it."""
+LOWERED, LOWERED_WARILY = 0.1, 0.5
+"""Factor on the barrier after a step that was nearly whole, at most, and after one that was more than half of it."""
 NEAREST = 0.9
-"""Share of the way that a step may go to where the first slackness or force density is nothing."""
-MOST_PULL = 3.0
-"""Share of the change of tensions, over that of the shape, that a step may go: alone they run away."""
+"""Share of the way that a step may go to where the first slackness or force density is nothing; nearer in the end."""
+BLOCKED = 0.3
+"""Share of a step under which the barrier is raised to where the bars are."""
 NEAR = 10.0
-"""Largest force left over, in units of the reference tension and the barrier, at which the barrier is lowered: that of
-netting all but slack is itself of the barrier's size, and lowered earlier it is lost."""
+"""Largest force left over, in units of the tension and the barrier, at which the barrier is lowered: that of netting
+all but slack is itself of the barrier's size, and lowered earlier it is lost."""
 LEAST_SLACKNESS = 1e-3
-"""What bars are given to start with, over the mean length."""
+"""What bars are given to start with, over the square of their length."""
 LARGEST_TURN = 0.5
 """Largest change of a bar's vector in one step, over its length."""
 LEAST_TENSION = 0.01
@@ -42,16 +46,18 @@ FARTHEST_TURN = 5.0
 in a direction that leads nowhere, and the tangent is shifted."""
 FINEST = 1e-10
 """Residual to which the last barrier is followed: from there Newton's method goes on though bars be nearly slack."""
-FIRST_SHIFT, LEAST_SHIFT = 1e-2, 1e-3
-"""In units of what the pull of the bars at a node resists, see ``kernels.shift_by_pull``."""
+LEAST_SHIFT = 1e-3
+"""In units of what the pull and the bending of the bars at a node resist, see ``kernels.shift_by_resistance``."""
+BOLD, EASY = 0.3, 0.5
+"""Share of a step that its turn leaves under which the shift rises, and over which it falls."""
 STALLED = 80
 """Steps in a row that do not lower the barrier, after which none will."""
+KEPT_TAUT = 1.0
+"""Any barrier to ``measure``: that it cuts no density. What it says of the lengths is overwritten."""
 FINISH = replace(DIRECT, switches=(1.0, 0.1, 0.01))
 """Newton's method at the end: the first of these weights parts taut and slack bars as the barrier did."""
 LAST_DIGITS = replace(FINISH, switches=(1.0,), iterations_allowed=3, least_iterations=1)
-"""The same for what the barrier has left of the lengths of bars, though forces balance."""
-FINE = 1e-10
-"""Relative error of lengths that is not worth a step."""
+"""The same for what the barrier has left of forces and lengths."""
 
 
 @dataclass(frozen=True)
@@ -59,11 +65,11 @@ class InteriorPointSettings:
     """What may be tuned; the default holds for all plans the project knows."""
 
     steps_allowed: int = 300
-    first_barrier: float = 1e-2
-    """In units of the reference tension over the square of the mean length of bars. From a start that the loads have
-    since left by much, a higher one takes fewer steps: lowered too early, bars hit slackness one after the other."""
+    first_barrier: float = 0.05
+    """Slackness times force density of a bar, in units of its rest length and the tension: the mean, or the largest
+    load if that is more."""
     last_barrier: float = 1e-12
-    """Likewise; a higher one leaves more to Newton's method."""
+    """Likewise, in units of the mean tension; a higher one leaves more to Newton's method."""
 
 
 def solve(
@@ -90,7 +96,9 @@ def solve(
         raise ValueError("this method knows no contact: use find_equilibrium")
     prepared = newton.prepare(problem.structure, problem.bands) if prepared is None else prepared
     with Clock() as clock:
-        state, outcome, steps = _lower_the_barrier(problem, tolerance, start, settings, progress, prepared)
+        state, outcome, steps, length_error = _lower_the_barrier(
+            problem, tolerance, start, settings, progress, prepared
+        )
         spent_ms = clock.ms
     attempt = f"{METHOD} with {prepared.system.name}: {steps} steps, residual {state.residual:.1e}. {outcome.value}"
     report = SolverReport(
@@ -99,16 +107,15 @@ def solve(
         iterations=steps,
         residual=state.residual,
         imbalance=state.imbalance,
-        length_error=state.length_error,
+        length_error=length_error,
         solve_ms=spent_ms,
         attempts=(attempt,),
     )
     reached = Solution.ended(report, state.position, state.density * state.length, state.share)
     if not outcome.converged:
         return reached
-    fine = report.length_error <= FINE
-    solution = newton.solve(problem, tolerance, reached, FINISH if fine else LAST_DIGITS, progress, prepared)
-    if not fine and not solution.report.outcome.converged:
+    solution = newton.solve(problem, tolerance, reached, LAST_DIGITS, progress, prepared)
+    if not solution.report.outcome.converged:
         solution = newton.solve(problem, tolerance, reached, FINISH, progress, prepared)
     finished = replace(
         solution.report,
@@ -126,81 +133,91 @@ def _lower_the_barrier(
     settings: InteriorPointSettings,
     progress: Progress | None,
     prepared: Prepared,
-) -> tuple[State, Outcome, int]:
-    """Follow the barrier down; where that ended, how, and after how many steps."""
-    structure, loading, step = problem.structure, problem.loading, prepared.step
+) -> tuple[State, Outcome, int, float]:
+    """Follow the barrier down; where that ended, how, after how many steps, and the error of lengths there."""
+    structure, loading = problem.structure, problem.loading
     state, new, _ = prepared.states
-    tension = reference_tension(problem) if start is None else start.mean_tension
-    length = float(structure.length.mean())
-    unit = tension / length**2
-    barrier, last_barrier = settings.first_barrier * unit, settings.last_barrier * unit
     state.position[:] = problem.net.positions if start is None else start.positions
+    mean = reference_tension(problem) if start is None else start.mean_tension
+    tension = max(mean, _largest_load(problem, mean, state)) if start is None else mean
+    last_barrier = settings.last_barrier * mean / tension
     tensions = tension if start is None else np.maximum(start.bar_tension, LEAST_TENSION * tension)
     state.density[:] = tensions / structure.length
-    measure(structure, loading, tension, 1.0, barrier, state)
-    kernels.begin(structure, barrier, LEAST_SLACKNESS / length, state)
-    loosening = np.zeros(len(structure.length))
+    measure(structure, loading, tension, 1.0, KEPT_TAUT, state)
+    barrier = settings.first_barrier
+    kernels.begin(structure, barrier * tension, LEAST_SLACKNESS, state)
+    loosening, softness = np.zeros(len(structure.length)), np.zeros(len(structure.length))
     steps, lowered, shift = 0, 0, 0.0
-    # what a tight layer takes from a bag is far more than steps ask for elsewhere, and to shift holds it back for ever
-    layered = len(structure.wrap_ring) > 0
-    farthest = np.inf if layered else FARTHEST_TURN
-    while steps < settings.steps_allowed:
+    while True:
+        error = kernels.strain(structure, barrier * tension, state, softness)
         if progress is not None:
             progress(METHOD, state.residual)
         if not np.isfinite(state.residual):
-            return state, Outcome.NOT_FINITE, steps
+            return state, Outcome.NOT_FINITE, steps, error
         if barrier <= last_barrier and state.residual <= min(tolerance, FINEST):
-            return state, Outcome.CONVERGED, steps
+            return state, Outcome.CONVERGED, steps, error
         if steps - lowered >= STALLED and barrier > last_barrier:
-            return state, Outcome.NOT_IMPROVING, steps
+            return state, Outcome.NOT_IMPROVING, steps, error
+        if steps >= settings.steps_allowed:
+            close = barrier <= last_barrier and state.residual <= tolerance
+            return state, Outcome.CONVERGED if close else Outcome.STEPS_SPENT, steps, error
         steps += 1
-        turn, shift = _step(problem, tension, shift, farthest, state, prepared)
+        turn, shift = _step(problem, tension, shift, softness, state, prepared)
         if not np.isfinite(turn):
-            return state, Outcome.SINGULAR if np.isnan(turn) else Outcome.NOT_IMPROVING, steps
-        to_tight, to_slack = kernels.ways_to_nothing(structure, barrier, state, step, loosening)
+            return state, Outcome.SINGULAR if np.isnan(turn) else Outcome.NOT_IMPROVING, steps, error
+        way = kernels.way_to_nothing(structure, barrier * tension, state, prepared.step, loosening)
         of_turn = min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0
-        of_shape = min(of_turn, NEAREST * to_tight)
-        of_pull = min(of_turn, NEAREST * to_slack, MOST_PULL * of_shape)
-        kernels.go(state, step, loosening, of_shape, of_pull, new)
-        measure(structure, loading, tension, 1.0, barrier, new)
+        share = min(of_turn, max(NEAREST, 1.0 - np.sqrt(barrier)) * way)
+        kernels.go(state, prepared.step, loosening, share, new)
+        measure(structure, loading, tension, 1.0, KEPT_TAUT, new)
         state, new = new, state
-        least = min(of_shape, of_pull)
-        if least > 0.9:
+        if of_turn > EASY:
             shift = 0.25 * shift if shift > LEAST_SHIFT else 0.0
-        elif least < 0.3 and not layered:
-            shift = max(2.0 * shift, LEAST_SHIFT)
-        if least > 0.5 and kernels.largest_force(structure, state) <= NEAR * tension * barrier / unit:
+        elif of_turn < BOLD:
+            shift = min(max(2.0 * shift, LEAST_SHIFT), LARGEST_SHIFT)
+        if share < BLOCKED:
+            barrier = max(barrier, kernels.reached_barrier(structure, state) / tension)
+            continue
+        near = kernels.largest_force(structure, state.force) <= NEAR * tension * barrier or state.residual <= FINEST
+        if share > 0.5 and near:
             lowered = steps
-            lower = min(LOWERED, np.sqrt(barrier / unit)) if least > 0.9 else LOWERED_WARILY
+            lower = min(LOWERED, np.sqrt(barrier)) if share > 0.9 else LOWERED_WARILY
             barrier = max(lower * barrier, last_barrier)
-            measure(structure, loading, tension, 1.0, barrier, state)
-    close = barrier <= last_barrier and state.residual <= tolerance
-    return state, Outcome.CONVERGED if close else Outcome.STEPS_SPENT, steps
+
+
+def _largest_load(problem: Problem, tension: float, state: State) -> float:
+    """Largest load on a free node in a shape, N: what the bars beside it have to pull with.
+
+    Where little but a few weights loads a net, that is a hundred times the mean. What layers resist with is left out:
+    in a crude shape that may be any size.
+    """
+    structure = problem.structure
+    bare = structure._replace(wrap_ring=structure.wrap_ring[:0])
+    state.density[:] = tension / structure.length
+    measure(bare, problem.loading, tension, 1.0, KEPT_TAUT, state)
+    return kernels.largest_force(structure, state.load)
 
 
 def _step(
-    problem: Problem, tension: float, shift: float, farthest: float, state: State, prepared: Prepared
+    problem: Problem, tension: float, shift: float, softness: Floats, state: State, prepared: Prepared
 ) -> tuple[float, float]:
-    """Write the step at a state, with the tangent shifted until it can be factorised and leads not farther than that.
-
-    To a step every bar is softer by its slackness over its force density.
+    """Write the step at a state, with the tangent shifted until it can be factorised and leads not too far.
 
     Returns:
         the largest change of a bar's vector over its length, infinite if no shift helps and nan if none lets the
         tangent be factorised, and the shift it took.
     """
     structure, loading, step, system = problem.structure, problem.loading, prepared.step, prepared.system
-    yielding = np.where(structure.is_strut, 0.0, state.slack / state.density)
-    softened = structure._replace(flexibility=structure.flexibility + yielding)
+    softened = structure._replace(flexibility=softness)
     while True:
         turn = np.nan
         sides = newton_step.linearise(softened, loading, prepared.pattern, tension, 0.0, state, step)
         if shift > 0.0:
-            kernels.shift_by_pull(structure, prepared.pattern, state.density, shift, step.blocks)
+            kernels.shift_by_resistance(structure, prepared.pattern, state, shift, step.blocks)
         if system.factorise(step.blocks) == 0:
             solved = system.solve(step.right[:sides])
-            _, asked, determinant = newton_step.finish_step(structure, state, state, solved, step)
-            turn = float(asked) if determinant > 0.0 else np.inf
-        if turn <= farthest or shift >= LARGEST_SHIFT:
+            _, _, determinant = newton_step.finish_step(structure, state, state, solved, step)
+            turn = kernels.largest_turn(structure, state, step) if determinant > 0.0 else np.inf
+        if turn <= FARTHEST_TURN or shift >= LARGEST_SHIFT:
             return turn, shift
-        shift = max(4.0 * shift, FIRST_SHIFT)
+        shift = max(4.0 * shift, LEAST_SHIFT)

@@ -10,9 +10,12 @@ from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import model_of
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Plan, plan_from_dict
+from codend.scenes.build import build
+from codend.scenes.scene import scene_from_dict
 from codend.solvers import interior_point
 from codend.solvers.outcome import Outcome, Solution
-from tests.plans import UNIFORM, joined_plan
+from tests.plans import UNIFORM, joined_plan, make_plan
+from validation.cage.gear import box
 
 JOINED = {
     "T90, T90 and diamond": joined_plan(
@@ -101,3 +104,21 @@ def test_steps_that_a_nearly_singular_tangent_asks_for_lead_astray_however_short
     shifted = between_ropes(plan)[2].report.iterations
     monkeypatch.setattr(interior_point, "FARTHEST_TURN", np.inf)
     assert between_ropes(plan)[2].report.iterations > 1.1 * shifted
+
+
+@pytest.mark.parametrize(("mesh", "most"), [("diamond", 20), ("t90", 60)])
+def test_stiff_twine_is_found_from_a_crude_bag(mesh, most):
+    netting = {"knot_mm": 12.0, "bending_stiffness_n_m2": 2e-3, "axial_stiffness_n": 2000.0}
+    plan = make_plan(100, 50, 0.27, 20.0, mesh=mesh, bar_mm=48.0, netting=netting, speed=1.5)
+    report = solved(plan)[2].report
+    assert report.outcome is Outcome.CONVERGED
+    assert report.iterations < most
+
+
+@pytest.mark.parametrize("like", [{}, {"ballast_kg": 6.0}, {"along_foot": True}, {"twine_density_kg_m3": 1140.0}])
+def test_slack_cages_at_rest_are_found_in_a_few_dozen_steps(like):
+    """A convex problem, in which lead at the corners pulls a hundred times the mean."""
+    problem = build(scene_from_dict(box(merged=8, **like))).problem
+    report = interior_point.solve(problem, 1e-9).report
+    assert report.outcome is Outcome.CONVERGED
+    assert report.iterations < 40

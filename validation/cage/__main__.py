@@ -29,7 +29,7 @@ from validation.cage.random_cages import judged
 
 SPEEDS_M_S = tuple(round(0.1 * k, 1) for k in range(11))
 BALLASTS_KG = (6.0, BALLAST_KG, 24.0)
-COARSE, FINE = 8, 5
+COARSE, FINE, OF_2000_BARS = 8, 5, 4
 
 
 def solved(data: dict[str, Any]) -> tuple[SceneResult, dict[str, Any]]:
@@ -101,6 +101,9 @@ def main() -> None:
     print(f"\nthe same in finer netting: {fine['bars'][0]} bars, {fine['processor_s'].sum():.1f} s\n"
           f"{fine.to_string(index=False, float_format='%.4g')}\nvolume of the coarse over that of the fine, less 1: "
           f"{', '.join(f'{100.0 * x:+.1f} %' for x in off)}")  # fmt: skip
+    _, rest = solved(box(merged=OF_2000_BARS))
+    print(f"\nat rest in {rest['bars']} bars: {rest['processor_s']:.2f} s of processor time, "
+          f"residual {rest['residual']:.1e}")  # fmt: skip
     pd.concat({kg: table for kg, table in tables.items()}, names=["ballast_kg"]).to_csv(given.out / "cage.csv")
     (given.out / "figure_18.png").write_bytes(png(volume_figure(tables, fine)))
     shown = [cages[BALLAST_KG][k] for k in (0, 5, 10)]
