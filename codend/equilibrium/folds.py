@@ -19,6 +19,8 @@ from codend.solvers.refusal import passage
 
 STEPS = 400
 """Gentle steps allowed: of T90 codends of 100 meshes round most take 50 to 150, wide sectors up to 300."""
+LEAST_STEPS = 60
+"""Fewer are not worth a start."""
 BEGINS_M, OF_A_BAR = 2e-3, 0.05
 """Distance at which contact begins, at most, and over the median bar: halving it moves drag by 0.04 %, openings by
 0.02 degrees, and takes longer. It is not the twine's thickness: where a codline gathers netting the start already has
@@ -36,7 +38,12 @@ def contact_law(problem: Problem, solution: Solution) -> ContactLaw:
 
 
 def follow_under_contact(
-    model: BagModel, problem: Problem, rest: Solution, start: Solution, progress: Progress | None
+    model: BagModel,
+    problem: Problem,
+    rest: Solution,
+    start: Solution,
+    progress: Progress | None,
+    steps_allowed: int = STEPS,
 ) -> tuple[Problem, Motion] | None:
     """The problem with contact, and where a start, moved from a shape at rest, leads; None where that is pierced."""
     touching = replace(problem, surface=Surface.of(problem.net, contact_law(problem, start)))
@@ -47,7 +54,7 @@ def follow_under_contact(
     else:
         return None
     tolerance = model.plan.model.tolerance
-    motion = gentle.follow(touching, tolerance, start, model.prepared, progress, STEPS)
+    motion = gentle.follow(touching, tolerance, start, model.prepared, progress, steps_allowed)
     if motion.end is not End.SETTLED:
         return touching, motion
     return touching.touching_at(motion.solution.positions), motion

@@ -19,7 +19,15 @@ from codend.bag.loads import problem_of
 from codend.bag.measures import Measures, measure_all
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
-from codend.equilibrium.folds import fold_count, follow_under_contact, in_contact_share, is_pierced, limp_of
+from codend.equilibrium.folds import (
+    LEAST_STEPS,
+    STEPS,
+    fold_count,
+    follow_under_contact,
+    in_contact_share,
+    is_pierced,
+    limp_of,
+)
 from codend.equilibrium.stability import Stability, stability_of
 from codend.equilibrium.start_shapes import all_round_start
 from codend.mechanics.problem import Problem
@@ -43,6 +51,8 @@ COVERING = 3.0
 """What wrinkles change, at most, over what was found: the shapes found are some of many."""
 ENOUGH_SHAPES = 3
 """Shapes in contact whose spread is the error of the one that lasts among them."""
+WORK: dict[object, int] = {"auto": 500_000, True: 2_000_000}
+"""Gentle steps under contact times knots, over all starts, by ``model.contact``: a thousand take some 0.05 s."""
 INNER_LAYERS = np.array([5e-4, 5e-4, 5e-4, 0.0]), np.array([0.0, 0.0, 0.0, 0.3])
 """What it changes whether the pressure of the catch acts on the inner layers of a fold, which it does here: share of
 drag, volume and radius, and opening in degrees (a prototype's, on a T90 codend of 100 meshes round)."""
@@ -148,7 +158,9 @@ class _Following:
     def __init__(self, plan: Plan, case: Case, progress: Progress | None) -> None:
         self.plan, self.case, self.progress = plan, case, progress
         self.shapes: list[Shape] = []
-        self.touching, self.lost = 0, 0
+        self.touching, self.lost, self.left_out = 0, 0, 0
+        self.work = WORK.get(plan.model.contact, 0)
+        """Steps times knots left under contact."""
         self.in_contact = False
         """Whether contact was tried."""
 
@@ -163,6 +175,10 @@ class _Following:
     ) -> None:
         """Follow what grows of an equilibrium from so many starts at most, and what then still grows of that."""
         for of_start, sectors, growth, rest, start in islice(_starts(model, self.case, solution, stability), most):
+            knots = len(start.positions)
+            if self.in_contact and self.work < LEAST_STEPS * knots:
+                self.left_out += 1
+                continue
             wide = of_start
             if wide.plan is not self.plan:  # the start is of another twine
                 wide = model_of(self.plan, wide.globalisation, wide.sectors)
@@ -174,11 +190,13 @@ class _Following:
                 touches = motion.end is End.TOUCHING and wide.plan.model.contact is not False
             if touches:
                 self.in_contact = True
-                found = follow_under_contact(wide, wide_problem, rest, start, self.progress)
+                allowed = max(min(STEPS, self.work // knots), LEAST_STEPS)
+                found = follow_under_contact(wide, wide_problem, rest, start, self.progress, allowed)
                 if found is None:
                     self.touching += 1
                     continue
                 wide_problem, motion = found
+                self.work -= motion.steps * knots
             if motion.end is not End.SETTLED:
                 self.touching += motion.end is End.TOUCHING
                 self.lost += motion.end is End.STEPS_SPENT
@@ -205,6 +223,13 @@ class _Following:
     def best(self) -> Shape | None:
         """The shape that lasts on the narrowest sector; where none does, that of which the least grows."""
         return min(self.shapes, key=lambda shape: (*shape.growth, shape.meshes), default=None)
+
+    @property
+    def unfinished(self) -> str:
+        """Starts that led to no shape, in words."""
+        lost = f", starts that did not: {self.lost}" if self.lost else ""
+        more = "" if self.plan.model.contact is True else " (contact = true allows more)"
+        return lost + (f", left out for their cost: {self.left_out}{more}" if self.left_out else "")
 
     def _shape(self, model: BagModel, problem: Problem, motion: Motion, growth: Growth) -> Shape:
         tangent = newton.tangent_at(problem, motion.solution, model.prepared)
@@ -312,7 +337,7 @@ def _told(run: _Following, at_rest: Measures, merged: str, spent_ms: float) -> F
         return replace(found, reason=reason, folds=True)
     shape = run.best
     if shape is None:
-        layers = ", with layers of netting that touch" if run.in_contact else ""
+        layers = f", with layers of netting that touch{run.unfinished}" if run.in_contact else ""
         reason = f"followed{merged}, but to no shape in balance{layers}: the symmetric shape stands"
         return replace(found, reason=reason, folds=run.in_contact)
     where = "in the whole net" if shape.model.bag.net.order == 1 else f"in a sector {shape.meshes} meshes wide"
@@ -322,7 +347,7 @@ def _told(run: _Following, at_rest: Measures, merged: str, spent_ms: float) -> F
     share = in_contact_share(shape.problem, shape.solution)
     if shape.problem.surface is not None:
         reason += f", with contact between layers; shapes that settled: {len(run.shapes)}"
-        reason += f", starts that did not: {run.lost}" if run.lost else ""
+        reason += run.unfinished
     folds = fold_count(shape.solution.positions, shape.problem.rings, shape.model.bag.net.order)
     lasts = shape.stability.stable == "yes"
     if shape.problem.surface is not None:

@@ -35,9 +35,16 @@ FIRST_SHIFT, LEAST_SHIFT, MOST_SHIFT = 0.1, 1e-3, 1e4
 LEAST_UNDER_CONTACT = 1e-5
 FALL, RISE = 0.6, 3.0
 """Factors on the shift after a step that was not cut, and where pivots are negative or a step passes through."""
-CALM, CALMER = 1e-6, (1e-7, 1e-9)
+CALM, CALMER = 1e-6, (1e-6, 1e-6, 1e-7, 1e-9)
 """Residual at which Newton's method takes over, and where it led nowhere, for layers that touch are seldom smooth to
 it, those at which it does again."""
+POLISH = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=25)
+"""How it is tried at the first of these under contact."""
+BETWEEN = 6
+"""Steps before it is tried again."""
+KINKED, SEEN = 0.1, 1e-4
+"""Length error, over the largest move over a bar, and by itself, that a step leaves which carried bars past where they
+go taut or slack: from there the next one goes back, on and on, unless the shift rises."""
 HALVINGS = 5
 """Most halvings of a step that would carry netting through netting, or to where it is pushed back."""
 SHORT, BOLDER = 0.7, 2.0
@@ -89,7 +96,7 @@ def follow(
         progress: told the residual of every step.
         steps_allowed: before it is given up.
     """
-    steps, calm = _Steps(problem, start, prepared), [CALM, *CALMER]
+    steps, calm, waits = _Steps(problem, start, prepared), [CALM, *CALMER], 0
     for number in range(1, steps_allowed + 1):
         steps.turn()
         size = steps.take()
@@ -99,9 +106,10 @@ def follow(
             progress(METHOD, steps.residual)
         if not np.isfinite(steps.residual):
             break
-        if steps.residual <= calm[0] and size >= 0.5:
+        if steps.residual <= calm[0] and size >= 0.5 and number >= waits:
             reached = _as_is(problem, start, steps.here)
-            polished = newton.solve(problem, tolerance, reached, DIRECT, progress, prepared)
+            how = DIRECT if problem.surface is None or calm[0] < CALM else POLISH
+            polished = newton.solve(problem, tolerance, reached, how, progress, prepared)
             if polished.report.outcome is Outcome.PASSED_THROUGH:
                 return Motion(End.TOUCHING, reached, number)
             near = np.abs(polished.positions - reached.positions).max() <= LONGEST * steps.bar
@@ -110,7 +118,7 @@ def follow(
             if len(calm) == 1 or problem.surface is None:
                 break
             # Newton's method works in the same room
-            steps, calm = _Steps(problem, reached, prepared), calm[1:]
+            steps, calm, waits = _Steps(problem, reached, prepared), calm[1:], number + BETWEEN
     return Motion(End.STEPS_SPENT, _as_is(problem, start, steps.here), number)
 
 
@@ -198,7 +206,7 @@ class _Steps:
             size *= 0.5
         self.watched.see(near)
         self.before = move.copy()
-        if size < SHORT and not back:
+        if (size < SHORT and not back) or (size == 1.0 and self.there.length_error > max(KINKED * self.moved, SEEN)):
             self.shift *= BOLDER
         elif size == 1.0:
             self.shift = max(FALL * self.shift, LEAST_UNDER_CONTACT)

@@ -66,9 +66,9 @@ class HarmonicTangent:
         factorise_band_of_numbers(rows)
         return rows
 
-    def nearest(self, centre: float) -> "Nearest":
+    def nearest(self, centre: float, most_steps: int = MOST_STEPS) -> "Nearest":
         """Its eigenvalues nearest to a real number, as many as will be asked for."""
-        return Nearest(self, centre)
+        return Nearest(self, centre, most_steps)
 
     def negative_eigenvalues(self, negative: int, basis: Complex | None = None) -> int:
         """Number of negative eigenvalues of the Hermitian part of K, on moves at right angles to a basis if any.
@@ -102,7 +102,7 @@ class Nearest:
     The residual of an eigenvalue of the projection is the last entry of its vector times the next row's length.
     """
 
-    def __init__(self, tangent: HarmonicTangent, centre: float) -> None:
+    def __init__(self, tangent: HarmonicTangent, centre: float, most_steps: int) -> None:
         self.tangent, self.centre = tangent, centre
         self._factors = tangent.factors(centre)
         kind = self._factors.dtype
@@ -111,7 +111,7 @@ class Nearest:
             self._by_load[:], self._gradient[:] = tangent.front
             solve_band_of_numbers(self._factors, self._by_load)
             self._by_load /= 1.0 - np.sum(self._gradient * self._by_load)
-        most = min(MOST_STEPS, tangent.size - 1)
+        most = min(most_steps, tangent.size - 1)
         self._basis = np.zeros((most + 1, tangent.size), dtype=kind)
         self._projection = np.zeros((most + 1, most), dtype=kind)
         self._basis[0] = _start(tangent.size)
@@ -123,13 +123,16 @@ class Nearest:
     def eigenvalues(self, wanted: int, first_steps: int = FIRST_STEPS) -> tuple[Complex, Complex] | None:
         """As many as are wanted or more, nearest first, and their vectors, (unknowns, k).
 
-        None if late, and where the factors are of no use.
+        Fewer where the rest is late; None where all are, and where the factors are of no use.
         """
         most = self._projection.shape[1]
         while self._settled < wanted:
             if self._steps == most:
-                return None
-            last = min(self._steps + MORE_STEPS if self._steps else max(first_steps, 3 * wanted), most)
+                if self._settled == 0:
+                    return None
+                break
+            some = max(first_steps, min(3 * wanted, 2 * wanted + FIRST_STEPS))
+            last = min(max(self._steps + MORE_STEPS, some) if self._steps else some, most)
             arnoldi(self._factors, self._by_load, self._gradient, self._steps, last, self._basis, self._projection)
             self._steps = last
             if not np.isfinite(self._projection[:, :last]).all() or not self._factors_hold():

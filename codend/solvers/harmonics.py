@@ -13,6 +13,7 @@ weigh sqrt(n) times what one sector has of them. It is held across the flow in a
 Every tangent is shifted by ``newton.NEUTRAL``: what moves for nothing, as slack twine does, does not count as growing.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
@@ -26,7 +27,7 @@ from codend.mechanics.harmonics import Complex, negative_pivots_side_by_side
 from codend.mechanics.newton_state import measure
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
-from codend.solvers.harmonic_tangent import HarmonicTangent
+from codend.solvers.harmonic_tangent import FIRST_STEPS, HarmonicTangent, Nearest
 from codend.solvers.newton import DIRECT, NEUTRAL
 from codend.solvers.outcome import Solution
 from codend.solvers.ring import Ring
@@ -41,6 +42,12 @@ AT_FIRST = 8
 """Steps of Arnoldi's method before it is first looked what it found beside 0."""
 DENSE = 40
 """Unknowns up to which all eigenvalues of a harmonic are found at once."""
+NEARER, NEARER_BY = 3, 0.2
+"""How many numbers between the bound and 0 eigenvalues are sought about, and the factor between them."""
+MOST_ABOUT_NONE = 640
+"""Steps of Arnoldi's method about 0 in all: four times as many as eigenvalues are asked for there at most."""
+ONE = 1e-5
+"""Distance of an eigenvector, of length 1, from those found before it, up to which it counts as one of them."""
 DENSE_AT_LAST = 1500
 """Unknowns up to which they are where the lowest were not found otherwise."""
 
@@ -105,8 +112,10 @@ def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
     with _libraries().limit(limits=1, user_api="blas"):
         found = {k: _nearest_to_none(ring.tangent(k), int(negative[k]), int(with_front[k])) for k in doubtful.tolist()}
         left = np.array([k for k, pair in found.items() if pair is None], dtype=doubtful.dtype)
+        enough = 0
         for k, lowest in zip(left.tolist(), _lower_bounds(ring, left, scale), strict=True):
-            found[k] = _lowest_eigenvalues(ring.tangent(k), lowest, int(negative[k]), int(with_front[k]))
+            pair = _lowest_eigenvalues(ring.tangent(k), lowest, int(negative[k]), int(with_front[k]), enough)
+            found[k], enough = pair, 0 if pair is None else len(pair[0])
     growing, undecided = [], []
     for k, pair in found.items():
         if pair is None:
@@ -175,23 +184,56 @@ def _nearest_to_none(tangent: HarmonicTangent, negative: int, expected: int) -> 
 
 
 def _lowest_eigenvalues(
-    tangent: HarmonicTangent, lowest: float, negative: int, expected: int
+    tangent: HarmonicTangent, lowest: float, negative: int, expected: int, enough: int
 ) -> tuple[Complex, Complex] | None:
     """All eigenvalues of a harmonic with negative real parts, and others; with their vectors. None if they hide.
 
-    Those nearest to a lower bound are found, more and more until on what they leave the Hermitian part is positive
-    definite: that proves the rest to be stable.
+    Those nearest to a lower bound are found, then those nearest to numbers between that and 0, and ever more about 0,
+    until on what they leave the Hermitian part is positive definite: that proves the rest to be stable. Some of slack
+    netting lie so near to 0 that the Hermitian part is negative among them though none of them is.
 
     Args:
         tangent: the harmonic's.
         lowest: a bound on the eigenvalues of its Hermitian part, the front left out, N/m.
         negative: how many of these are negative.
-        expected: how many are with the front: nearly always as many as eigenvalues are needed.
+        expected: how many are with the front: often as many as eigenvalues are needed.
+        enough: how many were needed of the harmonic before.
     """
-    if tangent.size > DENSE:
-        nearest, wanted = tangent.nearest(lowest), expected
-        while wanted < tangent.size // 4 and (found := nearest.eigenvalues(wanted)) is not None:
-            if tangent.negative_eigenvalues(negative, np.linalg.qr(found[1])[0]) == 0:
-                return found
-            wanted = len(found[0]) + 1
+    found: tuple[Complex, Complex] | None = None
+    seekers: dict[float, Nearest] = {}
+    for centre, wanted in _places_to_look(tangent.size, lowest, expected, enough):
+        if centre not in seekers:
+            seekers[centre] = tangent.nearest(centre, max(FIRST_STEPS, 4 * wanted) if centre else MOST_ABOUT_NONE)
+        part = seekers[centre].eigenvalues(wanted)
+        if part is None:
+            continue
+        found, basis = _joined(found, part)
+        if tangent.negative_eigenvalues(negative, basis) == 0:
+            return found
     return np.linalg.eig(tangent.dense()) if tangent.size <= DENSE_AT_LAST else None
+
+
+def _places_to_look(size: int, lowest: float, expected: int, enough: int) -> Iterator[tuple[float, int]]:
+    """Numbers about which eigenvalues are sought, and how many there: none where dense matrices are as quick."""
+    if size <= DENSE or expected >= size // 4:
+        return
+    yield lowest, expected
+    for fall in range(1, NEARER + 1):
+        yield lowest * NEARER_BY**fall, expected + 2
+    most = min(size // 8, MOST_ABOUT_NONE // 4)
+    wanted = max(expected + 2, min(enough, most))
+    while wanted <= most:
+        yield 0.0, wanted
+        wanted += wanted // 2
+
+
+def _joined(
+    found: tuple[Complex, Complex] | None, part: tuple[Complex, Complex]
+) -> tuple[tuple[Complex, Complex], Complex]:
+    """Eigenvalues and vectors of both, each once, and an orthonormal basis of the vectors."""
+    values, vectors = part if found is None else (np.append(found[0], part[0]), np.hstack([found[1], part[1]]))
+    vectors = vectors / np.linalg.norm(vectors, axis=0)
+    # one that was found before, or any of several that are one but for round-off, adds nothing but that
+    new = np.abs(np.diag(np.linalg.qr(vectors, mode="r"))) > ONE
+    values, vectors = values[new], vectors[:, new]
+    return (values, vectors), np.linalg.qr(vectors)[0]

@@ -241,6 +241,20 @@ def test_contact_leads_a_turned_codend_to_folds_that_last_all_round_and_that_not
     assert np.isnan(np.concatenate(meshes)).all()
 
 
+def test_stiff_turned_netting_settles_in_folds_and_tells_what_was_left_out_for_its_cost(monkeypatch):
+    monkeypatch.setitem(following.WORK, "auto", 80_000)
+    plan = commercial("t90", 100, 5e-4, 50.0, wrinkles=True)
+    result = solve(plan).cases[0]
+    assert result.followed.shapes_found == 1
+    assert "left out for their cost: 4 (contact = true allows more)" in result.followed.reason
+    assert result.report.residual <= plan.model.tolerance
+    assert passage(result.problem, result.positions) is None
+    # the symmetric shape, and those that other starts lead to
+    for drag_n, opening_deg in ((1291.5, 0.98), (1265.7, 9.62)):
+        assert abs(result.measures.drag_n - drag_n) < result.errors.drag_error_n
+        assert abs(result.measures.opening_ahead_deg - opening_deg) < result.errors.opening_ahead_error_deg
+
+
 def test_a_wider_sector_starts_as_its_narrower_one_lies_whatever_that_is_made_of():
     plan = commercial("t90", 50, 0.0, 50.0)
     two, ten = (model_of(plan, 1, sectors).bag for sectors in (2, 10))

@@ -17,6 +17,7 @@ from codend.mechanics.problem import Problem
 from codend.mechanics.tangent import Pattern, pattern_of
 from codend.plan.plan import Plan, plan_from_dict
 from codend.solvers import newton
+from codend.solvers.harmonic_tangent import HarmonicTangent
 from codend.solvers.harmonics import Harmonics, growing_harmonics, harmonics_of, negative_pivots
 from codend.solvers.outcome import Solution
 from codend.solvers.ring import Ring
@@ -167,6 +168,20 @@ def commercial(mesh: str, meshes_round: int, bending: float, catch_kg: float) ->
 def test_commercial_codends_of_stiff_or_turned_netting_grow_from_a_harmonic_on(plan, first):
     (section,) = plan.netting
     assert growing(plan) == list(range(first, section.meshes_round // 2 + 1))
+
+
+def test_harmonics_of_stiff_turned_netting_beside_a_cluster_at_0_ask_no_dense_matrix(monkeypatch):
+    problem, solution = solved(commercial("t90", 100, 5e-4, 50.0))
+    ring = Ring(problem.structure, problem.bands)
+    with monkeypatch.context() as without:
+        without.setattr(HarmonicTangent, "dense", lambda tangent: pytest.fail("a dense matrix was asked for"))
+        harmonics = harmonics_of(problem, solution, ring)
+    assert harmonics.undecided == ()
+    found = {growth.harmonic: growth.eigenvalues for growth in harmonics.growing}
+    for k in (2, 3, 12, 41):
+        dense = np.sort(np.linalg.eigvals(ring.tangent(k).dense()).real)
+        # inextensible bars of 1e10 N/m leave 1e-6 of that by round-off
+        np.testing.assert_allclose(np.sort(found.get(k, np.zeros(0)).real), dense[dense < 0.0], 1e-5, 1e-5)
 
 
 @pytest.mark.parametrize("filled", [0.3, 1.0, 3.0, 8.0, 14.0, 20.0])
