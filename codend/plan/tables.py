@@ -547,8 +547,8 @@ class Model(Table):
     the estimates would exceed the accuracy asked for."""
     contact: Literal["auto"] | bool = "auto"
     """Whether shapes in which layers of netting meet are followed on with contact between them: ``auto``, from as many
-    starts as some twenty seconds have room for; ``true``, from all of them; ``false`` stops there. Bags that weight folds over their hoop are found by it too. Layers of ``[[layer]]`` bear on the netting below
-    in any case."""
+    starts as some twenty seconds have room for; ``true``, from all of them; ``false`` stops there. Bags that weight
+    folds over their hoop are found by it too. Layers of ``[[layer]]`` bear on the netting below in any case."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
