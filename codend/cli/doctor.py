@@ -20,6 +20,7 @@ REQUIRED = (
     "scipy",
     "numba",
     "pandas",
+    "threadpoolctl",
     "pyarrow",
     "matplotlib",
     "meshio",
