@@ -191,7 +191,7 @@ def test_random_plans_come_back_when_shaken_or_lie_within_their_errors(number, s
     assert max(value for name, value in row.items() if name.endswith("over its error")) <= 1.0
 
 
-@pytest.mark.parametrize("seed", [1013, 1033])
+@pytest.mark.parametrize("seed", [1019, 1033])
 def test_shaken_nets_on_which_the_law_was_not_found_lie_within_the_errors(seed):
     row = row_of(seed, shakes=1)
     assert row["ends"] == "settled"
