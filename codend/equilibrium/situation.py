@@ -101,12 +101,7 @@ class Situation:
         # each way through the interior from nothing costs some thirty factorisations
         if self.geared:
             return len(self.others_at_its_speed) > 0
-        return self.within_prediction and (self.narrow or not self.by_meshes)
-
-    @property
-    def narrow(self) -> bool:
-        """Whether the model is so narrow that a step costs next to nothing."""
-        return self.model.narrow
+        return self.within_prediction and (self.model.narrow or not self.by_meshes)
 
     @property
     def has_sector(self) -> bool:

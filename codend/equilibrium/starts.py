@@ -42,7 +42,7 @@ def _from_where_the_last_lead(s: Situation) -> Solution:
     began = perf_counter()
     start = _led(s)
     led_ms = 1e3 * (perf_counter() - began)
-    if s.geared and not s.narrow:
+    if s.geared and not s.model.narrow:
         return _later(s.through_the_interior(s.problem, start), led_ms)
     return _later(s.by_newton(s.problem, start, s.first_settings), led_ms)
 
@@ -136,7 +136,7 @@ A_SECTOR = Start(
     lambda s: (
         s.has_sector
         and not any(rope.shortening > 0.0 for rope in s.plan.rope)
-        and (s.narrow or len(s.model.bag.windows) == 0)
+        and (s.model.narrow or len(s.model.bag.windows) == 0)
     ),
     _from_a_sector,
 )

@@ -163,7 +163,7 @@ def load_by_share(
     height = catch_weight.front_height(position, catch, filled)
     catch_weight.add_force_below(position, structure, catch, share, height, load)
     # with its share the middle of the front moves from that of one ring to that of the next
-    rise = catch_weight.ring_height(position, catch, band) - catch_weight.ring_height(position, catch, band + 1)
+    rise = catch_weight.ring_middle(position, catch, band, 2) - catch_weight.ring_middle(position, catch, band + 1, 2)
     by_height = np.empty_like(load)
     catch_weight.force_by_height(position, structure, catch, filled, by_height)
     for node in range(len(load)):

@@ -30,13 +30,13 @@ def foremost(share: Floats) -> int:
 
 
 @njit(cache=True)
-def ring_height(position: Floats, catch: Catch, row: int) -> float:
-    """Height of the middle of a row's ring of nodes, m."""
-    height, rows = 0.0, catch.node_row
+def ring_middle(position: Floats, catch: Catch, row: int, i: int) -> float:
+    """Coordinate i of the middle of a row's ring of nodes, m."""
+    middle, rows = 0.0, catch.node_row
     for node in range(len(rows)):
         if rows[node] == row:
-            height += position[node, 2]
-    return height / catch.row_size[row]
+            middle += position[node, i]
+    return middle / catch.row_size[row]
 
 
 @njit(cache=True)
@@ -45,7 +45,7 @@ def front_height(position: Floats, catch: Catch, share: Floats) -> float:
     band = foremost(share)
     if band == len(share):
         return 0.0
-    fore, aft = ring_height(position, catch, band), ring_height(position, catch, band + 1)
+    fore, aft = ring_middle(position, catch, band, 2), ring_middle(position, catch, band + 1, 2)
     return aft + share[band] * (fore - aft)
 
 
@@ -108,13 +108,19 @@ def planes(position: Floats, catch: Catch, share: Floats) -> tuple[float, float]
     band = foremost(share)
     if band == len(share):
         return 0.0, 0.0
-    fore, aft, rows, sizes = 0.0, 0.0, catch.node_row, catch.row_size
-    for node in range(len(rows)):
-        if rows[node] == band:
-            fore += position[node, 0] / sizes[band]
-        elif rows[node] == band + 1:
-            aft += position[node, 0] / sizes[band + 1]
+    fore, aft = ring_middle(position, catch, band, 0), ring_middle(position, catch, band + 1, 0)
     return fore, aft + share[band] * (fore - aft)
+
+
+@njit(cache=True)
+def add_to_ring(catch: Catch, row: int, x: float, y: float, z: float, force: Floats) -> None:
+    """Add a force to the nodes of a row's ring, evenly."""
+    rows, size = catch.node_row, catch.row_size[row]
+    for node in range(len(rows)):
+        if rows[node] == row:
+            force[node, 0] += x / size
+            force[node, 1] += y / size
+            force[node, 2] += z / size
 
 
 @njit(cache=True)
@@ -123,16 +129,10 @@ def add_to_rings(catch: Catch, share: Floats, whole: tuple[float, float, float],
     band = foremost(share)
     if band == len(share):
         return
-    rows, sizes = catch.node_row, catch.row_size
-    for node in range(len(rows)):
-        part = 0.0
-        if rows[node] == band:
-            part = share[band] / sizes[band]
-        elif rows[node] == band + 1:
-            part = (1.0 - share[band]) / sizes[band + 1]
-        force[node, 0] += part * whole[0]
-        force[node, 1] += part * whole[1]
-        force[node, 2] += part * whole[2]
+    x, y, z = whole
+    fore, aft = share[band], 1.0 - share[band]
+    add_to_ring(catch, band, fore * x, fore * y, fore * z, force)
+    add_to_ring(catch, band + 1, aft * x, aft * y, aft * z, force)
 
 
 @njit(cache=True)
@@ -171,12 +171,9 @@ def rings_gradient(position: Floats, structure: Structure, catch: Catch, share: 
             gradients[2, node, 0] -= half * ey + third * x
             gradients[2, node, 1] += half * ex - behind * ez
             gradients[2, node, 2] += third * z + behind * ey
-    rows, sizes = catch.node_row, catch.row_size
-    for node in range(len(rows)):
-        if rows[node] == band:
-            gradients[2, node, 0] += (area_of_band + share[band] * area) / sizes[band]
-        elif rows[node] == band + 1:
-            gradients[2, node, 0] += (1.0 - share[band]) * area / sizes[band + 1]
+    if band < len(share):
+        add_to_ring(catch, band, area_of_band, 0.0, 0.0, gradients[2])
+        add_to_rings(catch, share, (area, 0.0, 0.0), gradients[2])
 
 
 @njit(cache=True)
@@ -202,16 +199,9 @@ def add_by_share(
     # the lid moves from one ring to the other
     volume += area * (lid - fore) / (1.0 - share[band])
     add_to_rings(catch, share, (-k * x, -k * y, -k * (z + volume)), force)
-    whole = left_to_rings(position, structure, catch, share, height)
-    rows, sizes = catch.node_row, catch.row_size
-    for node in range(len(rows)):
-        part = 0.0
-        if rows[node] == band:
-            part = 1.0 / sizes[band]
-        elif rows[node] == band + 1:
-            part = -1.0 / sizes[band + 1]
-        for i in range(3):
-            force[node, i] += part * whole[i]
+    x, y, z = left_to_rings(position, structure, catch, share, height)
+    add_to_ring(catch, band, x, y, z, force)
+    add_to_ring(catch, band + 1, -x, -y, -z, force)
 
 
 @njit(cache=True)
@@ -238,13 +228,7 @@ def force_by_height(position: Floats, structure: Structure, catch: Catch, share:
 def height_gradient(catch: Catch, share: Floats, gradient: Floats) -> None:
     """Write the derivative of the front's height by the nodes at given shares, (n, 3)."""
     gradient[:] = 0.0
-    band = foremost(share)
-    rows, sizes = catch.node_row, catch.row_size
-    for node in range(len(rows)):
-        if rows[node] == band:
-            gradient[node, 2] = share[band] / sizes[band]
-        elif rows[node] == band + 1:
-            gradient[node, 2] = (1.0 - share[band]) / sizes[band + 1]
+    add_to_rings(catch, share, (0.0, 0.0, 1.0), gradient)
 
 
 @njit(cache=True, error_model="numpy")

@@ -43,17 +43,10 @@ def find(
     if problem.body is not None:
         return _afloat(problem, tolerance, progress)
     touching = problem.touching_by(contact_law(problem))
-    found = interior_point.solve(problem, tolerance, progress=progress)
+    at_rest = None if problem.loading.water.flow.any() else _at_rest(problem, tolerance, progress)
+    found = interior_point.solve(problem, tolerance, progress=progress) if at_rest is None else at_rest
     attempts, spent_ms = list(found.report.attempts), found.report.solve_ms
-    at_rest = None
-    if not problem.loading.water.flow.any():
-        if not found.report.outcome.converged:
-            found = slack.solve(problem, tolerance, progress=progress)
-            attempts += found.report.attempts
-            spent_ms += found.report.solve_ms
-        at_rest = found
     if found.report.outcome.converged:
-        found = replace(found, report=replace(found.report, attempts=tuple(attempts), solve_ms=spent_ms))
         if passage(touching, found.positions) is None:
             return problem, polished(problem, tolerance, found, progress)
         attempts.append("in that shape netting passes through netting: contact is needed")
@@ -124,20 +117,29 @@ def _starts(
 
     ``at_rest`` is how the net in still water was looked for, where it was.
     """
-    rest = _in_still_water(touching, tolerance, progress) if at_rest is None else at_rest
+    rest = _at_rest(_in_still_water(touching), tolerance, progress) if at_rest is None else at_rest
     if rest.report.outcome.converged and _apart(touching, rest.positions):
         yield rest, contact_law(touching, rest.mean_tension)
     if _apart(touching, touching.net.positions):
         yield as_built(touching), contact_law(touching)
 
 
-def _in_still_water(touching: Problem, tolerance: float, progress: Progress | None) -> Solution:
-    """The net at rest without contact, as far as it was found."""
+def _in_still_water(touching: Problem) -> Problem:
+    """The same net without current and contact."""
     water = touching.loading.water
-    without = replace(touching, surface=None)
-    still = replace(without, loading=without.loading._replace(water=water._replace(flow=np.zeros_like(water.flow))))
-    rest = interior_point.solve(still, tolerance, progress=progress)
-    return rest if rest.report.outcome.converged else slack.solve(still, tolerance, progress=progress)
+    still = touching.loading._replace(water=water._replace(flow=np.zeros_like(water.flow)))
+    return replace(touching, surface=None, loading=still)
+
+
+def _at_rest(still: Problem, tolerance: float, progress: Progress | None) -> Solution:
+    """A net in still water as far as it is found without contact: through the interior, else by gentle steps."""
+    through = interior_point.solve(still, tolerance, progress=progress)
+    if through.report.outcome.converged:
+        return through
+    found = slack.solve(still, tolerance, progress=progress)
+    attempts = (*through.report.attempts, *found.report.attempts)
+    spent_ms = through.report.solve_ms + found.report.solve_ms
+    return replace(found, report=replace(found.report, attempts=attempts, solve_ms=spent_ms))
 
 
 def _apart(touching: Problem, positions: np.ndarray) -> bool:

@@ -1,7 +1,7 @@
 """A barrier that keeps twine taut: with b its height a bar of force density q is longer by b / q in its law.
 
 It adds b / q^2 to what a bar strains per newton, and a step may go as far as the first density falls to nothing
-(``mechanics.newton_state``, ``interior_point``).
+(``mechanics.newton_state``): for sheets that hang slack and bodies that float.
 """
 
 import numpy as np
