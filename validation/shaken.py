@@ -112,7 +112,8 @@ def row_of_random(number: int, shakes: int = 3) -> dict[str, object] | None:
     changes = [value for name, value in row.items() if name in _NAMES]
     if result.stability.stable == "yes":
         settled = row["ends"] == " ".join(["settled"] * shakes)
-        row["comes back"] = "yes" if settled and np.max(changes) <= COMES_BACK else "NO"
+        # a codend that is all filled has no opening ahead
+        row["comes back"] = "yes" if settled and np.nanmax(changes) <= COMES_BACK else "NO"
     return row
 
 
