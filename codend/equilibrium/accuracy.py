@@ -34,6 +34,8 @@ MORE_SUCTION = 0.1
 """Change of the suction outside the catch, relative, that the sensitivity to the pressure curve is told for."""
 NOISE = 1e-8
 """Relative error that is claimed in any case: what a residual of ``FINEST`` may leave."""
+NOISE_OF = np.array([0.0, 0.0, 0.0, 1.0])
+"""Least sizes that it is of, in the units of the estimates: meshes all but shut are off by as much as others are."""
 WEIGHT_LEFT_OUT = np.array([[0.7, 0.5], [0.7, 0.5], [0.75, 0.0], [7.0, 0.2]])
 """Relative change by wet weight of drag, volume, largest radius and opening ahead of the catch, at most, in w and w^2
 with w the weight over the drag. Found on free full nets, of diamond and T90 netting alone and joined, with w from 0.005
@@ -124,7 +126,7 @@ def estimate(
     net_n = unseen_weight_n + (float(np.abs(problem.loading.dead).sum()) if model.globalisation > 1 else 0.0)
     share = (net_n + catch_n) / measures.drag_n
     weight = WEIGHT_LEFT_OUT @ [share, share**2] + OF_THE_CATCH * catch_n / measures.drag_n
-    errors = SAFETY * (solver + globalised) + (NOISE + weight) * sizes + by_wrinkles
+    errors = SAFETY * (solver + globalised) + NOISE * np.maximum(sizes, NOISE_OF) + weight * sizes + by_wrinkles
     if model.smeared and model.plan.ropes:
         errors += smeared_errors(model.plan) * [*sizes[:3], 1.0]
     if any(share > part.kind.folds_over_from for part in model.plan.netting):

@@ -182,7 +182,7 @@ def test_a_stable_net_comes_back_when_shaken():
             assert measures.opening_ahead_deg == pytest.approx(result.measures.opening_ahead_deg, abs=1e-3)
 
 
-@pytest.mark.parametrize(("number", "stable"), [(1, "yes"), (7, "no"), (8, "yes")])
+@pytest.mark.parametrize(("number", "stable"), [(1, "yes"), (7, "no"), (8, "yes"), (54, "yes")])
 def test_random_plans_come_back_when_shaken_or_lie_within_their_errors(number, stable):
     """A small part of ``python -m validation.shaken --random``."""
     row = row_of_random(number, shakes=1)
