@@ -3,9 +3,7 @@
 Bags of diamond, T90 and square mesh, of heavy twine and with a catch lighter or denser than the water, towed so slowly
 that next to nothing but weight counts. Printed is, for every bag, what its hoop carries beside the wet weight of its
 netting, (rho_c - rho) g V of its catch and the little that the water does, over the sum of the weights: upward, and to
-the sides. Exits with 1 if one that is
-solved misses 1e-8, or one of twenty is not solved.
-
+the sides. Exits with 1 if one that is solved misses 1e-8, or one of twenty is not solved.
 """
 
 import sys
