@@ -51,6 +51,22 @@ def hermitian_parts(blocks: Floats, place: Ints, weight: Floats, even: Floats, o
             odds[where] += weight[entry, 1] * entries[entry]
 
 
+@njit(cache=True, error_model="numpy")
+def add_up_images(blocks: Floats, place: Ints, whole: Floats) -> None:
+    """Write the tangent for moves that are the same in all sectors: blocks of all images of a pair of nodes added up.
+
+    Args:
+        blocks: by image, (b, 3, 3).
+        place: that of each in ``whole``, (b,).
+        whole: is written, (c, 3, 3).
+    """
+    whole[:] = 0.0
+    for block in range(len(place)):
+        for i in range(3):
+            for j in range(3):
+                whole[place[block], i, j] += blocks[block, i, j]
+
+
 @njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def negative_pivots_side_by_side(
     even: Floats, odd: Floats, depth: Ints, turn: Floats, shift: Floats, tail: Floats, negative: Ints

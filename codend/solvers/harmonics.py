@@ -10,7 +10,7 @@ by one sector. With R (0, 1, i) = exp(-2 pi i / n) (0, 1, i) its moves along the
 k = 1 and n - 1. Where the moves of sectors are normalised, u_s = v exp(2 pi i k s / n) / sqrt(n), its column and row
 weigh sqrt(n) times what one sector has of them. It is held across the flow in a sector, but by nothing in the net.
 
-Every tangent is shifted by ``newton.NEUTRAL``: what moves for nothing, as slack twine does, does not count as growing.
+Every tangent is shifted by ``ring.NEUTRAL``: what moves for nothing, as slack twine does, does not count as growing.
 """
 
 from collections.abc import Iterator
@@ -21,14 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
-from codend.mechanics import newton_step as kernels
-from codend.mechanics.bars import bar_lengths
 from codend.mechanics.harmonics import Complex, negative_pivots_side_by_side
-from codend.mechanics.newton_state import measure
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
 from codend.solvers.harmonic_tangent import FIRST_STEPS, HarmonicTangent, Nearest
-from codend.solvers.newton import DIRECT, NEUTRAL
 from codend.solvers.outcome import Solution
 from codend.solvers.ring import Ring
 
@@ -90,7 +86,7 @@ def harmonics_of(problem: Problem, solution: Solution, ring: Ring) -> Harmonics:
     Those whose Hermitian part is positive definite, by its pivots, are stable. Of the others the eigenvalues in the
     left half-plane are found.
     """
-    _linearise(problem, solution, ring)
+    ring.linearise(problem, solution)
     return growing_harmonics(ring, stiffness_under_tension(problem, solution))
 
 
@@ -109,6 +105,8 @@ def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
     if ring.fronted:
         with_front[0] = ring.tangent(0).negative_eigenvalues(int(negative[0]))
     doubtful = asked[with_front > 0]
+    if len(doubtful) == 0:
+        return Harmonics(ring.order, (), ())
     with _libraries().limit(limits=1, user_api="blas"):
         found = {k: _nearest_to_none(ring.tangent(k), int(negative[k]), int(with_front[k])) for k in doubtful.tolist()}
         left = np.array([k for k, pair in found.items() if pair is None], dtype=doubtful.dtype)
@@ -133,18 +131,6 @@ def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
 def _libraries() -> ThreadpoolController:
     """Matrices as small as a harmonic's projections take far longer where libraries share them out among threads."""
     return ThreadpoolController()
-
-
-def _linearise(problem: Problem, solution: Solution, ring: Ring) -> None:
-    """Write the tangent at an equilibrium into the ring."""
-    structure, state, step = problem.structure, ring.state, ring.step
-    state.position[:] = solution.positions
-    bar_lengths(state.position, structure, state.length)
-    np.divide(solution.bar_tension, state.length, out=state.density)
-    tension = solution.mean_tension
-    measure(structure, problem.loading, tension, DIRECT.switches[0], 0.0, state)
-    sides = kernels.linearise(structure, problem.loading, ring.pattern, tension, NEUTRAL, state, step)
-    ring.gather(sides == 2)
 
 
 def negative_pivots(ring: Ring, harmonics: Numbers, shift: Floats) -> Numbers:

@@ -6,16 +6,24 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.mechanics.harmonics import Complex, hermitian_parts
-from codend.mechanics.newton_state import empty_state
-from codend.mechanics.newton_step import empty_step
+from codend.mechanics.bars import bar_lengths
+from codend.mechanics.harmonics import Complex, add_up_images, hermitian_parts
+from codend.mechanics.newton_state import empty_state, measure
+from codend.mechanics.newton_step import empty_step, linearise
+from codend.mechanics.problem import Problem
 from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import NOTHING_NEAR, Pattern, pattern_of
 from codend.net.net import Floats, Ints
 from codend.solvers.harmonic_tangent import HarmonicTangent
 from codend.solvers.linear_systems import narrow_numbering
+from codend.solvers.outcome import Solution
 
 Places = NDArray[np.int64]
+SWITCH = 0.1
+"""Weight of the test for taut bars at an equilibrium, where they are one or the other (``newton_state.measure``)."""
+NEUTRAL = 1e-6
+"""Shift of a tangent that is asked for stability, over the stiffness that the mean tension gives the nodes: behind a
+neck that has closed the bag turns about its axis for nothing, and round-off would give that eigenvalue either sign."""
 
 
 class Entries(NamedTuple):
@@ -49,6 +57,10 @@ class Ring:
         self.order = int(structure.order) if whole else structure.order
         self.pattern = pattern_of(structure, by_image=True, near=near)
         self.state, self.step = empty_state(structure, bands), empty_step(structure, self.pattern)
+        nodes = len(structure.free)
+        self._whole_place = np.unique(
+            self.pattern.row.astype(np.int64) * nodes + self.pattern.column, return_inverse=True
+        )[1]
         self._gathered: Floats | None = None
         self.fronted = False
         """Whether the catch's front follows the net."""
@@ -91,6 +103,22 @@ class Ring:
         other.state, other.step = empty_state(structure, bands), empty_step(structure, self.pattern)
         other.even, other.odd = np.zeros_like(self.even), np.zeros_like(self.odd)
         return other
+
+    def linearise(self, problem: Problem, solution: Solution) -> int:
+        """Take over the tangent at an equilibrium, shifted by ``NEUTRAL``; how many right sides go with it."""
+        structure, state, step = problem.structure, self.state, self.step
+        state.position[:] = solution.positions
+        bar_lengths(state.position, structure, state.length)
+        np.divide(solution.bar_tension, state.length, out=state.density)
+        tension = solution.mean_tension
+        measure(structure, problem.loading, tension, SWITCH, 0.0, state)
+        sides = linearise(structure, problem.loading, self.pattern, tension, NEUTRAL, state, step)
+        self.gather(sides == 2)
+        return int(sides)
+
+    def write_whole(self, blocks: Floats) -> None:
+        """Write the tangent that was taken over as ``pattern_of`` has it when images are added up, (b, 3, 3)."""
+        add_up_images(self.step.blocks, self._whole_place, blocks)
 
     def gather(self, fronted: bool) -> None:
         """Take over the tangent that was written into ``step``, and whether the catch's front follows the net."""

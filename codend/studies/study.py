@@ -22,7 +22,7 @@ from codend.equilibrium.folds import in_contact_share
 from codend.equilibrium.following import LYING_ON_ITSELF, NOT_FOLLOWED, as_it_lies, follow
 from codend.equilibrium.other_shapes import apart_from_other_shapes
 from codend.equilibrium.room import check_room, explained
-from codend.equilibrium.stability import Stability, stability_of
+from codend.equilibrium.stability import Stability, stability_of, tangent_of
 from codend.equilibrium.start_shapes import carried_over
 from codend.equilibrium.wrinkles import changed_by_wrinkles, within_accuracy
 from codend.mechanics.problem import Problem
@@ -175,7 +175,7 @@ def solve(
 def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progress: Progress) -> CaseResult:
     """The result with its stability and errors, or that of the shape to which following what grows led."""
     plan, case, problem, solution = model.plan, result.case, result.problem, result.solution
-    tangent = newton.tangent_at(problem, solution, model.prepared)
+    tangent = tangent_of(model, problem, solution)
     stability = stability_of(model, tangent)
     # sectors of diamond netting that are stable lie on themselves nowhere
     turned = any(part.knot_across_m > 0.0 for part in plan.netting)
@@ -202,7 +202,7 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
         solve_ms=solution.report.solve_ms + followed.spent_ms,
     )
     found = measured(shape.model.bag, case, shape.problem, replace(shape.solution, report=report))
-    tangent = newton.tangent_at(shape.problem, shape.solution, shape.model.prepared)
+    tangent = tangent_of(shape.model, shape.problem, shape.solution)
     folds = layers_touch(shape.problem, shape.solution.positions) or followed.contact_share > 0.0
     followed = replace(followed, folds=folds)
     covered = followed.covered and (not folds or followed.contact_share > 0.0)
