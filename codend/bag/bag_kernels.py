@@ -20,6 +20,7 @@ from codend.bag.measure_kernels import (
     write_openings,
 )
 from codend.compiled import njit
+from codend.mechanics.catch_front import fill
 from codend.mechanics.catch_weight import front_height
 from codend.mechanics.crossing import band_turns
 from codend.mechanics.loads import Loading, loads_and_supports
@@ -244,6 +245,14 @@ def drag(structure: Structure, loading: Loading, position: Floats, share: Floats
     on_twine, by_catch = np.zeros_like(position), np.zeros_like(position)
     add_current_loads(position, structure, loading, share, on_twine, by_catch)
     return structure.order * np.sum(on_twine[:, 0]), structure.order * np.sum(by_catch[:, 0])
+
+
+@njit(cache=True, error_model="numpy")
+def drag_in_shape(structure: Structure, loading: Loading, position: Floats, share: Floats) -> float:
+    """Drag of the whole net in a shape, N; where its catch reaches there is written into ``share``."""
+    fill(position, structure, loading.catch, share)
+    on_twine, by_catch = drag(structure, loading, position, share)
+    return on_twine + by_catch
 
 
 @njit(cache=True, error_model="numpy")

@@ -174,6 +174,17 @@ def take_column(window: Floats, at: int, inverse: Floats, scaled: Floats, places
 
 
 @njit(cache=True, error_model="numpy")
+def add_turned_bands(bands: Floats, turns: Numbers, band: Numbers) -> None:
+    """Add the bands of all images, (images, width, unknowns), each times its turn, to the first columns of a band."""
+    images, width, size = bands.shape
+    for image in range(images):
+        turn = turns[image]
+        for i in range(width):
+            for j in range(size):
+                band[i, j] += turn * bands[image, i, j]
+
+
+@njit(cache=True, error_model="numpy")
 def write_rows(band: Numbers, centre: float, hermitian: bool, rows: Numbers) -> None:
     """Write a band, or its Hermitian part, less ``centre`` on its diagonal, as ``factorise_band_of_numbers`` takes it.
 
@@ -218,18 +229,21 @@ def factorise_band_of_numbers(band: Numbers) -> None:
                     row[start + i] -= factor * band[k, half + i]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
 def solve_band_of_numbers(band: Numbers, x: Numbers) -> None:
     """Solve in place with the factors of ``factorise_band_of_numbers``, (unknowns,)."""
     size, width = band.shape
     half = width // 2
     for i in range(size):
+        value = x[i]
         for j in range(max(0, i - half), i):
-            x[i] -= band[i, half + j - i] * x[j]
+            value -= band[i, half + j - i] * x[j]
+        x[i] = value
     for i in range(size - 1, -1, -1):
+        value = x[i]
         for j in range(i + 1, min(size, i + half + 1)):
-            x[i] -= band[i, half + j - i] * x[j]
-        x[i] /= band[i, half]
+            value -= band[i, half + j - i] * x[j]
+        x[i] = value / band[i, half]
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})

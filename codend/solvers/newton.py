@@ -18,6 +18,7 @@ from codend.mechanics.bars import bar_lengths, carried
 from codend.mechanics.loads import Loading
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
+from codend.net.net import Floats
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension, rough_shape
 from codend.solvers.kernels import FAILED, IN_FIRST, Iteration, Limits, advance, advance_banded
@@ -65,8 +66,6 @@ DIRECT = NewtonSettings(rough_starts=())
 """Newton's method from the start it is given and no other."""
 NEARBY = replace(DIRECT, iterations_allowed=8, refuses=False)
 """Newton's method from an equilibrium nearby, for no longer than a step or two and some to spare."""
-ONE_STEP = replace(NEARBY, iterations_allowed=1, least_iterations=1)
-"""The first step alone: with the tangent's factors it is one back-substitution."""
 
 
 @dataclass(frozen=True)
@@ -157,7 +156,7 @@ def tangent_at(
     touches = problem.surface is not None or len(problem.loading.contact.kind) > 0
     if ring is not None and not touches and solution.mean_tension > 0.0:
         sides = ring.linearise(problem, solution)
-        ring.write_whole(prepared.step.blocks)
+        ring.write_whole(prepared.step)
         singular = prepared.system.factorise(prepared.step.blocks) == -1
         return TangentAtEquilibrium(problem, solution, prepared, sides - 1, singular, ring)
     run = _Iterations(problem, prepared, DIRECT, None)
@@ -169,6 +168,17 @@ def tangent_at(
     )
     singular = system.factorise(step.blocks) == -1
     return TangentAtEquilibrium(replace(problem, loading=run.loading), solution, prepared, sides - 1, singular)
+
+
+def moved_by(tangent: TangentAtEquilibrium, force: Floats) -> Floats:
+    """Moves of the nodes by small forces on them, (n, 3) both, m and N: one back-substitution.
+
+    The tangent's factors, or those of a tangent nearby that took their place, stand for its own.
+    """
+    step, system = tangent.prepared.step, tangent.prepared.system
+    step.right[0] = force
+    newton_step.combine(system.solve(step.right[: 1 + tangent.products]), step, step.move)
+    return step.move.copy()
 
 
 def solve_nearby(

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.mechanics.bars import bar_lengths
-from codend.mechanics.harmonics import Complex, add_up_images, hermitian_parts
+from codend.mechanics.harmonics import Complex, add_turned_bands, add_up_images, hermitian_parts
 from codend.mechanics.newton_state import empty_state, measure
-from codend.mechanics.newton_step import empty_step, linearise
+from codend.mechanics.newton_step import Step, empty_step, linearise
 from codend.mechanics.problem import Problem
 from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import NOTHING_NEAR, Pattern, pattern_of
@@ -116,9 +116,11 @@ class Ring:
         self.gather(sides == 2)
         return int(sides)
 
-    def write_whole(self, blocks: Floats) -> None:
-        """Write the tangent that was taken over as ``pattern_of`` has it when images are added up, (b, 3, 3)."""
-        add_up_images(self.step.blocks, self._whole_place, blocks)
+    def write_whole(self, step: Step) -> None:
+        """Write what was taken over into a step of moves that are the same in all sectors, images added up."""
+        add_up_images(self.step.blocks, self._whole_place, step.blocks)
+        step.right[:], step.gradient[:] = self.step.right, self.step.gradient
+        step.hardening[:] = self.step.hardening
 
     def gather(self, fronted: bool) -> None:
         """Take over the tangent that was written into ``step``, and whether the catch's front follows the net."""
@@ -209,8 +211,7 @@ class Ring:
         if real := 2 * harmonic in (0, self.order):
             turns = turns.real
         band = np.zeros((2 * half + 1, self.size + count), dtype=turns.dtype)
-        for turn, part in zip(turns, self._bands, strict=True):
-            band[:, : self.size] += turn * part
+        add_turned_bands(self._bands, turns, band)
         if count:
             row, column, value = self._values_at_axis(harmonic)
             np.add.at(band, (half + row - column, column), value.real if real else value)
