@@ -26,6 +26,7 @@ from codend.equilibrium.stability import Stability, stability_of, tangent_of
 from codend.equilibrium.start_shapes import carried_over
 from codend.equilibrium.wrinkles import changed_by_wrinkles, within_accuracy
 from codend.mechanics.problem import Problem
+from codend.net.net import Floats, Net
 from codend.plan.plan import Case, Plan
 from codend.solvers import newton
 from codend.solvers.outcome import Progress, Solution, SolverReport
@@ -217,21 +218,24 @@ def _nearest(near: Sequence[CaseResult], model: BagModel, case: Case) -> list[tu
     Its equilibrium is carried over to the model's net; the list is empty where there is none.
     """
     mine = model.bag.net
+    solved = [one for one in near if one.case.catch_kind == case.catch_kind and one.report.method != plan_case.METHOD]
 
-    def distance(other: CaseResult) -> float:
-        catch, order, bar_m = other.case.catch_value, other.net.order, float(other.net.bar_length[0])
-        sizes = (catch, case.catch_value), (order, mine.order), (bar_m, own_bar_m)
-        return sum(abs(a - b) / (a + b) for a, b in sizes if a != b)
-
-    def alike(other: CaseResult) -> bool:
-        pairs = (other.net.bars, mine.bars), (other.net.bar_image, mine.bar_image)
+    def alike(other: Net) -> bool:
+        pairs = (other.bars, mine.bars), (other.bar_image, mine.bar_image)
         nodes = len(other.positions) == len(mine.positions)
         return nodes and all(one is two or np.array_equal(one, two) for one, two in pairs)
 
-    own_bar_m = float(mine.bar_length[0])
-    solved = [one for one in near if one.case.catch_kind == case.catch_kind and one.report.method != plan_case.METHOD]
-    for nearest in sorted(solved, key=distance):
-        if alike(nearest):
+    def apart(others: list[float], own: float) -> Floats:
+        """Differences from one's own size, over the sum of both."""
+        sizes = np.array(others)
+        return np.asarray(np.abs(sizes - own) / (sizes + own))
+
+    distance = apart([one.case.catch_value for one in solved], case.catch_value)
+    distance += apart([one.net.order for one in solved], mine.order)
+    distance += apart([one.net.bar_length[0] for one in solved], mine.bar_length[0])
+    for number in np.argsort(distance, kind="stable"):
+        nearest = solved[number]
+        if alike(nearest.net):
             return [(nearest.case, carried_over(nearest.solution, nearest.net, mine))]
     return []
 
