@@ -86,6 +86,12 @@ class Bag:
         return np.concatenate([[0.0], np.cumsum(self.band_meshes)])
 
     @cached_property
+    def ring_size(self) -> Floats:
+        """Nodes in the ring polygon of each row, (bands + 1,)."""
+        rings = self.node_row[self.node_row >= 0]
+        return np.bincount(rings, minlength=self.bands + 1).astype(np.float64)
+
+    @cached_property
     def band_is_staggered(self) -> NDArray[np.bool_]:
         """Whether the rows at either end of a band are half a mesh apart, a whole one otherwise, (bands,)."""
         return np.array([kind.staggered for kind in self.band_kind])

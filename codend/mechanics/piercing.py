@@ -27,6 +27,21 @@ CELLS = 8
 """Most cells of the grid, over the number of facets."""
 
 
+DEEPEST = 0.1
+"""Of the shortest bar; see ``touching_m``."""
+
+
+@njit(cache=True)
+def touching_m(length: Floats, thickness: Floats) -> float:
+    """Depth up to which netting touches itself and does not pass through, m, by its bars, (m,) both.
+
+    Twine has a thickness: netting whose middle lines are on the wrong side of each other by less than that is pressed
+    together, which is no part of the model, and not through. That counts up to ``DEEPEST`` of the shortest bar.
+    """
+    shortest = length.min()
+    return max(TOUCHING * shortest, min(np.median(thickness), DEEPEST * shortest))
+
+
 @njit(cache=True)
 def write_point(position: Floats, node: int, image: int, cosines: Floats, sines: Floats, point: Floats) -> None:
     """Write a node turned about the x axis by ``image`` sectors, (3,)."""

@@ -84,6 +84,7 @@ class Ring:
         width, reach = int(self.depth.max()) + 1, int(np.abs(image).max())
         self.even, self.odd = np.zeros((2, reach + 1, self.size, width))
         """C and S of ``mechanics.harmonics``."""
+        self._turns = self._turns_of(self.order)
         row, column, image = self._row, self._column, self._image
         off = np.abs(row - column)
         self._tails = self._tail_of(0), self._tail_of(1)
@@ -99,10 +100,17 @@ class Ring:
         other = copy(self)
         order = structure.order
         other.order = int(order) if order.is_integer() else order
-        other._axis_weights = [entries.weights(k, other.order) for k, entries in enumerate(self._at_axis)]
+        if other.order != self.order:
+            other._axis_weights = [entries.weights(k, other.order) for k, entries in enumerate(self._at_axis)]
+            other._turns = self._turns_of(other.order)
         other.state, other.step = empty_state(structure, bands), empty_step(structure, self.pattern)
         other.even, other.odd = np.zeros_like(self.even), np.zeros_like(self.odd)
         return other
+
+    def _turns_of(self, order: float) -> Floats:
+        """Cosine and sine of m phi in harmonics 0 .. n / 2 of a ring of n sectors, (2, reach + 1, harmonics)."""
+        angle = np.arange(len(self.even))[:, None] * (2.0 * np.pi / order * np.arange(int(order // 2) + 1))
+        return np.stack([np.cos(angle), np.sin(angle)])
 
     def linearise(self, problem: Problem, solution: Solution) -> int:
         """Take over the tangent at an equilibrium, shifted by ``NEUTRAL``; how many right sides go with it."""
@@ -175,7 +183,6 @@ class Ring:
 
     def turn_and_tail(self, harmonics: NDArray[np.integer]) -> tuple[Floats, Floats]:
         """What ``negative_pivots_side_by_side`` asks for of some harmonics."""
-        angle = np.arange(len(self.even))[:, None] * (2.0 * np.pi / self.order * harmonics)
         rows, width = len(self.depth) - self.size, self.even.shape[2]
         tail = np.zeros((rows, width, 2, len(harmonics)))
         tail[:, 0, 0] = 1.0
@@ -186,7 +193,7 @@ class Ring:
             for i, part in enumerate(parts):
                 tail[:, :, i, lane] = np.bincount(place, part, rows * width).reshape(rows, width)
             tail[held, 0, 0, lane] = 1.0
-        return np.stack([np.cos(angle), np.sin(angle)]), tail
+        return np.take(self._turns, harmonics, axis=2), tail
 
     def _tail_of(self, harmonic: int) -> tuple[Places, NDArray[np.bool_], Floats, Floats]:
         """Of the entries at the axis in a harmonic where they go among the tail's, and what their two parts weigh.

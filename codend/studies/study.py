@@ -162,7 +162,8 @@ def solve(
                     progress(done, len(cases), f"case {case.number}: its stability and errors")
                 unseen_n = choice.unseen_weight_n if found_on is model else choice.weight_n
                 result = _judged(found_on, result, unseen_n, report)
-                result = replace(result, stands_in=None if found_on is model else found_on.near)
+                if found_on is not model:
+                    result = replace(result, stands_in=found_on.near)
         except MemoryError as error:
             raise explained(plan, choice, error, free) from None
         results[case.number] = result
