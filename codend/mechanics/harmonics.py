@@ -206,10 +206,11 @@ def band_times(band: Numbers, vectors: Numbers) -> Numbers:
     """Products of a band, laid out as for ``write_rows``, with vectors (unknowns, k), which are complex if it is."""
     width, size = band.shape
     half, product = width // 2, np.zeros_like(vectors)
-    for i in range(size):
-        for j in range(max(0, i - half), min(size, i + half + 1)):
+    for d in range(width):
+        lower = d - half
+        for j in range(max(0, -lower), min(size, size - lower)):
             for k in range(vectors.shape[1]):
-                product[i, k] += band[half + i - j, j] * vectors[j, k]
+                product[j + lower, k] += band[d, j] * vectors[j, k]
     return product
 
 

@@ -34,8 +34,8 @@ CLOSE = 1.5
 """Factor within which the lowest eigenvalue of a Hermitian part is bounded."""
 MOST_SIDE_BY_SIDE = 96
 """Harmonics factorised at a time: as many as fit into the nearest cache."""
-AT_FIRST = 8
-"""Steps of Arnoldi's method before it is first looked what it found beside 0."""
+AT_FIRST, LED = 8, 6
+"""Steps of Arnoldi's method before it is first looked what it found beside 0, and led by the harmonic before."""
 DENSE = 40
 """Unknowns up to which all eigenvalues of a harmonic are found at once."""
 NEARER, NEARER_BY = 3, 0.2
@@ -108,7 +108,11 @@ def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
     if len(doubtful) == 0:
         return Harmonics(ring.order, (), ())
     with _libraries().limit(limits=1, user_api="blas"):
-        found = {k: _nearest_to_none(ring.tangent(k), int(negative[k]), int(with_front[k])) for k in doubtful.tolist()}
+        found: dict[int, tuple[Complex, Complex] | None] = {}
+        led: Complex | None = None
+        for k in doubtful.tolist():
+            found[k] = pair = _nearest_to_none(ring.tangent(k), int(negative[k]), int(with_front[k]), led)
+            led = None if pair is None else pair[1].sum(axis=1)
         left = np.array([k for k, pair in found.items() if pair is None], dtype=doubtful.dtype)
         enough = 0
         for k, lowest in zip(left.tolist(), _lower_bounds(ring, left, scale), strict=True):
@@ -156,14 +160,16 @@ def _lower_bounds(ring: Ring, harmonics: Numbers, scale: float) -> Floats:
     return -bound
 
 
-def _nearest_to_none(tangent: HarmonicTangent, negative: int, expected: int) -> tuple[Complex, Complex] | None:
+def _nearest_to_none(
+    tangent: HarmonicTangent, negative: int, expected: int, led: Complex | None
+) -> tuple[Complex, Complex] | None:
     """Those eigenvalues nearest to 0, where the rest is proved to be stable: in a few steps, and nearly always enough.
 
-    The arguments are those of ``_lowest_eigenvalues``.
+    The arguments are those of ``_lowest_eigenvalues``, and the sum of the vectors of the harmonic before.
     """
     if not tangent.size > DENSE or expected >= tangent.size // 4:
         return None
-    found = tangent.nearest(0.0).eigenvalues(expected, AT_FIRST)
+    found = tangent.nearest(0.0, led=led).eigenvalues(expected, AT_FIRST if led is None else LED)
     if found is None or tangent.negative_eigenvalues(negative, np.linalg.qr(found[1])[0]) > 0:
         return None
     return found
