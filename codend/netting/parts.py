@@ -37,13 +37,13 @@ class Lattice:
     @cached_property
     def distinct(self) -> list[Netting]:
         """Every section once, from the entry."""
-        return list({id(section): section for section in self.sections}.values())
+        return list(dict(zip(map(id, self.sections), self.sections, strict=True)).values())
 
     @cached_property
     def number(self) -> Counts:
         """Number of each band's section among them, (bands,)."""
         number = {id(section): i for i, section in enumerate(self.distinct)}
-        return np.array([number[key] for key in map(id, self.sections)])
+        return np.array(list(map(number.__getitem__, map(id, self.sections))))
 
     def of_bands(self, value: Callable[[Netting], object]) -> NDArray:
         """A value of every band's section, (bands,)."""
