@@ -40,8 +40,8 @@ def _led_start(size: int, led: Numbers | None, kind: np.dtype) -> Numbers:
     start = _start(size)
     if led is None or len(led) != size or (np.iscomplexobj(led) and kind.kind != "c"):
         return start
-    start = BESIDE * start + led / np.linalg.norm(led)
-    return np.asarray(start / np.linalg.norm(start))
+    mostly = BESIDE * start + led / np.linalg.norm(led)
+    return np.asarray(mostly / np.linalg.norm(mostly))
 
 
 class HarmonicTangent:
