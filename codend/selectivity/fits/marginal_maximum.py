@@ -17,6 +17,7 @@ DISTANCE_TOLERANCE: Final = 1e-4  # of a maximum, in standard errors
 NEWTON_STEPS: Final = 12
 SD_DIFFERENCE: Final = 0.1  # of a standard deviation, in its standard errors
 DIFFERENCE: Final = 1e-5  # of the gradient, in units of `_scale`
+MANY_FISH: Final = 1e6  # from which on the search is of the likelihood of so many: its steps fail at huge slopes
 MOST_ERROR: Final = 3.0  # of L50 in reaches of the lengths and of ln SR: a plateau without an end is flat to rounding
 LEAST_CURVATURE: Final = 1e-7  # of the information, its diagonal scaled to 1
 STARTS_OF_SD: Final = {"l50": 0.4, "sr": 0.2, "split": 0.3}  # in units of SR for L50, as they are for the others
@@ -92,6 +93,7 @@ def _maximum(model: MarginalModel, start: Array) -> MarginalMaximum:
     from scipy.optimize import Bounds, minimize
 
     scale, bounds = _scale(model), _bounds(model)
+    many = max(1.0, float(model.test.sum() + model.other.sum()) / MANY_FISH)
     modes = np.zeros((model.first_row.size, len(model.random)))
 
     def objective(scaled: Array) -> tuple[float, Array]:
@@ -99,7 +101,7 @@ def _maximum(model: MarginalModel, start: Array) -> MarginalMaximum:
         theta = scaled * scale
         nodes, modes = place_nodes(model, theta, modes)
         value, gradient = log_likelihood(model, theta, nodes)
-        return -value, -gradient * scale
+        return -value / many, -gradient * scale / many
 
     with np.errstate(all="ignore"):
         begin = np.clip(start, bounds[:, 0], bounds[:, 1]) / scale
