@@ -1,9 +1,9 @@
 """Sections that taper: how many columns of meshes every band has, and how many are lost in which rows along each seam.
 
 An edge of a panel is cut along points N, each two rows deep, bars B, each one row deep and half a mesh in, and meshes
-T, each a whole mesh in along a row. Sewn to its like, a bar on both edges makes the panel one mesh narrower: the knots on
-either side of the seam become one, on the seam. A T on both edges makes it narrower by two more: the knots along them
-are gathered in the seam as well, into that one (assumed: the lacing draws them together).
+T, each a whole mesh in along a row. Sewn to its like, a bar on both edges makes the panel one mesh narrower: the knots
+on either side of the seam become one, on the seam. A T on both edges makes it narrower by two more: the knots along
+them are gathered in the seam as well, into that one (assumed: the lacing draws them together).
 
 Where an edge loses no more than it is deep it has N and B: the rows of the B are an odd number apart, the first an odd
 number from the end. Where it loses more it has a B in every row, and T between. Both are spread as evenly along the

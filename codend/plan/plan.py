@@ -160,7 +160,7 @@ class Plan(Table):
         return any(part.tapers for part in self.netting)
 
     def places_round(self, globalisation: int = 1) -> int:
-        """Places round, at equal angles, at which a tube that tapers loses meshes: as many as windows leave room for."""
+        """Places round, at equal angles, at which a tube that tapers loses meshes; as many as windows leave room."""
         counts = [count // globalisation for part in self.netting for count in part.open_meshes]
         most = math.gcd(*counts, *(part.panels for part in self.netting if part.has_seams))
         holes = [hole.merged(globalisation) for hole in self.holes]
