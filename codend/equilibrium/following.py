@@ -28,12 +28,12 @@ from codend.equilibrium.folds import (
     is_pierced,
     limp_of,
 )
-from codend.equilibrium.stability import Stability, stability_of
+from codend.equilibrium.stability import Stability, stability_of, tangent_of
 from codend.equilibrium.start_shapes import all_round_start
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, rotate
 from codend.plan.plan import Case, Plan
-from codend.solvers import gentle, newton
+from codend.solvers import gentle
 from codend.solvers.clock import Clock
 from codend.solvers.gentle import End, Motion
 from codend.solvers.harmonics import Growth
@@ -232,7 +232,7 @@ class _Following:
         return lost + (f", left out for their cost: {self.left_out}{more}" if self.left_out else "")
 
     def _shape(self, model: BagModel, problem: Problem, motion: Motion, growth: Growth) -> Shape:
-        tangent = newton.tangent_at(problem, motion.solution, model.prepared)
+        tangent = tangent_of(model, problem, motion.solution)
         return Shape(
             model,
             problem,
@@ -318,7 +318,7 @@ def _symmetric(model: BagModel, case: Case) -> tuple[BagModel, Solution, Stabili
     problem, solution = equilibrium.solve(sector, case, (), None)
     if not solution.report.outcome.converged:
         return None
-    stability = stability_of(sector, newton.tangent_at(problem, solution, sector.prepared))
+    stability = stability_of(sector, tangent_of(sector, problem, solution))
     return sector, solution, stability, problem
 
 

@@ -39,17 +39,19 @@ class Lattice:
         return len(self.sections)
 
     @cached_property
-    def _numbered_sections(self) -> tuple[list[Netting], Counts]:
-        """Every section once, and its number of each band, (bands,)."""
-        keys = list(map(id, self.sections))
-        distinct = dict(zip(keys, self.sections, strict=True))
-        number = {key: i for i, key in enumerate(distinct)}
-        return list(distinct.values()), np.array(list(map(number.__getitem__, keys)))
+    def distinct(self) -> list[Netting]:
+        """Every section once, from the entry."""
+        return list(dict(zip(map(id, self.sections), self.sections, strict=True)).values())
+
+    @cached_property
+    def number(self) -> Counts:
+        """Number of each band's section among them, (bands,)."""
+        number = {id(section): i for i, section in enumerate(self.distinct)}
+        return np.array(list(map(number.__getitem__, map(id, self.sections))))
 
     def of_bands(self, value: Callable[[Netting], object]) -> NDArray:
         """A value of every band's section, (bands,)."""
-        sections, number = self._numbered_sections
-        return np.array([value(section) for section in sections])[number]
+        return np.array([value(section) for section in self.distinct])[self.number]
 
     @cached_property
     def staggered(self) -> NDArray[np.bool_]:

@@ -18,8 +18,9 @@ from codend.mechanics.newton_step import empty_step, finish_step, linearise, rig
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
 from codend.solvers.dynamic_relaxation import reference_tension
-from codend.solvers.newton import NEUTRAL, Prepared
+from codend.solvers.newton import Prepared
 from codend.solvers.outcome import Solution
+from codend.solvers.ring import NEUTRAL
 
 SWITCH = 0.1
 """Weight of the test for taut bars, which is the same at an equilibrium whatever the weight."""
