@@ -77,7 +77,7 @@ STEEP = {
         TAPERED["turned and stiff"][0] | {"meshes_round": 48, "meshes_long": 4, "meshes_round_aft": 24, "cut": "1N4B"},
         TAPERED["turned and stiff"][0] | {"meshes_round": 24, "meshes_round_aft": 24},
     ],
-    "wider": [AFT, AFT | {"meshes_long": 6, "meshes_round_aft": 52}, AFT | {"meshes_round": 52}],
+    "wider": [AFT, AFT | {"meshes_long": 4, "meshes_round_aft": 36}, AFT | {"meshes_round": 36}],
 }
 ASKED = {"tolerance": 1e-10, "wrinkles": False}
 
