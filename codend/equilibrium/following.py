@@ -49,6 +49,8 @@ ALONG, SHAKEN = 0.05, 0.01
 """Largest move along a growing shape, and moves at random, to start with, over a bar."""
 COVERING = 3.0
 """What wrinkles change, at most, over what was found: the shapes found are some of many."""
+SWUNG = 0.1
+"""Of how far a bag swings on its hoop, what is told as well: whichever way it swings it hangs alike."""
 ENOUGH_SHAPES = 3
 """Shapes in contact whose spread is the error of the one that lasts among them."""
 WORK: dict[object, int] = {"auto": 500_000, True: 2_000_000}
@@ -186,7 +188,9 @@ class _Following:
             tolerance = model.plan.model.tolerance
             touches = problem.surface is not None
             if not touches:
-                motion = gentle.follow(wide_problem, tolerance, start, wide.prepared, self.progress)
+                motion = gentle.follow(
+                    wide_problem, tolerance, start, wide.prepared, self.progress, left=rest.positions
+                )
                 touches = motion.end is End.TOUCHING and wide.plan.model.contact is not False
             if touches:
                 self.in_contact = True
@@ -350,6 +354,8 @@ def _told(run: _Following, at_rest: Measures, merged: str, spent_ms: float) -> F
         reason += run.unfinished
     folds = fold_count(shape.solution.positions, shape.problem.rings, shape.model.bag.net.order)
     lasts = shape.stability.stable == "yes"
+    if lasts and shape.harmonic == 1 and len(values) > 1:
+        found = replace(found, changed=COVERING * spread + SWUNG * np.ptp(all_values, axis=0))
     if shape.problem.surface is not None:
         lasts = lasts and len(run.shapes) >= ENOUGH_SHAPES
         if lasts:
