@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from codend.equilibrium import following
+from codend.equilibrium import following, growing_starts
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.folds import fold_count
@@ -157,9 +157,9 @@ def test_a_shape_of_which_nothing_that_can_be_followed_grows_is_the_last(monkeyp
     model, case = model_of(plan, 1, 1), plan.cases()[0]
     problem, solution = equilibrium.solve(model, case, (), None)
     stability = stability_of(model, newton.tangent_at(problem, solution, model.prepared))
-    assert list(following._starts(model, case, solution, stability))
+    assert list(growing_starts.starts(model, case, solution, stability))
     monkeypatch.setattr(following, "MOST_KNOTS", 0)
-    assert not list(following._starts(model, case, solution, stability))
+    assert not list(growing_starts.starts(model, case, solution, stability))
 
 
 def test_columns_tell_what_was_followed():
