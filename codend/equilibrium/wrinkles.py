@@ -24,9 +24,9 @@ as far as the hoop lets it. Bags of diamond and T90 netting changed by up to 0.0
 (``Kind.tips``) by what weight tips them (``python -m validation.swinging``)."""
 STRONGEST = 50.0
 BY_STRENGTH = np.array([0.04, 0.35, 0.036, 0.004])
-"""Relative change of drag, volume, largest radius and opening ahead, over the root of the strength. With 0.2 and 0.03 two
-of 18 nets of ``shaken --nets 60 --seed 2000`` were outside in volume and radius, by up to 1.51 and 1.02: shaken nets had
-come back from weak growths before gentle steps let them go."""
+"""Relative change of drag, volume, largest radius and opening ahead, over the root of the strength. With 0.2 and 0.03
+in volume and radius two of 18 nets of ``shaken --nets 60 --seed 2000`` were outside, by up to 1.51 and 1.02: before
+gentle steps let weak growths go, shaken nets had come back."""
 FEW_MESHES = 1.2
 """Filled meshes under which all that changes more, in proportion: few rows share it. One of these nets, of 0.87, was
 outside in drag by 1.10."""
