@@ -13,6 +13,7 @@ import numpy as np
 
 from codend.bag.loads import problem_of
 from codend.bag.measures import Measures, measure_all
+from codend.equilibrium import growing_starts
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.folds import (
@@ -25,7 +26,7 @@ from codend.equilibrium.folds import (
     limp_of,
 )
 from codend.equilibrium.followed import NOT_FOLLOWED, Followed, Shape, meshes_wide
-from codend.equilibrium.growing_starts import MOST_KNOTS, fitting, starts
+from codend.equilibrium.growing_starts import fitting, starts
 from codend.equilibrium.stability import Stability, stability_of, tangent_of
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
@@ -66,14 +67,14 @@ def follow(
     if model.near is not None:
         return replace(NOT_FOLLOWED, reason='not followed: fidelity = "sector" asks for the exact ratio of the counts')
     with Clock() as clock:
-        base, merged = (model, solution, stability, problem), ""
+        base, merged, most = (model, solution, stability, problem), "", growing_starts.MOST_KNOTS
         if not list(fitting(model, stability)):
             other = _merged(model, case)
             if other is None:
-                reason = f"not followed: the sector that a growing harmonic fits has more than {MOST_KNOTS} knots"
+                reason = f"not followed: the sector that a growing harmonic fits has more than {most} knots"
                 return replace(NOT_FOLLOWED, reason=reason)
             base, g = other, other[0].globalisation
-            merged = f", {g} x {g} meshes merged into one, for the whole net has more than {MOST_KNOTS} knots"
+            merged = f", {g} x {g} meshes merged into one, for the whole net has more than {most} knots"
         at_rest = measure_all(base[0].bag, base[3], base[1])[2]
         if model.plan.model.contact is not False and is_pierced(base[3], base[1]):
             limp = _symmetric(replace(base[0], plan=limp_of(model.plan)), case)
