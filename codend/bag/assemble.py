@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from codend.bag.bag import Bag
 from codend.net.net import NO_POINTS, Floats, Ints, Net
-from codend.netting.parts import Lattice, Layout
+from codend.netting.lattice import Lattice
+from codend.netting.parts import Layout
 from codend.netting.windows import LetIn
 from codend.plan.tables import Netting
 
