@@ -90,7 +90,8 @@ def few_hauls(data: FieldData, limits: str) -> list[str]:
 def at_mean_text(one: OneStage) -> list[str]:
     """Where L50 and SR are asked for that depend on columns; nothing where they depend on none but the group."""
     parts = [part for part in (one.l50, one.log_sr, one.split) if part is not None and part.spec is not None]
-    used = dict.fromkeys(str(name) for part in parts for name in part.spec.required_variables if name != one.group)
+    named = {str(name) for part in parts for name in part.spec.required_variables} - {one.group}
+    used = [str(name) for name in one.hauls.columns if name in named]
     if not used:
         return []
     found = []

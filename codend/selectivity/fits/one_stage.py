@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import expit, gammaln, logit, stdtrit
 
-from codend.errors import InputError
 from codend.selectivity.fits.families import FAMILIES
-from codend.selectivity.fits.fielddata import DESIGNS, FieldData
+from codend.selectivity.fits.fielddata import FieldData
 from codend.selectivity.fits.fit import LEAST_DEGREES, LEAST_EXPECTED
 from codend.selectivity.fits.marginal import (
     RANDOM_TERMS,
@@ -41,8 +40,6 @@ Array = NDArray[np.float64]
 NORMAL: Final = 1.959963984540054  # 97.5 % quantile of the normal distribution
 LARGEST_DEGREES: Final = 1e6
 """Of freedom, where a standard deviation is 0 and its error plays no part."""
-MOST_FISH: Final = 1e8
-"""More than any trial measures; beyond it what tells of differences between hauls is lost to round-off."""
 SD_NAMES: Final = {"l50": "between_sd_l50_cm", "sr": "between_sd_log_sr", "split": "between_sd_logit_split"}
 
 
@@ -212,18 +209,7 @@ def fit_one_stage(
         units: (H,) the unit of each haul; each haul its own if not given.
         group: column of `hauls` with the gear.
         near: a fit of the same predictors and random terms with another curve, to start from.
-
-    Raises:
-        InputError: hauls that differ at random, and more fish than `MOST_FISH`.
     """
-    counted = float((data.test_count + data.other_count).sum())
-    if random and counted > MOST_FISH:
-        test = DESIGNS[data.design].test
-        allowed = (
-            f"at most {MOST_FISH:g} fish counted where hauls differ (raised numbers: give the count, and the factor in "
-            f"{test}_raising; or --random none)"
-        )
-        raise InputError(data.source, test, None, allowed, f"and the other column hold {counted:.4g} fish")
     of_hauls = tuple(data.haul_names if units is None else units)
     labels = tuple(dict.fromkeys(of_hauls))
     unit_of_haul = np.array([labels.index(unit) for unit in of_hauls])
