@@ -24,20 +24,14 @@ from codend.mechanics.loads import add_moving_force
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Ints
 from codend.solvers.body_motion import BodyMotion
-from codend.solvers.linear_systems import fitting_system, narrow_numbering
+from codend.solvers.one_sided import OneSided
 
 DAMPING = 0.1
 """s: it takes 2 s x (frequency x step) / 4 of a swing's amplitude a radian, and all from steps far longer on."""
-WIDEST_BAND = 80
-"""Half-bandwidth of the system for the tensions beyond which SuperLU is the faster (measured)."""
 LENGTHS_MET = 1e-11
 LOOSE, ENOUGH = 1e-3, 0.2
 """From which allowed departure on, and below which part of it, lengths are corrected twice only."""
 CORRECTIONS = 15
-SLACK_PASSES, SWEEPS, MOST_SWEEPS = 12, 30, 1000
-"""Sweeps after a guess of which bars are taut, twice as many after each further one."""
-NO_PUSH = 1e-10
-"""Push, over the largest force density, that is round-off."""
 NEARLY_TAUT = 1e-6
 """What a bar may be shorter than its length at the start, relative, to be looked upon as taut first."""
 MOST_HALVINGS = 8
@@ -82,9 +76,7 @@ class Motion:
             raise ValueError("bars in motion need a mass: give their diameter")
         bars, nodes = len(net.bars), len(net.positions)
         self.pattern = rigid.rigid_pattern(self.structure, None if problem.body is None else problem.body.nodes)
-        row, column = self.pattern.row, self.pattern.column
-        place = narrow_numbering(row, column, bars)
-        self.system = fitting_system(place[:, None], place[row], place[column], WIDEST_BAND)
+        self.tensions = OneSided(self.pattern, self.structure.is_strut)
         self.time, self.last_step = 0.0, 0.0
         self.position = np.array(positions, dtype=np.float64, order="C")
         self.body: BodyMotion | None = None
@@ -96,7 +88,6 @@ class Motion:
         self.length_error, self._corrections = length_error, 2 if length_error >= LOOSE else CORRECTIONS
         self.worst_length = 0.0
         """Largest departure of a bar from its length that a step has left, relative."""
-        self.taut = np.ones(bars, dtype=np.int32)
         self.strain = np.zeros((2, bars))
         """Of the bars now and a step earlier, 0 in slack ones."""
         self.density = np.zeros(bars)
@@ -105,19 +96,14 @@ class Motion:
         """At the start of the last step, N, (m,)."""
         self.support = np.zeros((nodes, 3))
         """What held the nodes then, N, (n, 3): of free nodes what is left out of balance, round-off."""
-        self.unsettled = 0
-        """Steps in which it was not found which bars are slack."""
         self._point_mass = np.zeros(nodes)
         np.add.at(self._point_mass, net.point_node, net.point_mass)
         self._share = np.zeros(problem.bands)
         self._gradient, self._square = np.zeros((2 * bars, 3)), np.zeros(bars)
         self._masses, self._inverse = np.zeros((nodes, 3, 3)), np.zeros((nodes, 3, 3))
         self._force, self._acceleration = np.zeros((nodes, 3)), np.zeros((nodes, 3))
-        self._entries, self._masked = np.zeros(len(row)), np.zeros(len(row))
-        self._starts = np.searchsorted(row, np.arange(bars + 1)).astype(np.int32)
-        self._rate, self._length, self._product = np.zeros(bars), np.zeros(bars), np.zeros(bars)
+        self._rate, self._length = np.zeros(bars), np.zeros(bars)
         self._all = np.ones(bars, dtype=np.int32)
-        self._factored: Ints | None = None
         bar_lengths(self.position, self.structure, self._length)
         stretches = self.structure.flexibility > 0.0
         strain = np.where(stretches, self._length / self.structure.length - 1.0, 0.0)
@@ -145,7 +131,7 @@ class Motion:
         self.taut[:], self.strain[:] = state["taut"], state["strain"]
         self.structure.free[:], self.density = state["free"], np.array(state["density"])
         self.time, self.last_step, unsettled, self.worst_length = map(float, state["clock"])
-        self.unsettled = int(unsettled)
+        self.tensions.unsettled = int(unsettled)
         if self.body is not None:
             self.body.set_state(state["body"])
 
@@ -153,6 +139,16 @@ class Motion:
         """Hold a node fast from now on to the ground, whose velocity as seen here is ``ground``, (3,), m/s."""
         self.structure.free[node] = 0.0
         self.velocity[node] = ground
+
+    @property
+    def taut(self) -> Ints:
+        """Bars that were taut in the last step, (m,)."""
+        return self.tensions.taut
+
+    @property
+    def unsettled(self) -> int:
+        """Steps in which it was not found which bars are slack."""
+        return self.tensions.unsettled
 
     @property
     def kinetic_energy_j(self) -> float:
@@ -262,18 +258,19 @@ class Motion:
         rigid.accelerations(self._inverse, self._force, self._acceleration)
         free_move = dt * (self.velocity + kick * self._acceleration)
         self._moved(free_move, kick, dt, None)
-        rigid.tension_system(self.pattern, self._gradient, self._inverse, self._all, self._entries)
+        entries = self.tensions.entries
+        rigid.tension_system(self.pattern, self._gradient, self._inverse, self._all, entries)
         if self.body is not None:
-            self.body.couple(self._entries)
-        self._entries[self.pattern.diagonal] += rest**2 * give / squared
-        self._factored = None
+            self.body.couple(entries)
+        entries[self.pattern.diagonal] += rest**2 * give / squared
+        self.tensions.renewed()
         # the first time without the term in dt^2, which is what the papers solve
         rigid.lengthening(structure, self._gradient, free_move, self._rate)
         aim = np.maximum(rest * (1.0 - known), 0.5 * rest)
         right = (self._rate + 0.5 * (self._square - aim**2)) / squared
         worst, density = np.inf, None
         for number in range(CORRECTIONS):
-            density = self._one_sided(right)
+            density = self.tensions.solve(right)
             if density is None:
                 return None
             pulls = np.zeros_like(free_move)
@@ -289,8 +286,7 @@ class Motion:
                 break
             if number + 1 >= self._corrections and worst <= ENOUGH * self.length_error:
                 break
-            rigid.multiply(self._starts, self.pattern.column, self._entries, density, self._product)
-            right = self._product + 0.5 * (self._length**2 - aim**2) / squared
+            right = self.tensions.times(density) + 0.5 * (self._length**2 - aim**2) / squared
         if not worst <= self.length_error or density is None or not np.isfinite(density).all():
             return None
         self.worst_length = max(self.worst_length, worst)
@@ -300,34 +296,6 @@ class Motion:
         """Write those of a body's nodes into the moves of a step, (n, 3): under its loads, and pulls (n, 3) besides."""
         if self.body is not None:
             self.body.moves(self.body.pulled(np.zeros_like(move) if pulls is None else pulls, kick), dt, move)
-
-    def _one_sided(self, right: Floats) -> Floats | None:
-        """Force densities q with A q = right where they are above 0 and A q > right elsewhere, A the step's matrix.
-
-        Struts, which may push, have A q = right anyhow.
-
-        Which bars are taut is the first guess; a few sweeps of one-sided relaxation tell where it is wrong.
-        """
-        column, diagonal, strut = self.pattern.column, self.pattern.diagonal, self.structure.is_strut
-        for number in range(SLACK_PASSES):
-            if self._factored is None or not np.array_equal(self.taut, self._factored):
-                rigid.only_taut(self._starts, column, self.taut, self._entries, self._masked)
-                self._factored = self.taut.copy()
-                if self.system.factorise(self._masked) == -1:
-                    return None
-            density = self.system.solve(np.where(self.taut, right, 0.0)[None, :, None]).reshape(-1) * self.taut
-            rigid.multiply(self._starts, column, self._entries, density, self._product)
-            least = -NO_PUSH * float(np.abs(density).max(initial=0.0))
-            scale = NO_PUSH * float(np.abs(right).max(initial=0.0))
-            pushes = ~strut & (density < least)
-            density, missing = carried(strut, density), right - self._product
-            if not np.any(np.where(self.taut, pushes, missing > scale)):
-                return np.asarray(density)
-            sweeps = min(SWEEPS * 2**number, MOST_SWEEPS)
-            rigid.relax_one_sided(self._starts, column, diagonal, self._entries, right, strut, density, sweeps)
-            self.taut[:] = strut | (density > 0.0)
-        self.unsettled += 1
-        return density
 
     def _note_strains(self) -> None:
         bar_lengths(self.position, self.structure, self._length)
