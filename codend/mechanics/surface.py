@@ -56,6 +56,12 @@ class Surface:
         node, image, kind, weight, even = near_pairs(position, move, SEEN * law.distance_m, self.sheet)
         return Contact(node, image, kind, weight, even, law.distance_m, law.stiffness_n_m, self.sheet.rotations)
 
+    def within(self, position: Floats, reach: float) -> Contact:
+        """What is within a reach of what in a shape, (n, 3)."""
+        law, still = self.law, np.zeros_like(position)
+        node, image, kind, weight, even = near_pairs(position, still, reach, self.sheet)
+        return Contact(node, image, kind, weight, even, law.distance_m, law.stiffness_n_m, self.sheet.rotations)
+
     def nearest_of(self, pairs: Contact, position: Floats) -> Contact:
         """Those of some pairs that are near each other in a shape, (n, 3)."""
         which = within_reach(position, pairs, SEEN * self.law.distance_m)

@@ -13,7 +13,7 @@ from codend.mechanics.rigid import RigidPattern
 from codend.net.net import Floats, Ints
 from codend.solvers.linear_systems import symmetric_system
 
-PASSES = 4
+PASSES = 8
 """Guesses that are mended bar by bar, before bars are asked together."""
 SWEPT_PASSES, SWEEPS, MOST_SWEEPS = 12, 30, 1000
 """Guesses after these, sweeps after the first of them, twice as many after each further one."""
@@ -24,9 +24,10 @@ NO_PUSH = 1e-10
 class OneSided:
     """The system for the tensions of a step, factorised for the bars that are taut."""
 
-    def __init__(self, pattern: RigidPattern, is_strut: np.ndarray) -> None:
-        """Set it out for bars of which struts, (m,), may push."""
+    def __init__(self, pattern: RigidPattern, is_strut: np.ndarray, no_push: Floats | float = NO_PUSH) -> None:
+        """Set it out for bars of which struts, (m,), may push; ``no_push`` is what counts as none, of all or (m,)."""
         bars = len(is_strut)
+        self._no_push = no_push
         self.pattern, self.is_strut = pattern, is_strut
         self.entries = np.zeros(len(pattern.row))
         """A, in the order of ``pattern``; ``renewed`` must be called when they have changed."""
@@ -54,9 +55,9 @@ class OneSided:
             if not self._factorised():
                 return None
             density = self._system.solve(np.where(self.taut, right, 0.0)[None, :, None]).reshape(-1) * self.taut
-            pushes = ~strut & (density < -NO_PUSH * float(np.abs(density).max(initial=0.0)))
+            pushes = ~strut & (density < -self._no_push * float(np.abs(density).max(initial=0.0)))
             # asked with the pushes still in it, which is what settles
-            missing = right - self.times(density) > NO_PUSH * float(np.abs(right).max(initial=0.0))
+            missing = right - self.times(density) > self._no_push * float(np.abs(right).max(initial=0.0))
             density = np.asarray(carried(strut, density))
             if not np.any(np.where(self.taut, pushes, missing)):
                 return density
