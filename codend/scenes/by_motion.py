@@ -20,7 +20,7 @@ ROUNDS, STEPS = 8, 400
 """Most rounds of so many time steps, after each of which the net is asked whether it is calm."""
 OF_A_BAR, SLOWEST_M_S = 0.05, 0.5
 """What water passes of netting's median bar in a time step, at the speed of the current or this."""
-CALM = 0.02
+CALM = 0.05
 """Root mean square of the nodes' speeds, over that of the water, at which a net is calm."""
 LENGTH_ERROR = 0.05
 DRAWN_IN = 0.99
@@ -54,7 +54,7 @@ def calm_shapes(touching: Problem, progress: Progress | None = None) -> Iterator
         swift = float(np.sqrt(np.mean(np.sum(motion.velocity[moving] ** 2, axis=1))))
         if progress is not None:
             progress(METHOD, swift / speed)
-        if swift > CALM * speed:
+        if swift > CALM * speed and number < ROUNDS * STEPS:
             continue
         bar_lengths(motion.position, touching.structure, length)
         told = f"{METHOD} under contact from as built: calm after {motion.time:.3g} s"
