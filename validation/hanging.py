@@ -15,7 +15,6 @@ import numpy as np
 import pandas as pd
 
 from codend.bag.loads import catch_weight_density
-from codend.bag.supports import held_by_the_entry
 from codend.plan.plan import Plan, plan_from_dict
 from codend.solvers.reactions import loads_and_supports
 from codend.studies.case_result import CaseResult
@@ -74,7 +73,7 @@ def missed(plan: Plan, result: CaseResult) -> tuple[float, float]:
     support = loads_and_supports(problem, result.solution)[1]
     weightless = loading._replace(dead=np.zeros_like(loading.dead), catch=loading.catch._replace(weight_density=0.0))
     by_water = loads_and_supports(replace(problem, loading=weightless), result.solution)[0].sum(axis=0)
-    carried = support[held_by_the_entry(result.bag)].sum(axis=0) + by_water
+    carried = support[result.bag.held_by_the_entry].sum(axis=0) + by_water
     netting_n = -float(loading.dead[:, 2].sum())
     catch_n = catch_weight_density(plan) * result.measures.catch_volume_m3
     size = abs(netting_n) + abs(catch_n)

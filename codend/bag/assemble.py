@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from codend.bag.bag import Bag
 from codend.net.net import NO_POINTS, Floats, Ints, Net
-from codend.netting.parts import Lattice, Layout
+from codend.netting.lattice import Lattice
+from codend.netting.parts import Layout
 from codend.netting.windows import LetIn
 from codend.plan.tables import Netting
 
@@ -32,14 +33,17 @@ def assembled(
     law, normal, tangential = drag
     g = lattice.globalisation
     band, is_knot = layout.bar_band, layout.bar_is_knot
-    netting = np.where(layout.bar_piece >= 0, lattice.bands + layout.bar_piece, band)
+    nettings = [*lattice.distinct, *(window.netting for window in windows)]
+    # of every band, then of every window; and of every bar
+    number = np.append(lattice.number, len(lattice.distinct) + np.arange(len(windows)))
+    of_bar = number[np.where(layout.bar_piece >= 0, lattice.bands + layout.bar_piece, band)]
 
     def of_all(value: Callable[[Netting], float | bool]) -> NDArray:
         """A value of every band's section, and then of every window."""
-        return np.append(lattice.of_bands(value), [value(window.netting) for window in windows])
+        return np.array([value(netting) for netting in nettings])[number]
 
     def of_bars(value: Callable[[Netting], float | bool]) -> NDArray:
-        return of_all(value)[netting]
+        return np.array([value(netting) for netting in nettings])[of_bar]
 
     def of_section(value: str) -> Floats:
         return np.asarray(of_bars(attrgetter(value)), dtype=np.float64)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from codend.bag.bag_kernels import BagStructure
 from codend.bag.measure_kernels import write_corners
 from codend.net.net import Floats, Ints, Net, numbered_all_round, rotate, split_bars
 from codend.plan.kinds import Kind
@@ -85,6 +86,12 @@ class Bag:
         return np.concatenate([[0.0], np.cumsum(self.band_meshes)])
 
     @cached_property
+    def ring_size(self) -> Floats:
+        """Nodes in the ring polygon of each row, (bands + 1,)."""
+        rings = self.node_row[self.node_row >= 0]
+        return np.bincount(rings, minlength=self.bands + 1).astype(np.float64)
+
+    @cached_property
     def band_is_staggered(self) -> NDArray[np.bool_]:
         """Whether the rows at either end of a band are half a mesh apart, a whole one otherwise, (bands,)."""
         return np.array([kind.staggered for kind in self.band_kind])
@@ -113,19 +120,48 @@ class Bag:
         return np.where(self.mesh_is_staggered, np.maximum(behind - 1, 0), behind), behind
 
     @cached_property
-    def twine_band(self) -> Ints:
-        """Band that a bar of twine lies in, -1 for other bars, (m,)."""
-        return np.where(self.bar_is_twine, self.bar_band, -1)
+    def held_by_the_entry(self) -> NDArray[np.bool_]:
+        """Nodes that the hoop at the entry holds, (n,): the only ones that a gear holds."""
+        held = self.net.fixed.all(axis=1) & (self.node_row == 0)
+        held[len(held) - self.anchors :] = True
+        return np.asarray(held)
+
+    @cached_property
+    def structure(self) -> BagStructure:
+        """The bag as kernels see it."""
+        ahead, behind = self.mesh_bands
+        own = np.ones(len(self.net.bars), dtype=bool)
+        own[self.straps] = own[self.ropes] = False
+        return BagStructure(
+            order=float(self.net.order),
+            globalisation=self.globalisation,
+            sides=self.mesh_sides,
+            side_image=self.mesh_side_image,
+            mesh_bars=self.mesh_bars,
+            mesh_row=self.mesh_row,
+            mesh_is_staggered=self.mesh_is_staggered,
+            mesh_is_folded=self.mesh_is_folded,
+            mesh_ahead=ahead,
+            mesh_behind=behind,
+            mesh_opens=self.mesh_opens,
+            mesh_bending_n=self.mesh_bending_n,
+            mesh_rest_rad=self.mesh_rest_rad,
+            mesh_of_section=self.mesh_of_section,
+            mesh_place=self.mesh_place,
+            node_row=self.node_row,
+            held_by_the_entry=self.held_by_the_entry,
+            twine_band=np.where(self.bar_is_twine, self.bar_band, -1),
+            band_meshes=self.band_meshes,
+            netting=own,
+            straps=self.straps,
+            ropes=self.ropes,
+            smeared=self.smeared,
+        )
 
     @property
     def smeared(self) -> bool:
         """Whether ropes are spread over all columns of knots, a share of one along each."""
         return len(self.ropes) > 0 and bool(self.rope_share.min() != 1.0)
-
-    @cached_property
-    def netting(self) -> Ints:
-        """Bars that are neither straps nor ropes."""
-        return np.delete(np.arange(len(self.net.bars), dtype=np.int32), np.append(self.straps, self.ropes))
 
     @cached_property
     def mesh_opens(self) -> NDArray[np.bool_]:

@@ -16,7 +16,8 @@ from codend.errors import InputError
 from codend.mechanics.drag_laws import drag
 from codend.net.net import Floats
 from codend.netting.knots import knots_of, placed_knots
-from codend.netting.parts import Lattice, RowShape
+from codend.netting.lattice import Lattice
+from codend.netting.parts import RowShape
 from codend.netting.pattern import layout_of, parts_of
 from codend.netting.taper import columns_along
 from codend.netting.windows import LetIn
@@ -53,8 +54,8 @@ def build_bag(
             stiffness has no place in the model.
     """
     _check_bending(plan)
-    _check_panels(plan)
     lattice = _lattice_of(plan, globalisation, sectors, smeared, near)
+    _check_edges(plan, lattice)
     x, radius = rows if rows is not None else crude_rows(plan, globalisation)
     azimuth_rad += np.radians(plan.seam_deg)
     shape = RowShape(x, np.concatenate([[plan.entry_radius_m], radius[1:-1], [0.0]]), azimuth_rad)
@@ -94,31 +95,32 @@ def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bo
     if near is not None:
         columns = np.array(near.columns)[list(plan.sections_of_bands(globalisation))]
         return Lattice(sections, columns, 1, near.order, globalisation)
-    columns = _columns_of(plan, globalisation)
-    most = int(np.gcd.reduce(columns))
+    columns, seams = _columns_of(plan, globalisation)
+    seamed = plan.tapers or any(part.has_seams for part in plan.netting)
+    most = int(np.gcd.reduce([*columns, *(seams if seamed else [])]))
     # n equal ropes leave n equal sectors
     equal = most if smeared else int(np.gcd.reduce([most, *(rope.number for rope in plan.ropes)]))
     if sectors is not None and equal % sectors:
         raise ValueError(f"sectors must divide {equal}, the equal ones all round, not be {sectors}")
     abreast = most if sectors is None else most // equal * sectors
     order = most // abreast
-    seamed = plan.tapers or any(part.has_seams for part in plan.netting)
-    return Lattice(sections, columns // order, abreast, order, globalisation, seamed)
+    return Lattice(sections, columns // order, abreast, order, globalisation, seams // order if seamed else None)
 
 
-def _columns_of(plan: Plan, globalisation: int) -> NDArray[np.int64]:
-    """(Merged) meshes all round of every band, (bands,).
+def _columns_of(plan: Plan, globalisation: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """(Merged) meshes all round of every band, and seams at which it loses some where it tapers, each (bands,).
 
     A tube tapers in as many places round as its counts and those of the other sections allow.
     """
     places = plan.places_round(globalisation)
-    parts = []
+    parts, seams = [], []
     for part in plan.netting:
         around = part.panels if part.has_seams else places
         fore, aft = (count // globalisation // around for count in part.open_meshes)
         rows = part.rows_per_mesh * part.meshes_long // globalisation
         parts.append(around * columns_along(fore, aft, rows, part.kind.staggered))
-    return np.concatenate(parts)
+        seams.append(np.full(rows, around))
+    return np.concatenate(parts), np.concatenate(seams)
 
 
 def _check_bending(plan: Plan) -> None:
@@ -146,17 +148,28 @@ def _check_layers(plan: Plan, lattice: Lattice) -> None:
         raise InputError(plan.source, "model.bars_per_side", plan.model.bars_per_side, "1 under a [[layer]]")
 
 
-def _check_panels(plan: Plan) -> None:
-    """Refuse what of panels and windows is not modelled yet."""
-    for index, section in enumerate(plan.netting):
-        if not section.tapers:
-            continue
-        key = "meshes_round_aft" if section.meshes_round_aft is not None else "cut"
-        if 2 * abs(section.edge_loss) > section.rows_per_mesh * section.meshes_long:
-            allowed = f"no steeper than along bars all the way: {section.meshes_long} meshes of an edge"
-        else:
-            continue
-        raise InputError(plan.source, f"netting.{index}.{key}", getattr(section, key), allowed)
+def _check_edges(plan: Plan, lattice: Lattice) -> None:
+    """Refuse an entry so wide that netting cut so steeply does not reach from it to its seams.
+
+    What is gathered in a seam after j rows of bars b hangs on knots of the hoop up to (w + j) / 2 meshes beside it, w
+    the half meshes that an edge has lost by then; the nearest point of the seam is  r sin(pi (w + j) / N)  away, and
+    the way there j (b + l) (derived). At a steady rate R of cut that is E1 below about 1 / (1 + R).
+    """
+    first = plan.netting[0]
+    if lattice.seams is None or not first.tapers or first.stretches or not first.kind.staggered:
+        return
+    rows = np.arange(1, np.searchsorted(plan.sections_of_bands(lattice.globalisation), 1))
+    lost = (lattice.columns[0] - lattice.columns[rows]) // lattice.seams[0]
+    turn = np.minimum(np.pi * (lost + rows) / (lattice.columns[0] * lattice.order), np.pi / 2)
+    way_m = rows * lattice.globalisation * (first.bar_m + first.knot_m)
+    most_m = float(np.min(way_m[lost > 0] / np.sin(turn[lost > 0]), initial=np.inf))
+    if plan.entry_radius_m < most_m:
+        return
+    key, value, most = "radius_m", plan.entry_radius_m, most_m
+    if plan.entry.hanging_ratio is not None:
+        key, value, most = "hanging_ratio", plan.entry.hanging_ratio, plan.entry.hanging_ratio * most_m / value
+    cut = f"of section {plan.section_names[0]}, cut {first.edge_cut_text}, reaches its seams"
+    raise InputError(plan.source, f"entry.{key}", value, f"below {most:.4g}, so that the netting {cut}")
 
 
 def rows_of(plan: Plan, globalisation: int = 1) -> list[Netting]:
@@ -169,7 +182,7 @@ def crude_rows(plan: Plan, globalisation: int = 1) -> tuple[Floats, Floats]:
     sections = rows_of(plan, globalisation)
     number = list(plan.sections_of_bands(globalisation))
     side = np.array([globalisation * (s.bar_m + s.knot_along_m) for s in plan.netting])[number]
-    around = globalisation * _columns_of(plan, globalisation)
+    around = globalisation * _columns_of(plan, globalisation)[0]
     largest = around * np.array([s.stretched_radius_per_mesh_m for s in plan.netting])[number]
     from_entry = np.concatenate([[0.0], np.cumsum(side)])
     bound = np.minimum(np.concatenate([largest[:1], largest]), np.concatenate([largest, largest[-1:]]))

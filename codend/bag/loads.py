@@ -41,13 +41,12 @@ def catch_of(bag: Bag, plan: Plan, case: Case) -> Catch:
         "volume_m3": (VOLUME, case.catch_value),
         "mass_kg": (VOLUME, case.catch_value / plan.catch_density_kg_m3),
     }[case.catch_kind]
-    rings = bag.node_row[bag.node_row >= 0]
     return Catch(
         bar_band=bag.bar_band,
         facet_band=bag.facet_band,
         band_meshes=bag.band_meshes,
         node_row=bag.node_row,
-        row_size=np.bincount(rings, minlength=bag.bands + 1).astype(np.float64),
+        row_size=bag.ring_size,
         kind=kind,
         size=float(size),
         stagnation_pressure=0.5 * plan.tow.water_density_kg_m3 * case.speed_m_s**2,

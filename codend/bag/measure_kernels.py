@@ -1,4 +1,4 @@
-"""What is measured of a bag in equilibrium: kernels."""
+"""What is measured of meshes, rows and bands, one thing at a time: kernels. ``bag_kernels`` measures all of a bag."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,8 @@ from codend.mechanics.structure import Structure
 from codend.net.net import Floats, Ints
 
 Flags = NDArray[np.bool_]
+WANTED_OPENING_DEG = 30.0
+"""Opening to which the opening force brings a mesh (Le Bris et al. 1999, figure 11)."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -69,6 +71,27 @@ def _norm(vector: Floats) -> float:
 
 
 @njit(cache=True, error_model="numpy")
+def opening_force(
+    bar_tension_n: Floats,
+    opening_deg: Floats,
+    wanted_deg: float = WANTED_OPENING_DEG,
+    bending_n: Floats | float = 0.0,
+    rest_rad: Floats | float = 0.0,
+) -> Floats:
+    """Extra pull across the short diagonal that brings isolated meshes to the wanted opening, N, of one or (k,).
+
+    F = P (tan phi' - tan phi) + B ((phi' - phi0) / cos phi' - (phi - phi0) / cos phi), P = 2 T cos phi - B (phi - phi0)
+    sin phi the load along the netting that a mesh carries, phi half its opening, phi' half the wanted one, phi0 half
+    that at rest and B = 24 EI / b^2: derived from the equilibrium of a rhombus of four clamped bars. Zero or less once
+    the mesh is open that far.
+    """
+    half, wanted = np.radians(opening_deg) / 2.0, np.radians(wanted_deg) / 2.0
+    along = 2.0 * bar_tension_n * np.cos(half) - bending_n * (half - rest_rad) * np.sin(half)
+    bent = (wanted - rest_rad) / np.cos(wanted) - (half - rest_rad) / np.cos(half)
+    return along * (np.tan(wanted) - np.tan(half)) + bending_n * bent
+
+
+@njit(cache=True, error_model="numpy")
 def mean_by(group: Ints, values: Floats, groups: int) -> Floats:
     """Mean of the values of every group, (groups,): nan where it has none; those of group -1 belong to none."""
     mean, count = np.zeros(groups), np.zeros(groups)
@@ -96,12 +119,9 @@ def mean_over(values: Floats, index: Ints) -> Floats:
 
 
 @njit(cache=True)
-def net_pressures(x: Floats, across: Floats, catch: Catch) -> Floats:
-    """Net pressure of the water in the catch, Pa, at normals with ``x`` along the flow and ``across`` it, (k,)."""
-    found = np.empty(len(x))
-    for i in range(len(x)):
-        found[i] = catch.stagnation_pressure * law_and_slope(x[i], across[i], catch.angles, catch.coefficients)[0]
-    return found
+def net_pressure(x: float, across: float, catch: Catch) -> float:
+    """Net pressure of the water in the catch, Pa, at a normal with ``x`` along the flow and ``across`` it."""
+    return catch.stagnation_pressure * law_and_slope(x, across, catch.angles, catch.coefficients)[0]
 
 
 @njit(cache=True)
@@ -116,7 +136,12 @@ def add_current_loads(
 
 @njit(cache=True, error_model="numpy")
 def sideways_imbalance(position: Floats, load: Floats, support: Floats, entry: Flags, order: float) -> float:
-    """What loads and the reactions of the entry's nodes leave over; see ``supports.sideways_imbalance``."""
+    """What the loads of a bag and the reactions of its entry leave over across the axis and as a moment, relative.
+
+    The larger of the force across the axis over the resultant load, and of the moment about the middle of the entry
+    over that times the bag's reach from there. Over the images of a sector all cancel but the moment about the axis. A
+    support elsewhere that carries something, which no gear supplies, shows in it.
+    """
     middle, held = np.zeros(3), 0
     for node in range(len(entry)):
         if entry[node]:

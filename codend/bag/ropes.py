@@ -19,7 +19,7 @@ from codend.bag.bag import Bag, around
 from codend.errors import InputError
 from codend.net.net import Floats, with_bars, with_held_node
 from codend.netting.knots import LEFT, Knots
-from codend.netting.parts import Lattice
+from codend.netting.lattice import Lattice
 from codend.plan.plan import Plan
 from codend.plan.ropes import Rope, Selvedge, places_round
 from codend.plan.windows import BESIDE

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.bag.bag import Bag
-from codend.errors import InputError
 from codend.net.net import BAR_ARRAYS, Floats, Ints
 from codend.netting.corners import corners_beside
 from codend.netting.knots import Knots
+from codend.netting.lattice import Lattice
 from codend.netting.parts import Parts, RowShape
 from codend.netting.windows import LetIn, Opening, cut_out, let_in, placed_window, rows_of_window
 from codend.plan.plan import Plan
@@ -52,10 +52,40 @@ def _opening(plan: Plan, knots: Knots, index: int) -> Opening:
     hole, part = plan.holes[index].merged(g), plan.netting[section]
     start = plan.sections_of_bands(g).index(section)
     fore, aft = (start + part.rows_per_mesh * meshes for meshes in (hole.fore, hole.fore + hole.deep))
-    if part.tapers:
-        allowed = "a section with as many meshes round all along: windows in one that tapers are not modelled yet"
-        raise InputError(plan.source, f"window.{index}.netting", plan.window[index].netting, allowed)
-    return Opening(fore, aft, int(hole.first), hole.across)
+    lattice = knots.lattice
+    if not part.tapers:
+        first = np.full(lattice.bands + 1, int(hole.first))
+        step = 2.0 * np.pi / lattice.columns[fore]
+        middle = lattice.phase[fore] + step * (first[fore] + 0.5 * (hole.across + lattice.shift[fore]))
+        return Opening(fore, aft, first, first, hole.across, middle, 0.0)
+    assert lattice.seams is not None
+    seams = int(lattice.seams[fore])
+    panel, beside = hole.in_panel(part.open_meshes[0] // g, seams)
+    return _opening_in_panel(lattice, fore, aft, panel, seams, beside, hole.across)
+
+
+def _opening_in_panel(
+    lattice: Lattice, fore: int, aft: int, panel: int, seams: int, beside: float, across: int
+) -> Opening:
+    """A hole in a panel that tapers, of the endless lattice a rectangle, so far beside the panel's middle, columns.
+
+    Columns are counted from the first seam, so that its left edge moves by as many as are lost there. Where no column
+    of knots is so far beside, it lies half a mesh further on.
+    """
+    columns = lattice.columns
+    wide = columns // seams
+    # of the knot of column 0 from the panel's first seam, columns
+    start = 0.5 * lattice.shift[:-1] + lattice.phase * columns / (2.0 * np.pi)
+    own = int(np.ceil(0.5 * (wide[fore] - across) + beside - start[fore] - 1e-9))
+    beside = own + start[fore] + 0.5 * across - 0.5 * wide[fore]
+    ahead, behind = np.zeros(lattice.bands + 1, dtype=np.int64), np.zeros(lattice.bands + 1, dtype=np.int64)
+    for row in range(fore, aft + 1):
+        if row > fore:
+            ahead[row] = own + panel * wide[row - 1]
+            lost = columns[row - 1] - columns[row] if row < aft else 0
+            own -= int(np.sign(lost) * lattice.after_seam[row])
+        behind[row] = own + panel * wide[min(row, aft - 1)]
+    return Opening(fore, aft, ahead, behind, across, 2.0 * np.pi * (panel + 0.5) / seams, float(beside))
 
 
 def _numbered_anew(

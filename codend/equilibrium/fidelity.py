@@ -9,7 +9,7 @@ import numpy as np
 from codend.bag.build import build_bag
 from codend.bag.loads import catch_weight_density
 from codend.bag.near_ratio import DRAG_BY_MISMATCH, SLOW_KNOTS, SLOW_MESHES, NearRatio, near_enough
-from codend.equilibrium.accuracy import WEIGHT_LEFT_OUT, rough_measures, sector_measures, smeared_errors
+from codend.equilibrium.accuracy import rough_measures, sector_measures, smeared_errors, weight_errors
 from codend.equilibrium.bag_model import bag_of
 from codend.errors import InputError
 from codend.mechanics.weight import wet_weight
@@ -42,6 +42,8 @@ class Reason(Enum):
     """Second layers have a place in sectors alone, which leave out a wet weight that matters."""
     WEIGHT = auto()
     """Wet weight breaks the symmetry; meshes are merged as the accuracy allows."""
+    TIPS = auto()
+    """Wet weight, however little, may tip the bag at its hoop; sectors tell nothing of that in merged meshes either."""
     TOO_HEAVY_TO_GLOBALISE = auto()
     """Wet weight breaks the symmetry, and is so large that sectors tell nothing of what merged meshes make of it."""
 
@@ -124,7 +126,7 @@ def choose(plan: Plan) -> Choice:
         globalisation=1,
         sectors=1,
         reason=Reason.ROPES if plan.seamed else Reason.LITTLE_WEIGHT if dense else Reason.NO_WEIGHT,
-        drag_error=float(WEIGHT_LEFT_OUT[0] @ [left_out, left_out**2]),
+        drag_error=float(weight_errors(plan, left_out)[0]),
         unseen_weight_n=unseen,
         order=sector.sectors,
         meshes_round=tuple(dict.fromkeys(count for part in plan.netting for count in part.open_meshes)),
@@ -174,9 +176,8 @@ def choose(plan: Plan) -> Choice:
     if plan.window and not by_sector.weight_matters:
         globalisation, error = _largest_globalisation(plan)
         return all_round(globalisation, Reason.WINDOW, error)
-    # netting that folds over under its weight has no estimate of what is left out of a sector
-    folds_over_from = min(part.kind.folds_over_from for part in plan.netting)
-    if not by_sector.weight_matters and by_sector.weight_over_drag <= folds_over_from:
+    tips = any(part.kind.tips for part in plan.netting) and by_sector.drag_error > plan.model.accuracy
+    if not by_sector.weight_matters and not tips:
         asked_deg = plan.model.opening_accuracy_deg
         if plan.ropes and not plan.tapers and asked_deg is not None and smeared_errors(plan)[3] <= asked_deg:
             return replace(
@@ -184,7 +185,9 @@ def choose(plan: Plan) -> Choice:
             )
         near = near_enough(plan)
         return by_sector if near is None else _in_its_place(by_sector, plan, near, (weight + of_catch) / drag)
-    if by_sector.weight_over_drag <= min(HEAVIEST_GLOBALISED, folds_over_from):
+    if tips:
+        return all_round(1, Reason.TIPS, 0.0)
+    if by_sector.weight_over_drag <= HEAVIEST_GLOBALISED:
         globalisation, error = _largest_globalisation(plan)
         return all_round(globalisation, Reason.WEIGHT, error)
     return all_round(1, Reason.TOO_HEAVY_TO_GLOBALISE, 0.0)
@@ -195,7 +198,7 @@ def _in_its_place(exact: Choice, plan: Plan, near: NearRatio, left_out: float) -
     return replace(
         exact,
         near=near,
-        drag_error=float(DRAG_BY_MISMATCH * near.largest + WEIGHT_LEFT_OUT[0] @ [left_out, left_out**2]),
+        drag_error=float(DRAG_BY_MISMATCH * near.largest + weight_errors(plan, left_out)[0]),
         unseen_weight_n=exact.weight_n,
         knots=len(build_bag(plan, near=near).net.positions),
         slow=False,

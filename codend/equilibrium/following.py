@@ -28,12 +28,12 @@ from codend.equilibrium.folds import (
     is_pierced,
     limp_of,
 )
-from codend.equilibrium.stability import Stability, stability_of
+from codend.equilibrium.stability import Stability, stability_of, tangent_of
 from codend.equilibrium.start_shapes import all_round_start
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, rotate
 from codend.plan.plan import Case, Plan
-from codend.solvers import gentle, newton
+from codend.solvers import gentle
 from codend.solvers.clock import Clock
 from codend.solvers.gentle import End, Motion
 from codend.solvers.harmonics import Growth
@@ -49,6 +49,8 @@ ALONG, SHAKEN = 0.05, 0.01
 """Largest move along a growing shape, and moves at random, to start with, over a bar."""
 COVERING = 3.0
 """What wrinkles change, at most, over what was found: the shapes found are some of many."""
+SWUNG = 0.1
+"""Of how far a bag swings on its hoop, what is told as well: whichever way it swings it hangs alike."""
 ENOUGH_SHAPES = 3
 """Shapes in contact whose spread is the error of the one that lasts among them."""
 WORK: dict[object, int] = {"auto": 500_000, True: 2_000_000}
@@ -186,7 +188,9 @@ class _Following:
             tolerance = model.plan.model.tolerance
             touches = problem.surface is not None
             if not touches:
-                motion = gentle.follow(wide_problem, tolerance, start, wide.prepared, self.progress)
+                motion = gentle.follow(
+                    wide_problem, tolerance, start, wide.prepared, self.progress, left=rest.positions
+                )
                 touches = motion.end is End.TOUCHING and wide.plan.model.contact is not False
             if touches:
                 self.in_contact = True
@@ -232,7 +236,7 @@ class _Following:
         return lost + (f", left out for their cost: {self.left_out}{more}" if self.left_out else "")
 
     def _shape(self, model: BagModel, problem: Problem, motion: Motion, growth: Growth) -> Shape:
-        tangent = newton.tangent_at(problem, motion.solution, model.prepared)
+        tangent = tangent_of(model, problem, motion.solution)
         return Shape(
             model,
             problem,
@@ -318,7 +322,7 @@ def _symmetric(model: BagModel, case: Case) -> tuple[BagModel, Solution, Stabili
     problem, solution = equilibrium.solve(sector, case, (), None)
     if not solution.report.outcome.converged:
         return None
-    stability = stability_of(sector, newton.tangent_at(problem, solution, sector.prepared))
+    stability = stability_of(sector, tangent_of(sector, problem, solution))
     return sector, solution, stability, problem
 
 
@@ -350,6 +354,8 @@ def _told(run: _Following, at_rest: Measures, merged: str, spent_ms: float) -> F
         reason += run.unfinished
     folds = fold_count(shape.solution.positions, shape.problem.rings, shape.model.bag.net.order)
     lasts = shape.stability.stable == "yes"
+    if lasts and shape.harmonic == 1 and len(values) > 1:
+        found = replace(found, changed=COVERING * spread + SWUNG * np.ptp(all_values, axis=0))
     if shape.problem.surface is not None:
         lasts = lasts and len(run.shapes) >= ENOUGH_SHAPES
         if lasts:

@@ -8,12 +8,11 @@ from codend.bag.measures import Measures, measure_all
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.accuracy import by_any_method
 from codend.equilibrium.bag_model import BagModel, model_of
-from codend.equilibrium.stability import Stability, stability_of
+from codend.equilibrium.stability import Stability, stability_of, tangent_of
 from codend.equilibrium.starts import CRUDE, MERIDIAN, RELAXED_TO_THE_END
 from codend.equilibrium.wrinkles import changed_by_wrinkles
 from codend.net.net import Floats
 from codend.plan.plan import Case, Plan
-from codend.solvers import newton
 from codend.solvers.newton import TangentAtEquilibrium
 
 VERY_STIFF = 30.0
@@ -35,13 +34,14 @@ def apart_from_other_shapes(
     one is not stable, it is one of many beside that.
     """
     found = tangent.problem
-    plan, loading = _roughly(by_any_method(model.plan)), found.loading
+    plan, loading = model.plan, found.loading
     if plan.rope or plan.window or plan.layer or loading.dead.any() or loading.catch.weight_density != 0.0:
         return np.zeros(4)
     whole = found.net.order == 1
     very_stiff = _stiffness(tangent) > VERY_STIFF
     if not very_stiff and not (whole and stability.stable == "yes"):
         return np.zeros(4)
+    plan = _roughly(by_any_method(plan))
     sector = model_of(plan, model.globalisation, 1, model.smeared, model.near)
     if sector.bag.net.order == 1:
         return np.zeros(4)
@@ -54,7 +54,7 @@ def apart_from_other_shapes(
     problem, solution = equilibrium.solve(sector, case, (), None)
     if not solution.report.outcome.converged:
         return apart
-    symmetric_stability = stability_of(sector, newton.tangent_at(problem, solution, sector.prepared))
+    symmetric_stability = stability_of(sector, tangent_of(sector, problem, solution))
     if symmetric_stability.stable != "no":
         return apart
     symmetric = measure_all(sector.bag, problem, solution)[2]

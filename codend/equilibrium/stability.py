@@ -9,8 +9,9 @@ from codend.equilibrium.bag_model import BagModel
 from codend.equilibrium.start_shapes import set_round
 from codend.mechanics.problem import Problem
 from codend.solvers import newton
-from codend.solvers.harmonics import Growth, harmonics_of, stiffness_under_tension
+from codend.solvers.harmonics import Growth, growing_harmonics, stiffness_under_tension
 from codend.solvers.newton import TangentAtEquilibrium
+from codend.solvers.outcome import Solution
 from codend.solvers.ring import Ring
 from codend.solvers.whole_tangent import FIRST_EIGENVALUES, MOST_EIGENVALUES, WholeTangent
 
@@ -29,6 +30,13 @@ class Stability:
     """A bar's stiffness under tension, N/m, beside which growth is weak or strong."""
 
 
+def tangent_of(model: BagModel, problem: Problem, solution: Solution) -> TangentAtEquilibrium:
+    """The tangent at an equilibrium of a model; of a sector whose harmonics can be asked it holds them all."""
+    real_ropes = len(model.bag.ropes) > 0 and not model.smeared
+    ring = None if model.bag.net.order == 1 or real_ropes else model.ring
+    return newton.tangent_at(problem, solution, model.prepared, ring)
+
+
 def stability_of(model: BagModel, tangent: TangentAtEquilibrium) -> Stability:
     """Stability of an equilibrium; of a sector every harmonic is asked, of a full net its whole tangent."""
     scale = stiffness_under_tension(tangent.problem, tangent.solution)
@@ -40,11 +48,14 @@ def stability_of(model: BagModel, tangent: TangentAtEquilibrium) -> Stability:
     if len(model.bag.ropes) > 0 and not model.smeared:
         # a sector with real ropes is so wide that its harmonics cost more than the whole net does
         return Stability(stability_of_whole(_tangent_of_whole(model, tangent), FIRST_EIGENVALUES))
-    near = tangent.problem.loading.contact
-    ring = model.ring
-    if len(near.kind):
-        ring = Ring(tangent.problem.structure, tangent.problem.bands, (near.node, near.image))
-    harmonics = harmonics_of(tangent.problem, tangent.solution, ring)
+    ring = tangent.ring
+    if ring is None:
+        near = tangent.problem.loading.contact
+        ring = model.ring
+        if len(near.kind):
+            ring = Ring(tangent.problem.structure, tangent.problem.bands, (near.node, near.image))
+        ring.linearise(tangent.problem, tangent.solution)
+    harmonics = growing_harmonics(ring, scale)
     growing = tuple(growth.harmonic for growth in harmonics.growing)
     stable = "no" if growing else "unknown" if harmonics.undecided else "yes"
     return Stability(stable, growing, harmonics.growing, scale)

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from codend.bag.bag import Bag
+from codend.bag.bag_kernels import ring_means
 from codend.bag.build import build_bag
-from codend.bag.measures import mean_by, ring_means
+from codend.bag.measure_kernels import mean_by
 from codend.bag.meridian.plan_case import tensions_on
 from codend.bag.meridian.problem import MeridianShape
 from codend.equilibrium.bag_model import BagModel
@@ -42,7 +43,7 @@ def windowed_start(wider: BagModel, sector: Bag, found: Solution) -> Solution:
     Its rows are those of the sector, and its bars pull as theirs do; those of a window, more or fewer, share the pull.
     """
     whole = wider.bag
-    laid = build_bag(wider.plan, globalisation=wider.globalisation, rows=ring_means(sector, found.positions))
+    laid = build_bag(wider.plan, globalisation=wider.globalisation, rows=ring_means(sector.structure, found.positions))
     pulls = np.zeros(len(whole.net.bars))
     for twine in (True, False):
         there = whole.bar_is_twine == twine
@@ -92,7 +93,7 @@ def along_the_rows(narrow: Bag, solution: Solution, model: BagModel) -> Solution
     of its own do.
     """
     g = model.globalisation
-    x, radius = ring_means(narrow, solution.positions)
+    x, radius = ring_means(narrow.structure, solution.positions)
     bag = build_bag(model.plan, globalisation=g, sectors=model.sectors, rows=(x[::g], radius[::g]), near=model.near)
     of_twine, of_knots = (_band_means(narrow, solution.bar_tension, twine)[::g] for twine in (True, False))
     # straps begin slack

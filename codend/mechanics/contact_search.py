@@ -1,185 +1,203 @@
-"""Which parts of a net's surface are near each other, and how far it may move before any meet: kernels.
+"""Which parts of a net's surface are near each other: kernels.
 
 Triangles and edges are sorted into the cells of a grid by boxes of where they go; those of a sector once, and what is
-sought is turned back by every image in its stead. How far a pair may go is found by additive steps, each no longer
-than the distance left allows at the speed of its fastest nodes (Li et al. 2021, ACM Trans. Graph. 40(4), 170, 5.2).
+sought is turned back by every image in its stead. Pairs are found with a margin about the way of every node, so that
+they are all that can meet until a node leaves it (Verlet 1967, Phys. Rev. 159, 98).
 """
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from codend.compiled import njit
+from codend.mechanics.cells import Numbers, sorted_into_cells, write_box
 from codend.mechanics.contact import Contact, room, write_corners
-from codend.mechanics.images import turned
 from codend.mechanics.nearest import EDGE_EDGE, NODE_TRIANGLE, nearest
 from codend.mechanics.sheet import Sheet
 from codend.net.net import Floats, Ints
 
-Numbers = NDArray[np.int64]
 
-LEFT_OVER = 0.1
-"""Share of their distance that a move leaves between two parts."""
-MOST_STEPS = 60
-CLOSE_ENOUGH = 0.02
-"""Of the distance that may be used up: what is left of it when a pair counts as having met."""
-MOST_CELLS = 4
-"""Cells of the grid, over the parts that are sorted into it."""
+class Candidates(NamedTuple):
+    """Pairs that may come near each other while every node stays within a margin of a way."""
 
-
-@njit(cache=True)
-def _write_box(
-    position: Floats, move: Floats, node: Ints, image: Ints, turn: int, rotations: Floats, reach: float, box: Floats
-) -> None:
-    """Write least and largest coordinates of some nodes on their way, turned by ``turn`` images more, (6,)."""
-    for i in range(3):
-        box[i], box[3 + i] = np.inf, -np.inf
-    for corner in range(len(node)):
-        for moved in range(2):
-            x, y, z = position[node[corner], 0], position[node[corner], 1], position[node[corner], 2]
-            if moved == 1:
-                x, y, z = x + move[node[corner], 0], y + move[node[corner], 1], z + move[node[corner], 2]
-            y, z = turned(y, z, image[corner] + turn, rotations)
-            box[0], box[3] = min(box[0], x - reach), max(box[3], x + reach)
-            box[1], box[4] = min(box[1], y - reach), max(box[4], y + reach)
-            box[2], box[5] = min(box[2], z - reach), max(box[5], z + reach)
+    start: Floats
+    """Where the way begins, (n, 3)."""
+    way: Floats
+    """To where it leads, (n, 3)."""
+    pairs: Contact
+    """By kind, then by number of the first part, image and second part, whatever the way was."""
+    apart: Floats
+    """Lower bound of the distance of each pair on the way, m, (k,)."""
 
 
-@njit(cache=True)
-def _sorted_into_cells(boxes: Floats, cell: float) -> tuple[Numbers, Numbers, Floats, float, Numbers]:
-    """Where the list of each cell starts, the boxes in each, the grid's corner, its cells' size, and its shape."""
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for box in boxes:
-        for i in range(3):
-            low[i], high[i] = min(low[i], box[i]), max(high[i], box[3 + i])
-    shape = np.ones(3, dtype=np.int64)
-    while True:
-        for i in range(3):
-            shape[i] = max(int((high[i] - low[i]) / cell) + 1, 1) if len(boxes) else 1
-        if shape[0] * shape[1] * shape[2] <= MOST_CELLS * len(boxes) + 1000:
-            break
-        cell *= 1.3
-    cells = shape[0] * shape[1] * shape[2]
-    start = np.zeros(cells + 1, dtype=np.int64)
-    contents = np.zeros(0, dtype=np.int64)
-    for filling in range(2):
-        for number in range(len(boxes)):
-            box = boxes[number]
-            for i in range(int((box[0] - low[0]) / cell), int((box[3] - low[0]) / cell) + 1):
-                for j in range(int((box[1] - low[1]) / cell), int((box[4] - low[1]) / cell) + 1):
-                    for k in range(int((box[2] - low[2]) / cell), int((box[5] - low[2]) / cell) + 1):
-                        place = (i * shape[1] + j) * shape[2] + k
-                        if filling == 0:
-                            start[place + 1] += 1
-                        else:
-                            contents[start[place]] = number
-                            start[place] += 1
-        if filling == 0:
-            for place in range(cells):
-                start[place + 1] += start[place]
-            contents = np.zeros(start[cells], dtype=np.int64)
-    for place in range(cells, 0, -1):
-        start[place] = start[place - 1]
-    start[0] = 0
-    return start, contents, low, cell, shape
+@njit(cache=True, error_model="numpy")
+def _lengths(vectors: Floats) -> Floats:
+    """Lengths of vectors (n, 3)."""
+    found = np.empty(len(vectors))
+    for i in range(len(vectors)):
+        found[i] = np.sqrt(vectors[i, 0] ** 2 + vectors[i, 1] ** 2 + vectors[i, 2] ** 2)
+    return found
 
 
-@njit(cache=True)
-def _same(node: int, image: int, other: int, other_image: int, sheet: Sheet) -> bool:
-    """Whether two nodes with their images are one."""
-    return node == other and (sheet.on_axis[node] or (image - other_image) % sheet.sectors == 0)
+@njit(cache=True, error_model="numpy")
+def _most(values: Floats, node: Ints) -> float:
+    """Largest of some nodes' values."""
+    largest = 0.0
+    for place in node:
+        largest = max(largest, values[place])
+    return largest
 
 
-@njit(cache=True)
-def near_pairs(position: Floats, move: Floats, reach: float, sheet: Sheet) -> tuple[Ints, Ints, Ints, Floats, Floats]:
-    """Pairs whose boxes, of where a move takes them and half of ``reach`` wider, meet: fields of ``Contact``.
+@njit(cache=True, error_model="numpy")
+def near_pairs(position: Floats, way: Floats, reach: float, contact: Contact, sheet: Sheet) -> tuple[Contact, Floats]:
+    """Pairs of a sheet that a way of its nodes may bring nearer to each other than ``reach``; see ``Candidates``.
 
-    Parts that share a node, and pairs of which every node is held, are none.
+    Parts that share a node, and pairs of which every node is held, are none. ``contact`` is the law; its pairs do not
+    count.
+
+    Returns:
+        pairs and their ``apart``.
     """
-    count, room_for = 0, 256
-    node, image = np.zeros((room_for, 4), dtype=np.int32), np.zeros((room_for, 4), dtype=np.int32)
-    kind, weight, even = np.zeros(room_for, dtype=np.int32), np.ones(room_for), np.zeros(room_for)
-    sectors, half = sheet.sectors, 0.5 * reach
-    own, own_image, box = np.zeros(2, dtype=np.int32), np.zeros(2, dtype=np.int32), np.zeros(6)
-    for kind_now in range(2):
-        parts = sheet.face if kind_now == NODE_TRIANGLE else sheet.edge
-        images = sheet.face_image if kind_now == NODE_TRIANGLE else sheet.edge_image
-        size = 1 if kind_now == NODE_TRIANGLE else 2
-        boxes = np.zeros((len(parts), 6))
-        for part in range(len(parts)):
-            _write_box(position, move, parts[part], images[part], 0, sheet.rotations, half, boxes[part])
-        start, contents, low, cell, shape = _sorted_into_cells(boxes, sheet.cell)
-        first, last = np.zeros(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
-        seekers = len(sheet.node) if kind_now == NODE_TRIANGLE else len(sheet.edge)
-        for seeker in range(seekers):
-            if kind_now == NODE_TRIANGLE:
-                own[0], own_image[0] = sheet.node[seeker], 0
-            else:
-                own[:], own_image[:] = sheet.edge[seeker], sheet.edge_image[seeker]
-            shared = sheet.on_axis[own[:size]].all()
-            for turn in range(1 if shared else sectors):
-                # the others turned by an image are met where the seeker is turned back
-                back = -turn if 2 * turn <= sectors else sectors - turn
-                _write_box(position, move, own[:size], own_image[:size], back, sheet.rotations, half, box)
-                outside = False
-                for i in range(3):
-                    a, b = (box[i] - low[i]) / cell, (box[3 + i] - low[i]) / cell
-                    outside = outside or b < 0.0 or a >= shape[i]
-                    first[i], last[i] = max(int(a), 0), min(int(b), shape[i] - 1)
-                if outside:
-                    continue
-                for i in range(first[0], last[0] + 1):
-                    for j in range(first[1], last[1] + 1):
-                        for k in range(first[2], last[2] + 1):
-                            place = (i * shape[1] + j) * shape[2] + k
-                            for entry in range(start[place], start[place + 1]):
-                                other = contents[entry]
-                                there = boxes[other]
-                                if (
-                                    box[0] > there[3] or box[3] < there[0] or box[1] > there[4]
-                                    or box[4] < there[1] or box[2] > there[5] or box[5] < there[2]
-                                ):  # fmt: skip
-                                    continue
-                                # a pair that meets in several cells counts in the first of them
-                                if (
-                                    i != max(int((there[0] - low[0]) / cell), first[0])
-                                    or j != max(int((there[1] - low[1]) / cell), first[1])
-                                    or k != max(int((there[2] - low[2]) / cell), first[2])
-                                ):
-                                    continue
-                                counts = 1.0
-                                if kind_now == EDGE_EDGE:
-                                    if other < seeker or (other == seeker and (turn == 0 or 2 * turn > sectors)):
-                                        continue
-                                    counts = 0.5 if other == seeker and 2 * turn == sectors else 1.0
-                                met, held = False, True
-                                for a in range(size):
-                                    held = held and sheet.fixed[own[a]]
-                                    for b in range(parts.shape[1]):
-                                        met = met or _same(
-                                            own[a], own_image[a], parts[other, b], images[other, b] - back, sheet
-                                        )
-                                for b in range(parts.shape[1]):
-                                    held = held and sheet.fixed[parts[other, b]]
-                                if met or held:
-                                    continue
-                                if count == room_for:
-                                    room_for *= 2
-                                    node, image = _longer(node, room_for), _longer(image, room_for)
-                                    kind = _longer(kind.reshape(-1, 1), room_for)[:, 0].copy()
-                                    more, less = np.ones(room_for), np.zeros(room_for)
-                                    more[:count], less[:count] = weight, even
-                                    weight, even = more, less
-                                for a in range(4):
-                                    mine = a < size
-                                    node[count, a] = own[a] if mine else parts[other, a - size]
-                                    turns = own_image[a] if mine else images[other, a - size] - back
-                                    on_axis = sheet.on_axis[node[count, a]]
-                                    image[count, a] = 0 if on_axis else _wrapped(turns, sectors)
-                                kind[count], weight[count] = kind_now, counts
-                                if kind_now == EDGE_EDGE:
-                                    even[count] = sheet.even[seeker] * sheet.even[other]
-                                count += 1
-    return node[:count], image[:count], kind[:count], weight[:count], even[:count]
+    longest = _lengths(way)
+    keys, apart = np.zeros((256, 4), dtype=np.int64), np.zeros(256)
+    count = 0
+    for of_kind in (NODE_TRIANGLE, EDGE_EDGE):
+        keys, apart, count = _met(position, way, longest, reach, of_kind, sheet, keys, apart, count)
+    # in an order that does not depend on the grid
+    first, turn, second = keys[:count, 1], keys[:count, 2], keys[:count, 3]
+    most = max(len(sheet.face), len(sheet.edge))
+    order = np.argsort(((keys[:count, 0] * most + first) * sheet.sectors + turn) * most + second)
+    node, image = np.zeros((count, 4), dtype=np.int32), np.zeros((count, 4), dtype=np.int32)
+    kind, weight, even = np.zeros(count, dtype=np.int32), np.ones(count), np.zeros(count)
+    for pair in range(count):
+        row = order[pair]
+        kind[pair] = keys[row, 0]
+        _write_pair(kind[pair], first[row], turn[row], second[row], sheet, node[pair], image[pair])
+        if kind[pair] == EDGE_EDGE:
+            even[pair] = sheet.even[first[row]] * sheet.even[second[row]]
+            # the pair of an edge and its own image half a round on is named twice over
+            weight[pair] = 0.5 if first[row] == second[row] and 2 * turn[row] == sheet.sectors else 1.0
+    pairs = Contact(node, image, kind, weight, even, contact.distance, contact.stiffness, contact.rotations, 1.0)
+    return pairs, apart[order]
+
+
+@njit(cache=True, error_model="numpy")
+def _met(
+    position: Floats,
+    way: Floats,
+    longest: Floats,
+    reach: float,
+    kind: int,
+    sheet: Sheet,
+    keys: Numbers,
+    apart: Floats,
+    count: int,
+) -> tuple[Numbers, Floats, int]:
+    """Add the pairs of a kind to (kind, first part, turn, second part) and ``apart``, of which so many are filled."""
+    of_triangle = kind == NODE_TRIANGLE
+    parts = sheet.face if of_triangle else sheet.edge
+    images = sheet.face_image if of_triangle else sheet.edge_image
+    size, seekers = (1, len(sheet.node)) if of_triangle else (2, len(sheet.edge))
+    sectors, on_axis, half, found = sheet.sectors, sheet.on_axis, 0.5 * reach, room()
+    own, own_image = np.zeros(size, dtype=np.int32), np.zeros(size, dtype=np.int32)
+    node, image = np.zeros((1, 4), dtype=np.int32), np.zeros((1, 4), dtype=np.int32)
+    first, last = np.zeros(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
+    box, boxes, held = np.zeros(6), np.zeros((len(parts), 6)), np.zeros(len(parts), dtype=np.bool_)
+    for part in range(len(parts)):
+        held[part] = sheet.fixed[parts[part]].all()
+        write_box(position, way, parts[part], images[part], 0, sheet.rotations, half, boxes[part])
+    start, contents, low, cell, shape = sorted_into_cells(boxes, sheet.cell)
+    for seeker in range(seekers):
+        if of_triangle:
+            own[0] = sheet.node[seeker]
+        else:
+            own[:], own_image[:] = sheet.edge[seeker], sheet.edge_image[seeker]
+        shared, own_held, moved = on_axis[own].all(), sheet.fixed[own].all(), _most(longest, own)
+        for turn in range(1 if shared else sectors):
+            # the others turned by an image are met where the seeker is turned back
+            back = _back(turn, sectors)
+            write_box(position, way, own, own_image, back, sheet.rotations, half, box)
+            outside = False
+            for i in range(3):
+                a, b = (box[i] - low[i]) / cell, (box[3 + i] - low[i]) / cell
+                outside = outside or b < 0.0 or a >= shape[i]
+                first[i], last[i] = max(int(a), 0), min(int(b), shape[i] - 1)
+            if outside:
+                continue
+            for i in range(first[0], last[0] + 1):
+                for j in range(first[1], last[1] + 1):
+                    for k in range(first[2], last[2] + 1):
+                        place = (i * shape[1] + j) * shape[2] + k
+                        for entry in range(start[place], start[place + 1]):
+                            other = contents[entry]
+                            if not of_triangle and (
+                                other < seeker or (other == seeker and (turn == 0 or 2 * turn > sectors))
+                            ):
+                                continue
+                            if (
+                                box[0] > boxes[other, 3] or box[3] < boxes[other, 0] or box[1] > boxes[other, 4]
+                                or box[4] < boxes[other, 1] or box[2] > boxes[other, 5] or box[5] < boxes[other, 2]
+                            ):  # fmt: skip
+                                continue
+                            # a pair that meets in several cells counts in the first of them
+                            if (
+                                i != max(int((boxes[other, 0] - low[0]) / cell), first[0])
+                                or j != max(int((boxes[other, 1] - low[1]) / cell), first[1])
+                                or k != max(int((boxes[other, 2] - low[2]) / cell), first[2])
+                            ):
+                                continue
+                            if (own_held and held[other]) or _share_a_node(
+                                own, own_image, parts, images, other, back, on_axis, sectors
+                            ):
+                                continue
+                            _write_pair(kind, seeker, turn, other, sheet, node[0], image[0])
+                            write_corners(position, node, image, sheet.rotations, 0, found.corner)
+                            distance = np.sqrt(nearest(kind, found)[1])
+                            distance -= moved + _most(longest, parts[other])
+                            if distance >= reach:
+                                continue
+                            if count == len(keys):
+                                keys, apart = _twice(keys), _twice(apart)
+                            keys[count, 0], keys[count, 1], keys[count, 2], keys[count, 3] = kind, seeker, turn, other
+                            apart[count] = distance
+                            count += 1
+    return keys, apart, count
+
+
+@njit(cache=True)
+def _back(turn: int, sectors: int) -> int:
+    """Images by which a part is turned back, half a round at most either way, instead of others by ``turn``."""
+    return -turn if 2 * turn <= sectors else sectors - turn
+
+
+@njit(cache=True)
+def _write_pair(kind: int, first: int, turn: int, second: int, sheet: Sheet, node: Ints, image: Ints) -> None:
+    """Write the nodes of a pair and the images they sit in, (4,) each."""
+    size, turns = 1 if kind == NODE_TRIANGLE else 2, 0
+    for i in range(4):
+        if kind == NODE_TRIANGLE:
+            node[i] = sheet.node[first] if i == 0 else sheet.face[second, i - 1]
+            turns = 0 if i == 0 else sheet.face_image[second, i - 1]
+        else:
+            node[i] = sheet.edge[first, i] if i < 2 else sheet.edge[second, i - 2]
+            turns = sheet.edge_image[first, i] if i < 2 else sheet.edge_image[second, i - 2]
+        turns = turns if i < size else turns - _back(turn, sheet.sectors)
+        image[i] = 0 if sheet.on_axis[node[i]] else _wrapped(turns, sheet.sectors)
+
+
+@njit(cache=True)
+def _share_a_node(
+    own: Ints, own_image: Ints, parts: Ints, images: Ints, other: int, back: int, on_axis: NDArray, sectors: int
+) -> bool:
+    """Whether some nodes, turned back, and a part have one in common."""
+    for a in range(len(own)):
+        for b in range(parts.shape[1]):
+            if own[a] == parts[other, b] and (
+                on_axis[own[a]] or (own_image[a] - images[other, b] + back) % sectors == 0
+            ):
+                return True
+    return False
 
 
 @njit(cache=True)
@@ -189,10 +207,43 @@ def _wrapped(image: int, sectors: int) -> int:
 
 
 @njit(cache=True)
-def _longer(values: Ints, rows: int) -> Ints:
-    new = np.zeros((rows, values.shape[1]), dtype=values.dtype)
-    new[: len(values)] = values
-    return new
+def _twice(values: NDArray) -> NDArray:
+    return np.concatenate((values, np.zeros_like(values)))
+
+
+@njit(cache=True, error_model="numpy")
+def strayed(position: Floats, move: Floats, start: Floats, way: Floats) -> Floats:
+    """How far from a way each node is at most that moves from a position, m, (n,)."""
+    found = np.empty(len(position))
+    for i in range(len(position)):
+        square, most = 0.0, 0.0
+        for a in range(3):
+            square += way[i, a] * way[i, a]
+        for end in range(2):
+            along = 0.0
+            for a in range(3):
+                along += (position[i, a] + end * move[i, a] - start[i, a]) * way[i, a]
+            place = min(max(along / square, 0.0), 1.0) if square > 0.0 else 0.0
+            off = 0.0
+            for a in range(3):
+                off += (position[i, a] + end * move[i, a] - start[i, a] - place * way[i, a]) ** 2
+            most = max(most, off)
+        found[i] = np.sqrt(most)
+    return found
+
+
+@njit(cache=True, error_model="numpy")
+def may_meet(candidates: Candidates, stray: Floats, reach: float) -> Numbers:
+    """Numbers of the pairs that may be nearer than ``reach`` to each other where nodes are so far off the way, (n,)."""
+    node, kind = candidates.pairs.node, candidates.pairs.kind
+    chosen, count = np.zeros(len(kind), dtype=np.int64), 0
+    for pair in range(len(kind)):
+        size = 1 if kind[pair] == NODE_TRIANGLE else 2
+        off = _most(stray, node[pair, :size]) + _most(stray, node[pair, size:])
+        if candidates.apart[pair] - off < reach:
+            chosen[count] = pair
+            count += 1
+    return chosen[:count]
 
 
 @njit(cache=True)
@@ -207,82 +258,3 @@ def within_reach(position: Floats, contact: Contact, reach: float) -> Numbers:
             chosen[count] = pair
             count += 1
     return chosen[:count]
-
-
-@njit(cache=True)
-def least_distance(position: Floats, contact: Contact) -> float:
-    """Least distance of the pairs, m; inf where there is none."""
-    found, least = room(), np.inf
-    for pair in range(len(contact.kind)):
-        write_corners(position, contact.node, contact.image, contact.rotations, pair, found.corner)
-        least = min(least, nearest(contact.kind[pair], found)[1])
-    return np.sqrt(least)
-
-
-@njit(cache=True, error_model="numpy")
-def free_share(position: Floats, move: Floats, contact: Contact) -> float:
-    """Share of a move, at most 1, after which every pair that might meet keeps ``LEFT_OVER`` of its distance."""
-    found, share = room(), 1.0
-    start, way = np.zeros((4, 3)), np.zeros((4, 3))
-    for pair in range(len(contact.kind)):
-        kind = contact.kind[pair]
-        write_corners(position, contact.node, contact.image, contact.rotations, pair, start)
-        write_corners(move, contact.node, contact.image, contact.rotations, pair, way)
-        if _pass_by(kind, start, way):
-            continue
-        speed = _closing_speed(kind, way)
-        if speed == 0.0:
-            continue
-        found.corner[:] = start
-        distance = np.sqrt(nearest(kind, found)[1])
-        kept = LEFT_OVER * distance
-        if distance - kept > speed * share:
-            continue
-        usable, at = distance - kept, 0.0
-        for _ in range(MOST_STEPS):
-            at += 0.9 * (distance - kept) / speed
-            if at >= share:
-                break
-            for i in range(4):
-                for j in range(3):
-                    found.corner[i, j] = start[i, j] + at * way[i, j]
-            distance = np.sqrt(nearest(kind, found)[1])
-            if distance - kept < CLOSE_ENOUGH * usable:
-                break
-        share = min(share, at)
-    return share
-
-
-@njit(cache=True)
-def _pass_by(kind: int, start: Floats, way: Floats) -> bool:
-    """Whether the boxes of where the parts of a pair go do not meet."""
-    own = 1 if kind == NODE_TRIANGLE else 2
-    for j in range(3):
-        low, high, there_low, there_high = np.inf, -np.inf, np.inf, -np.inf
-        for i in range(4):
-            a, b = start[i, j], start[i, j] + way[i, j]
-            if i < own:
-                low, high = min(low, a, b), max(high, a, b)
-            else:
-                there_low, there_high = min(there_low, a, b), max(there_high, a, b)
-        if low > there_high or high < there_low:
-            return True
-    return False
-
-
-@njit(cache=True)
-def _closing_speed(kind: int, way: Floats) -> float:
-    """Most by which the parts of a pair may near each other, after their mean move is taken off, which is done."""
-    own = 1 if kind == NODE_TRIANGLE else 2
-    for j in range(3):
-        mean = 0.25 * (way[0, j] + way[1, j] + way[2, j] + way[3, j])
-        for i in range(4):
-            way[i, j] -= mean
-    mine, theirs = 0.0, 0.0
-    for i in range(4):
-        size = way[i, 0] ** 2 + way[i, 1] ** 2 + way[i, 2] ** 2
-        if i < own:
-            mine = max(mine, size)
-        else:
-            theirs = max(theirs, size)
-    return np.sqrt(mine) + np.sqrt(theirs)

@@ -51,6 +51,22 @@ def hermitian_parts(blocks: Floats, place: Ints, weight: Floats, even: Floats, o
             odds[where] += weight[entry, 1] * entries[entry]
 
 
+@njit(cache=True, error_model="numpy")
+def add_up_images(blocks: Floats, place: Ints, whole: Floats) -> None:
+    """Write the tangent for moves that are the same in all sectors: blocks of all images of a pair of nodes added up.
+
+    Args:
+        blocks: by image, (b, 3, 3).
+        place: that of each in ``whole``, (b,).
+        whole: is written, (c, 3, 3).
+    """
+    whole[:] = 0.0
+    for block in range(len(place)):
+        for i in range(3):
+            for j in range(3):
+                whole[place[block], i, j] += blocks[block, i, j]
+
+
 @njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def negative_pivots_side_by_side(
     even: Floats, odd: Floats, depth: Ints, turn: Floats, shift: Floats, tail: Floats, negative: Ints
@@ -158,6 +174,17 @@ def take_column(window: Floats, at: int, inverse: Floats, scaled: Floats, places
 
 
 @njit(cache=True, error_model="numpy")
+def add_turned_bands(bands: Floats, turns: Numbers, band: Numbers) -> None:
+    """Add the bands of all images, (images, width, unknowns), each times its turn, to the first columns of a band."""
+    images, width, size = bands.shape
+    for image in range(images):
+        turn = turns[image]
+        for i in range(width):
+            for j in range(size):
+                band[i, j] += turn * bands[image, i, j]
+
+
+@njit(cache=True, error_model="numpy")
 def write_rows(band: Numbers, centre: float, hermitian: bool, rows: Numbers) -> None:
     """Write a band, or its Hermitian part, less ``centre`` on its diagonal, as ``factorise_band_of_numbers`` takes it.
 
@@ -179,10 +206,11 @@ def band_times(band: Numbers, vectors: Numbers) -> Numbers:
     """Products of a band, laid out as for ``write_rows``, with vectors (unknowns, k), which are complex if it is."""
     width, size = band.shape
     half, product = width // 2, np.zeros_like(vectors)
-    for i in range(size):
-        for j in range(max(0, i - half), min(size, i + half + 1)):
+    for d in range(width):
+        lower = d - half
+        for j in range(max(0, -lower), min(size, size - lower)):
             for k in range(vectors.shape[1]):
-                product[i, k] += band[half + i - j, j] * vectors[j, k]
+                product[j + lower, k] += band[d, j] * vectors[j, k]
     return product
 
 
@@ -202,18 +230,21 @@ def factorise_band_of_numbers(band: Numbers) -> None:
                     row[start + i] -= factor * band[k, half + i]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
 def solve_band_of_numbers(band: Numbers, x: Numbers) -> None:
     """Solve in place with the factors of ``factorise_band_of_numbers``, (unknowns,)."""
     size, width = band.shape
     half = width // 2
     for i in range(size):
+        value = x[i]
         for j in range(max(0, i - half), i):
-            x[i] -= band[i, half + j - i] * x[j]
+            value -= band[i, half + j - i] * x[j]
+        x[i] = value
     for i in range(size - 1, -1, -1):
+        value = x[i]
         for j in range(i + 1, min(size, i + half + 1)):
-            x[i] -= band[i, half + j - i] * x[j]
-        x[i] /= band[i, half]
+            value -= band[i, half + j - i] * x[j]
+        x[i] = value / band[i, half]
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})

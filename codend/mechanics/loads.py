@@ -9,6 +9,7 @@ import numpy as np
 
 from codend.compiled import njit
 from codend.mechanics import bending, catch_weight, contact, drag, points, pressure, seabed, wrap
+from codend.mechanics.bars import add_bar_forces, bar_lengths
 from codend.mechanics.contact import Contact
 from codend.mechanics.points import Points
 from codend.mechanics.pressure import Catch
@@ -55,6 +56,31 @@ def add_moving_force(
     seabed.add_force(position, loading.seabed, force)
     contact.add_force(position, loading.contact, force)
     wrap.add_force(position, structure, force)
+
+
+@njit(cache=True, error_model="numpy")
+def loads_and_supports(
+    structure: Structure, loading: Loading, position: Floats, tension: Floats, share: Floats
+) -> tuple[Floats, Floats]:
+    """Loads on the nodes, the twine's bending among them, and what it takes to hold each so, N, each (n, 3).
+
+    The latter is what a support carries, and at a free node what the solver leaves out of balance.
+
+    Args:
+        structure: the net.
+        loading: what acts on it.
+        position: nodes, (n, 3), m.
+        tension: of its bars, N, (m,).
+        share: of each band that lies in the catch, (bands,).
+    """
+    load, length = np.zeros_like(position), np.empty(len(tension))
+    add_force(position, structure, loading, share, load)
+    bar_lengths(position, structure, length)
+    for bar in range(len(tension)):
+        length[bar] = tension[bar] / length[bar] if length[bar] > 0.0 else 0.0
+    total = load.copy()
+    add_bar_forces(position, structure, length, total)
+    return load, -total
 
 
 @njit(cache=True)

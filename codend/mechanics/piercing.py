@@ -27,6 +27,21 @@ CELLS = 8
 """Most cells of the grid, over the number of facets."""
 
 
+DEEPEST = 0.1
+"""Of the shortest bar; see ``touching_m``."""
+
+
+@njit(cache=True)
+def touching_m(length: Floats, thickness: Floats) -> float:
+    """Depth up to which netting touches itself and does not pass through, m, by its bars, (m,) both.
+
+    Twine has a thickness: netting whose middle lines are on the wrong side of each other by less than that is pressed
+    together, which is no part of the model, and not through. That counts up to ``DEEPEST`` of the shortest bar.
+    """
+    shortest = length.min()
+    return max(TOUCHING * shortest, min(np.median(thickness), DEEPEST * shortest))
+
+
 @njit(cache=True)
 def write_point(position: Floats, node: int, image: int, cosines: Floats, sines: Floats, point: Floats) -> None:
     """Write a node turned about the x axis by ``image`` sectors, (3,)."""
@@ -48,21 +63,21 @@ def nearest_to_axis(ay: float, az: float, by: float, bz: float) -> float:
     y, z = by - ay, bz - az
     square = y * y + z * z
     along = min(max(-(ay * y + az * z) / square, 0.0), 1.0) if square > 0.0 else 0.0
-    return math.hypot(ay + along * y, az + along * z)
+    y, z = ay + along * y, az + along * z
+    return math.sqrt(y * y + z * z)
 
 
 @njit(cache=True)
-def around_axis(points: Floats, count: int, on_axis: float) -> tuple[float, float]:
-    """Middle and half width of the azimuths of a bar or a facet, by its corners (count, 3); pi where it spans the axis.
+def around_axis(azimuths: Floats, radii: Floats, count: int, on_axis: float) -> tuple[float, float]:
+    """Middle and half width of the azimuths of a bar or a facet, by its corners (count,); pi where it spans the axis.
 
     Corners on the axis have none: what lies between the others counts.
     """
     base, low, high, seen, winding, last = 0.0, 0.0, 0.0, 0, 0.0, 0.0
     for i in range(count):
-        y, z = points[i, 1], points[i, 2]
-        if math.sqrt(y * y + z * z) <= on_axis:
+        if radii[i] <= on_axis:
             continue
-        azimuth = math.atan2(z, y)
+        azimuth = azimuths[i]
         if seen == 0:
             base = azimuth
         else:
@@ -77,9 +92,9 @@ def around_axis(points: Floats, count: int, on_axis: float) -> tuple[float, floa
 
 
 @njit(cache=True)
-def write_box(points: Floats, count: int, sector: bool, box: Floats) -> None:
+def write_box(points: Floats, radii: Floats, count: int, sector: bool, box: Floats) -> None:
     """Write the least and the largest coordinates of a bar or a facet, (6,): (x, y, z), or (x, r, 0) in a sector."""
-    for i in range(3):
+    for i in range(1 if sector else 3):
         box[i], box[3 + i] = points[0, i], points[0, i]
         for j in range(1, count):
             box[i], box[3 + i] = min(box[i], points[j, i]), max(box[3 + i], points[j, i])
@@ -90,7 +105,7 @@ def write_box(points: Floats, count: int, sector: bool, box: Floats) -> None:
     for j in range(count):
         k = (j + 1) % count
         ay, az, by, bz = points[j, 1], points[j, 2], points[k, 1], points[k, 2]
-        least, most = min(least, nearest_to_axis(ay, az, by, bz)), max(most, math.sqrt(ay * ay + az * az))
+        least, most = min(least, nearest_to_axis(ay, az, by, bz)), max(most, radii[j])
         inside += 1 if ay * bz - az * by > 0.0 else -1
     if count == 3 and abs(inside) == 3:
         least = 0.0
@@ -166,13 +181,21 @@ def first_pierced(
         np.empty((count, 4)),
         np.zeros((count, 2)),
     )
+    azimuth, radius = np.zeros(len(position)), np.zeros(len(position))
+    if sector:
+        for node in range(len(position)):
+            y, z = position[node, 1], position[node, 2]
+            azimuth[node], radius[node] = math.atan2(z, y), math.sqrt(y * y + z * z)
+    azimuths, radii = np.empty(3), np.empty(3)
     for facet in range(count):
         for i in range(3):
-            write_point(position, facets[facet, i], facet_image[facet, i], cosines, sines, corners[facet, i])
-        write_box(corners[facet], 3, sector, boxes[facet])
+            node, turn = facets[facet, i], facet_image[facet, i]
+            write_point(position, node, turn, cosines, sines, corners[facet, i])
+            azimuths[i], radii[i] = wrapped(azimuth[node] + turn * angle), radius[node]
+        write_box(corners[facet], radii, 3, sector, boxes[facet])
         write_plane(corners[facet], touching, planes[facet])
         if sector:
-            spans[facet] = around_axis(corners[facet], 3, 1e-3 * touching)
+            spans[facet, 0], spans[facet, 1] = around_axis(azimuths, radii, 3, 1e-3 * touching)
     start, contents, low, size, shape, reach = sorted_into_cells(boxes)
     boxes, planes, spans = boxes[contents], planes[contents], spans[contents]
     bars, box, span = np.empty((2, 3)), np.empty(6), np.zeros(2)
@@ -180,9 +203,11 @@ def first_pierced(
     for bar in range(len(first)):
         write_point(position, first[bar], 0, cosines, sines, bars[0])
         write_point(position, second[bar], image[bar], cosines, sines, bars[1])
-        write_box(bars, 2, sector, box)
+        azimuths[0], azimuths[1] = azimuth[first[bar]], wrapped(azimuth[second[bar]] + image[bar] * angle)
+        radii[0], radii[1] = radius[first[bar]], radius[second[bar]]
+        write_box(bars, radii, 2, sector, box)
         if sector:
-            span[:] = around_axis(bars, 2, 1e-3 * touching)
+            span[0], span[1] = around_axis(azimuths, radii, 2, 1e-3 * touching)
         for i in range(3):
             cells[i, 0] = max(int((box[i] - reach[i] - low[i]) / size), 0)
             cells[i, 1] = min(int((box[3 + i] + reach[i] - low[i]) / size), shape[i] - 1)

@@ -1,17 +1,21 @@
 """A net's surface under contact: what is near what, and how far a move may go before anything would cross."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
-from codend.mechanics.contact import Contact
-from codend.mechanics.contact_search import free_share, least_distance, near_pairs, within_reach
+from codend.mechanics.cells import Numbers
+from codend.mechanics.contact import Contact, no_contact
+from codend.mechanics.contact_search import Candidates, may_meet, near_pairs, strayed, within_reach
+from codend.mechanics.contact_ways import free_share, least_distance
 from codend.mechanics.sheet import Sheet, sheet_of
 from codend.net.net import Floats, Net
 
 SEEN = 1.5
 """Reach within which parts are seen, over the distance at which contact begins: a step may bring them that near."""
+MARGIN = 1.5
+"""About the way of every node, over that distance: pairs once found serve as long as no node leaves it."""
 
 
 class ContactLaw(NamedTuple):
@@ -34,6 +38,8 @@ class Surface:
 
     sheet: Sheet
     law: ContactLaw
+    _found: list[Candidates] = field(default_factory=list, repr=False, compare=False)
+    """What the last search found; answers do not depend on it."""
 
     @classmethod
     def of(cls, net: Net, law: ContactLaw) -> "Surface":
@@ -52,26 +58,26 @@ class Surface:
 
     def on_the_way(self, position: Floats, move: Floats) -> Contact:
         """What a move of the nodes, (n, 3), brings near each other at its start, its end or on the way, and more."""
-        law = self.law
-        node, image, kind, weight, even = near_pairs(position, move, SEEN * law.distance_m, self.sheet)
-        return Contact(node, image, kind, weight, even, law.distance_m, law.stiffness_n_m, self.sheet.rotations)
+        reach, margin = SEEN * self.law.distance_m, MARGIN * self.law.distance_m
+        stray = strayed(position, move, self._found[0].start, self._found[0].way) if self._found else None
+        if stray is None or not stray.max(initial=0.0) <= margin:
+            pairs, apart = near_pairs(position, move, reach + 2.0 * margin, self._nothing(), self.sheet)
+            self._found[:] = [Candidates(position.copy(), move.copy(), pairs, apart)]
+            stray = np.zeros(len(position))
+        return _only(self._found[0].pairs, may_meet(self._found[0], stray, reach))
 
     def within(self, position: Floats, reach: float) -> Contact:
         """What is within a reach of what in a shape, (n, 3)."""
-        law, still = self.law, np.zeros_like(position)
-        node, image, kind, weight, even = near_pairs(position, still, reach, self.sheet)
-        return Contact(node, image, kind, weight, even, law.distance_m, law.stiffness_n_m, self.sheet.rotations)
+        return near_pairs(position, np.zeros_like(position), reach, self._nothing(), self.sheet)[0]
+
+    def _nothing(self) -> Contact:
+        """Nothing near anything, by this law."""
+        distance, stiffness = self.law
+        return no_contact()._replace(distance=distance, stiffness=stiffness, rotations=self.sheet.rotations)
 
     def nearest_of(self, pairs: Contact, position: Floats) -> Contact:
         """Those of some pairs that are near each other in a shape, (n, 3)."""
-        which = within_reach(position, pairs, SEEN * self.law.distance_m)
-        return pairs._replace(
-            node=pairs.node[which],
-            image=pairs.image[which],
-            kind=pairs.kind[which],
-            weight=pairs.weight[which],
-            even=pairs.even[which],
-        )
+        return _only(pairs, within_reach(position, pairs, SEEN * self.law.distance_m))
 
     def free_part(self, position: Floats, move: Floats, pairs: Contact) -> float:
         """Share of a move, at most 1, after which the pairs that it brings near keep a tenth of their distance."""
@@ -84,3 +90,14 @@ class Surface:
     def free_share(self, position: Floats, move: Floats) -> float:
         """Share of a move of the nodes, (n, 3), at most 1, after which all parts keep a tenth of their distance."""
         return self.free_part(position, move, self.on_the_way(position, move))
+
+
+def _only(pairs: Contact, which: Numbers) -> Contact:
+    """Some of the pairs, by their numbers."""
+    return pairs._replace(
+        node=pairs.node[which],
+        image=pairs.image[which],
+        kind=pairs.kind[which],
+        weight=pairs.weight[which],
+        even=pairs.even[which],
+    )

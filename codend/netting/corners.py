@@ -10,7 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.netting.parts import Lattice, Parts
+from codend.netting.lattice import Lattice
+from codend.netting.parts import Parts
 from codend.netting.windows import LetIn
 
 

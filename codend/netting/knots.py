@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.net.net import Floats, Ints
-from codend.netting.parts import Corner, Counts, Lattice, RowShape, taken_up
+from codend.netting.lattice import Counts, Lattice
+from codend.netting.parts import Corner, RowShape
 
 LEFT, RIGHT = range(2)
 
@@ -43,11 +44,14 @@ class Knots:
         """Node of the codline, the last one."""
         return int(self.start[-1]) if self.renumbered is None else int(self.renumbered[self.start[-1]])
 
-    def ring(self, side: int, row: Counts, counted: Counts, columns: Counts) -> Corner:
+    def ring(self, side: int | Counts, row: Counts, counted: Counts, columns: Counts) -> Corner:
         """Nodes of a row's ring that knots counted on all round are laced to, where there are ``columns`` of them."""
         knots = self.lattice.knots[row]
-        laced = taken_up(counted, columns, knots, self.lattice.upward[row])
+        laced = self.lattice.laced(row, counted, columns)
         number, image = self.lattice.numbered(laced, knots)
+        # twines of several knots gathered on a seam do not cross it
+        beside = self.lattice.beside_seam(row, counted, columns)
+        side = np.where(beside == 0, side, np.where(beside < 0, LEFT, RIGHT))
         return Corner(self.now(self.start[row] + number + side * (self.across[row] * knots)), image)
 
     def fore(self, side: int, row: Counts, counted: Counts) -> Corner:
@@ -118,8 +122,7 @@ def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
     # knots that share a node of the ring lie beside each other, ahead of it
     shares = (row < lattice.bands) & (lattice.knots[row] < lattice.columns[band])
     band_shared, row_shared = band[shares], row[shares]
-    around = lattice.columns[band_shared], lattice.knots[row_shared]
-    laced = taken_up(column[shares], *around, lattice.upward[row_shared])
+    laced = lattice.laced(row_shared, column[shares], lattice.columns[band_shared])
     middle = _azimuth(lattice, owner[row_shared], laced, row_shared)
     reach = 0.5 * knot_m[band_shared] / shape.radius[row_shared]
     azimuth[shares] = middle + np.clip(azimuth[shares] - middle, -reach, reach)

@@ -1,137 +1,14 @@
-"""Parts of a net while it is written: its lattice, bars, facets, meshes and corners."""
+"""Parts of a net while it is written: bars, facets, meshes and corners."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from codend.net.net import Floats, Ints
-from codend.plan.plan import Netting
-
-Counts = NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class Lattice:
-    """Counts that all index arithmetic rests on."""
-
-    sections: list[Netting]
-    """Section of each band."""
-    columns: Counts
-    """Modelled (merged) meshes round of each band, (bands,)."""
-    abreast: int
-    """Equal sectors that are modelled side by side."""
-    order: float
-    globalisation: int
-    seamed: bool = False
-    """Whether sections taper, or are joined, along seams, the first of which has azimuth 0."""
-
-    @property
-    def bands(self) -> int:
-        """Bands between the rows."""
-        return len(self.sections)
-
-    @cached_property
-    def _numbered_sections(self) -> tuple[list[Netting], Counts]:
-        """Every section once, and its number of each band, (bands,)."""
-        keys = list(map(id, self.sections))
-        distinct = dict(zip(keys, self.sections, strict=True))
-        number = {key: i for i, key in enumerate(distinct)}
-        return list(distinct.values()), np.array(list(map(number.__getitem__, keys)))
-
-    def of_bands(self, value: Callable[[Netting], object]) -> NDArray:
-        """A value of every band's section, (bands,)."""
-        sections, number = self._numbered_sections
-        return np.array([value(section) for section in sections])[number]
-
-    @cached_property
-    def staggered(self) -> NDArray[np.bool_]:
-        """Whether the rows at either end of a band are turned against each other by half a mesh, (bands,)."""
-        return self.of_bands(lambda section: section.kind.staggered)
-
-    @cached_property
-    def knots(self) -> Counts:
-        """Knots in the ring of each row, (bands + 1,): where two sections meet, of the one with fewer; 1 codline."""
-        return np.concatenate([self.columns[:1], np.minimum(self.columns[:-1], self.columns[1:]), [1]])
-
-    @cached_property
-    def shift(self) -> Counts:
-        """1 for rows that are shifted by half a mesh, else 0, (bands + 1,)."""
-        return np.concatenate([[0], np.cumsum(self.staggered)]) % 2
-
-    @cached_property
-    def phase(self) -> Floats:
-        """Azimuth of column 0 of each band without its shift, rad, (bands,).
-
-        Where knots are taken up unevenly, the sections are turned against each other so that on average none is pulled
-        to either side. Seams stay where they are: on a column, or half a column beside one.
-        """
-        if self.seamed:
-            return -np.pi * self._beside_seam / (self.columns * self.order)
-        turn = np.zeros(self.bands)
-        for band in np.flatnonzero(np.diff(self.columns)) + 1:
-            ahead, aft = self.columns[band - 1 : band + 1]
-            wide, narrow = max(ahead, aft), min(ahead, aft)
-            knot = np.arange(wide)
-            lag = 2.0 * np.pi / self.order * np.mean(knot / wide - taken_up(knot, wide, narrow) / narrow)
-            turn[band] = lag if ahead > aft else -lag
-        return np.cumsum(turn)
-
-    @cached_property
-    def upward(self) -> NDArray[np.bool_]:
-        """Whether knots of a row are laced to the next knot on, not to the last, of a ring of fewer, (bands + 1,).
-
-        Of a section that loses a mesh at every seam those on either side of the seam become one. In rows that are
-        shifted by half a mesh these are the last and the first, in others the first and the second.
-        """
-        return self.seamed & (self.shift == 1)
-
-    @cached_property
-    def _beside_seam(self) -> Counts:
-        """0 where a seam runs through column 0 of a band, 1 where half a mesh on, (bands,)."""
-        beside = np.zeros(self.bands, dtype=np.int64)
-        for band in range(1, self.bands):
-            ahead, aft = self.columns[band - 1 : band + 1]
-            beside[band] = beside[band - 1]
-            if ahead > aft:
-                beside[band] = self.shift[band]  # the knot that others are laced to lies on the seam
-            elif ahead < aft:
-                beside[band] = 1 - self.shift[band]
-        return beside
-
-    def places(self, bands: NDArray[np.integer]) -> tuple[Counts, Counts]:
-        """Band and column of every modelled mesh of some bands, band by band, each (places,)."""
-        return self.counted_out(bands, self.columns[bands])
-
-    def rings(self, rows: NDArray[np.integer]) -> tuple[Counts, Counts]:
-        """Row and column of every knot of the rings of some rows, row by row, each (places,)."""
-        return self.counted_out(rows, self.knots[rows])
-
-    def counted_out(self, lines: NDArray[np.integer], counts: NDArray[np.integer]) -> tuple[Counts, Counts]:
-        """Line and column of every place on lines of so many places, in the order of ``numbered``."""
-        place = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-        wide = np.repeat(counts // self.abreast, counts)
-        return np.repeat(lines, counts), place % self.abreast * wide + place // self.abreast
-
-    def numbered(self, column: NDArray[np.integer], columns: NDArray[np.integer]) -> tuple[Counts, Counts]:
-        """Number on its line, and image, of a column counted on all round where there are ``columns``.
-
-        Places that differ by whole sectors follow one another, so that a sector of the net is numbered as all of it.
-        """
-        image = np.zeros_like(column) if self.order == 1 else column // columns
-        inside, wide = column % columns, np.maximum(columns // self.abreast, 1)
-        return inside % wide * self.abreast + inside // wide, image
-
-
-def taken_up(knot: Counts, wide: Counts, narrow: Counts, upward: NDArray[np.bool_] | bool = False) -> Counts:
-    """Knot of a ring of ``narrow`` that a knot of ``wide`` is laced to, both counted on all round.
-
-    100 meshes are joined to 60 at the ratio of 5 to 3: of each 5, two pairs are taken up two by two and one is not.
-    """
-    return np.where(upward, -(-knot * narrow // wide), knot * narrow // wide)
+from codend.netting.lattice import Counts
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.netting.knots import LEFT, RIGHT
-from codend.netting.parts import Counts
+from codend.netting.lattice import Counts
 from codend.plan.tables import Netting
 
 FORE, AFT = range(2)

@@ -30,8 +30,9 @@ def layout_of(knots: Knots) -> Layout:
     if knots.codline > MOST_KNOTS:
         return parts_of(knots).joined()
     lattice = knots.lattice
-    arrays = (lattice.columns, lattice.staggered, knots.along, knots.across, lattice.phase, lattice.upward)
-    key = (lattice.abreast, lattice.order == 1, lattice.seamed, *pattern, *(array.tobytes() for array in arrays))
+    joined = (lattice.columns, lattice.phase, lattice.after_seam, lattice.gathered, lattice.ring_seams)
+    arrays = [np.asarray(array).tobytes() for array in (*joined, lattice.staggered, knots.along, knots.across)]
+    key = (lattice.abreast, lattice.order == 1, lattice.seams is None, *pattern, *arrays)
     return _layouts.of(key, lambda: parts_of(knots).joined())
 
 

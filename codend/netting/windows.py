@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from codend.net.net import Floats
 from codend.netting.knots import LEFT, RIGHT, Knots
-from codend.netting.parts import Counts, Parts, RowShape
+from codend.netting.lattice import Counts
+from codend.netting.parts import Parts, RowShape
 from codend.netting.patch import AFT, FORE, Patch, patch_of
 from codend.plan.tables import Netting
 
@@ -36,10 +37,20 @@ class Opening:
     fore: int
     """Row of its fore edge."""
     aft: int
-    first: int
-    """Column of its left edge, in the rows of its fore and aft edge."""
+    ahead: Counts
+    """Column of its left edge in every row, counted in the columns of the band ahead of it, (bands + 1,)."""
+    behind: Counts
+    """The same counted in those of the band behind it: where netting tapers the seam has moved, (bands + 1,)."""
     across: int
     """Columns."""
+    side_rad: float
+    """Azimuth of what keeps its place in all rows: the hole's own middle, or in netting that tapers its panel's."""
+    beside: float
+    """Columns from there to the hole's middle."""
+
+    def column(self, row: int, ahead: bool) -> int:
+        """Column of its left edge in a row, in the columns of the band ahead of it or behind."""
+        return int((self.ahead if ahead else self.behind)[row])
 
 
 @dataclass
@@ -142,13 +153,13 @@ def let_in(knots: Knots, opening: Opening, netting: Netting, wide: int, deep: in
     stepped = netting.rows_per_mesh
 
     def lattice_node(end: int, side: int, row: int, column: int) -> int:
-        at, counted = np.array([row]), np.array([column])
+        # those of the band ahead are counted where the netting behind has others
+        ahead = end == FORE or row == opening.aft
+        at, counted = np.array([row]), np.array([opening.column(row, ahead) + column])
         if end == FORE:
             found = knots.fore(side, at, counted)
         else:
-            # those of the band ahead are counted where the netting behind has others
-            around = lattice.columns[at - 1] if row == opening.aft else lattice.columns[at]
-            found = knots.ring(side, at, counted, around)
+            found = knots.ring(side, at, counted, lattice.columns[at - 1] if ahead else lattice.columns[at])
         return int(found.node[0])
 
     def sewn(end: int, side: int, row: int, half: int) -> int | None:
@@ -157,14 +168,14 @@ def let_in(knots: Knots, opening: Opening, netting: Netting, wide: int, deep: in
         if row in (0, rows):
             if row == rows and end == FORE and not at_side and netting.knot_along_m > 0.0:
                 return None
-            column = opening.first + of_end[half // 2]
+            column = of_end[half // 2]
             where = opening.fore if row == 0 else opening.aft
             return lattice_node(FORE if at_side and end == FORE and row == rows else AFT, side, where, column)
         if not at_side or row // stepped not in of_side:
             return None  # its own, or sewn to a bar
         place = of_side[row // stepped]
         where = opening.fore + place * host.rows_per_mesh
-        column = opening.first if left else opening.first + opening.across
+        column = 0 if left else opening.across
         if where in (opening.fore, opening.aft):
             end = AFT if where == opening.fore else FORE
         return lattice_node(end, side, where, column)
@@ -187,8 +198,7 @@ def let_in(knots: Knots, opening: Opening, netting: Netting, wide: int, deep: in
         window.meshes.append(np.concatenate([np.stack(nodes, axis=1), rest], axis=1))
     _take_up(window, lattice_node, ends["fore"], of_end)
     for right in (False, True):
-        column = opening.first + (opening.across if right else 0)
-        chain = _side_of_lattice(knots, opening, column, right, host)
+        chain = _side_of_lattice(knots, opening, right, host)
         pairs = [(host.rows_per_mesh * j, stepped * i) for j, i in sides]
         if len(sides) < 1 + min(host_deep, deep):
             chain, pairs = _sewn_to_bars(window, chain, deep, right)
@@ -239,31 +249,32 @@ def _take_up(
     for h, c in ends:
         for row in (opening.fore, opening.aft):
             for side in (LEFT, RIGHT):
-                one, other = (node(AFT, side, row, opening.first + place) for place in (h, of_end[c]))
+                one, other = (node(AFT, side, row, place) for place in (h, of_end[c]))
                 if one != other:
                     window.alias[one] = other
 
 
-def _side_of_lattice(knots: Knots, opening: Opening, column: int, right: bool, host: Netting) -> Chain:
+def _side_of_lattice(knots: Knots, opening: Opening, right: bool, host: Netting) -> Chain:
     """Nodes of the lattice nearest to a side edge of the hole, from the fore end."""
     chain: Chain = []
+    edge = opening.across if right else 0
     facing = RIGHT if right else LEFT
     rows = opening.aft - opening.fore
     for row in range(opening.fore, opening.aft + 1):
         at, beside = np.array([row]), (row - opening.fore) % host.rows_per_mesh == 1
-        counted, side = np.array([column]), facing
+        from_edge, side = edge, facing
         if beside:
-            shift = int(knots.lattice.shift[row - 1])
-            counted = np.array([column + shift - (0 if right else 1)])
+            from_edge += int(knots.lattice.shift[row - 1]) - (0 if right else 1)
             side = LEFT if right else RIGHT
+        ahead, behind = (np.array([opening.column(row, ahead) + from_edge]) for ahead in (True, False))
         if row == opening.fore:
-            node = int(knots.aft(side, at, counted).node[0])
+            node = int(knots.aft(side, at, behind).node[0])
             both = [node, node]
         elif row == opening.aft:
-            node = int(knots.fore(side, at, counted).node[0])
+            node = int(knots.fore(side, at, ahead).node[0])
             both = [node, node]
         else:
-            both = [int(knots.fore(side, at, counted).node[0]), int(knots.aft(side, at, counted).node[0])]
+            both = [int(knots.fore(side, at, ahead).node[0]), int(knots.aft(side, at, behind).node[0])]
         chain.append(((row - opening.fore) / rows, both))
     return chain
 
@@ -314,17 +325,16 @@ def cut_out(parts: Parts, knots: Knots, opening: Opening, azimuth: Floats, node_
         node_row: see ``Bag.node_row``.
     """
     lattice = knots.lattice
-    step = 2.0 * np.pi / lattice.columns[opening.fore]
-    start = lattice.phase[opening.fore] + 0.5 * step * lattice.shift[opening.fore]
-    middle = start + step * (opening.first + 0.5 * opening.across)
-    away = (azimuth - middle + np.pi) % (2.0 * np.pi) - np.pi
+    away = (azimuth - opening.side_rad + np.pi) % (2.0 * np.pi) - np.pi
+    step = _steps(knots, opening)
 
     def off(nodes: NDArray) -> Floats:
         """How far the middles of things lie from the middle of the hole, columns, (k,)."""
         on_axis = nodes == knots.codline
         first = away[np.where(on_axis, nodes[:, ::-1], nodes)[:, :1]]
         turned = (away[nodes] - first + np.pi) % (2.0 * np.pi) - np.pi + first
-        return np.abs((turned * ~on_axis).sum(axis=1) / (~on_axis).sum(axis=1)) / step
+        columns = turned / step[nodes] - opening.beside
+        return np.abs((columns * ~on_axis).sum(axis=1) / (~on_axis).sum(axis=1))
 
     half = 0.5 * opening.across
     for index, bars in enumerate(parts.bars):
@@ -346,15 +356,26 @@ def cut_out(parts: Parts, knots: Knots, opening: Opening, azimuth: Floats, node_
         parts.meshes[index] = meshes[~(within & (off(nodes) < edge))]
 
 
+def _steps(knots: Knots, opening: Opening) -> Floats:
+    """Azimuth from knot to knot of the netting about an opening, for every node of the lattice, rad, (n,)."""
+    lattice, nodes = knots.lattice, np.arange(knots.codline + 1)
+    row = np.searchsorted(knots.fore_start, nodes, side="right") - 1
+    of_section = lattice.columns[np.clip(row - (row >= opening.aft), 0, lattice.bands - 1)]
+    around = np.where(lattice.gathered[row], lattice.knots[row], of_section)
+    fore_end = nodes < knots.start[row]
+    around = np.where(fore_end, lattice.columns[np.maximum(row - 1, 0)], around)
+    return np.asarray(2.0 * np.pi / around, dtype=np.float64)
+
+
 def placed_window(window: LetIn, knots: Knots, shape: RowShape) -> Floats:
     """Start positions of a window's own nodes, spread evenly over the hole, (k, 3)."""
     lattice, opening, patch = knots.lattice, window.opening, window.patch
-    step = 2.0 * np.pi / lattice.columns[opening.fore]
     own = patch.own
     deep = (opening.aft - opening.fore) / patch.rows
     place = opening.fore + deep * (own[:, 0] - 0.3 * own[:, 2])
-    column = opening.first + (own[:, 1] / 2 + 0.1 * own[:, 3]) * opening.across / patch.wide
-    azimuth = lattice.phase[opening.fore] + step * (column + 0.5 * lattice.shift[opening.fore])
+    step = 2.0 * np.pi / lattice.columns[np.clip(place.astype(np.int64), opening.fore, opening.aft - 1)]
+    from_middle = (own[:, 1] / 2 + 0.1 * own[:, 3]) * opening.across / patch.wide - 0.5 * opening.across
+    azimuth = opening.side_rad + step * (opening.beside + from_middle)
     row = np.ceil(place).astype(np.int64)
     return shape.placed(row, azimuth, row - place)
 

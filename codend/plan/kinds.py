@@ -39,6 +39,9 @@ class Kind:
     """What fish have to pass."""
     straight_cut: Literal["N", "T"] | None
     """What cutters call the cut straight along the codend; None where edges are cut along bars only."""
+    tips: bool = False
+    """Whether its rings go slack ahead of the catch: a bag hangs from its hoop by the rows along alone there, and
+    weight, however little, or a side's push may tip it into another shape."""
     folds_over_from: float = math.inf
     """Wet weight over the drag from which nets of it can fold over, and no estimate holds (found on full nets)."""
 
@@ -84,7 +87,8 @@ KINDS: Final[dict[MeshName, Kind]] = {
         membrane=False,
         hole="rectangle",
         straight_cut=None,
-        folds_over_from=0.005,
+        tips=True,
+        folds_over_from=0.5,
     ),
 }
 

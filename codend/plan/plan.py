@@ -26,7 +26,16 @@ from codend.plan.pulse import Following, Heave
 from codend.plan.reach import least_radius_m
 from codend.plan.ropes import Rope, Selvedge, places_round, selvedges_of
 from codend.plan.tables import Catch, Drag, Entry, Model, Netting, Strap, Table, Text, Tow
-from codend.plan.windows import Hole, Window, hole_of, out_of_place, ropes_amiss, strap_amiss, too_near
+from codend.plan.windows import (
+    Hole,
+    Window,
+    hole_of,
+    lines_of_loss,
+    out_of_place,
+    ropes_amiss,
+    strap_amiss,
+    too_near,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -151,17 +160,21 @@ class Plan(Table):
         return any(part.tapers for part in self.netting)
 
     def places_round(self, globalisation: int = 1) -> int:
-        """Places round, at equal angles, at which a tube loses meshes where it tapers."""
+        """Places round, at equal angles, at which a tube that tapers loses meshes; as many as windows leave room."""
         counts = [count // globalisation for part in self.netting for count in part.open_meshes]
-        return math.gcd(*counts, *(part.panels for part in self.netting if part.has_seams))
+        most = math.gcd(*counts, *(part.panels for part in self.netting if part.has_seams))
+        holes = [hole.merged(globalisation) for hole in self.holes]
+        return lines_of_loss(holes, self.netting, most, globalisation) or most
 
     @property
     def seam_deg(self) -> float:
         """Azimuth of the first seam, from starboard on over the top: the upper panel has its middle on top.
 
-        The only seam of a single panel with a selvedge lies underneath; a tube has none, and 0.
+        The only seam of a single panel with a selvedge lies underneath; a tube has none, and 0. Where a tube tapers and
+        has a window on its starboard side, it loses its meshes from underneath on as well.
         """
-        if self.panels > 1 or any(part.selvedge_meshes for part in self.netting):
+        to_starboard = self.tapers and any(window.side == "starboard" for window in self.window)
+        if self.panels > 1 or to_starboard or any(part.selvedge_meshes for part in self.netting):
             return 90.0 - 180.0 / self.panels
         return 0.0
 
@@ -292,10 +305,10 @@ class Plan(Table):
 
     def _rope_through_window(self, rope: Rope, globalisation: int = 1) -> tuple[int, int] | None:
         """Which of equal ropes runs through which window, where meshes are merged; None: none."""
-        around = [part.open_meshes[0] // globalisation for part in self.netting]
         holes = [hole.merged(globalisation) for hole in self.holes]
         ends = rope.meshes_from_codline or (0.0, math.inf)
-        return ropes_amiss(places_round(rope.number, around[0]), ends, self.window, holes, around)
+        places = places_round(rope.number, self.netting[0].open_meshes[0] // globalisation)
+        return ropes_amiss(places, ends, self.window, holes, self.netting, globalisation)
 
     def _layers_out_of_place(self) -> Iterator[Contradiction]:
         """Layers that begin at no row of knots, and models that have no place for any."""
@@ -384,6 +397,11 @@ class Plan(Table):
         holes = [hole.merged(globalisation) for hole in self.holes]
         around = [part.open_meshes[0] // globalisation for part in self.netting]
         apart = not any(too_near(one, other, around[one.section]) for one, other in combinations(holes, 2))
+        for hole in holes:
+            part = self.netting[hole.section]
+            if part.tapers:
+                seams = part.panels if part.has_seams else self.places_round(globalisation)
+                apart = apart and hole.clear_of_seams(part, seams, globalisation)
         return apart and all(self._rope_through_window(rope, globalisation) is None for rope in self.rope)
 
     def cases(self) -> tuple[Case, ...]:

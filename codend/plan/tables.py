@@ -118,7 +118,8 @@ class Netting(Table):
     meshes_round_aft: Annotated[Whole, Ge(3), Le(10_000)] | None = None
     """At the aft end of a section that tapers; see ``aft_meshes_round``, which holds however it is given."""
     cut: Text | None = None
-    """Of each side edge of a panel, which narrows by it, such as "1N2B"; beside ``meshes_round_aft`` it must agree."""
+    """Of each side edge of a panel, which narrows by it, such as "1N2B", "AB" or "1T2B"; beside ``meshes_round_aft``,
+    by which a panel may widen as well, it must agree."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -52,6 +52,9 @@ SIDES_DEG: Final[dict[PanelName, float]] = {"starboard": 0.0, "upper": 90.0, "po
 BESIDE: Final = 0.26
 """Of a mesh: how far beside a rope a knot may lie that it is laced to. Every other row's are half a mesh off."""
 
+CLEAR: Final = 1.5
+"""Meshes between a window and a seam along which meshes are lost, on average of the cut's steps: one at every step."""
+
 
 @dataclass(frozen=True)
 class Hole:
@@ -63,8 +66,28 @@ class Hole:
     """Meshes from the section's fore end to the hole's."""
     deep: int
     first: float
-    """Meshes from the first seam, round, to the hole; half a mesh where it has no middle in common with its panel."""
+    """Meshes from the first seam, round, to the hole; half a mesh where it has no middle in common with its panel.
+
+    In a section that tapers as many as at its fore end."""
     across: int
+
+    def in_panel(self, meshes_round: int, panels: int) -> tuple[int, float]:
+        """The panel, of so many and so many meshes round at the fore end, and meshes from its middle to the hole's."""
+        wide = meshes_round / panels
+        middle = (self.first + 0.5 * self.across) % meshes_round
+        panel = min(int(middle / wide), panels - 1)
+        return panel, middle - (panel + 0.5) * wide
+
+    def narrowest(self, part: Netting, globalisation: int = 1) -> float:
+        """(Merged) meshes round of its section at the narrower of its ends."""
+        fore, aft = (count / globalisation for count in part.open_meshes)
+        long = part.meshes_long / globalisation
+        return min(fore + (aft - fore) * place / long for place in (self.fore, self.fore + self.deep))
+
+    def clear_of_seams(self, part: Netting, seams: int, globalisation: int = 1) -> bool:
+        """Whether it lies between the seams, or lines of a tube, along which its section tapers."""
+        beside = abs(self.in_panel(part.open_meshes[0] // globalisation, seams)[1])
+        return beside + 0.5 * self.across + CLEAR <= 0.5 * self.narrowest(part, globalisation) / seams
 
     def merged(self, globalisation: int) -> Self:
         """The same in merged meshes, whole ones; towards the top where it has no middle in common with its panel."""
@@ -106,6 +129,9 @@ def out_of_place(
         if wrong:
             continue
         hole = hole_of(window, netting, names, seam_deg)
+        if part.tapers and part.panels == 1 and lines_of_loss([hole], netting, math.gcd(*part.open_meshes)) is None:
+            allowed = f"another side of {window.netting} or panels = 2 there: here is the line along which it tapers"
+            yield Contradiction(f"window.{index}.panel", allowed)
         if any(too_near(hole, other, part.open_meshes[0]) for other in holes):
             allowed = "netting that no other window is let into, with a mesh between windows side by side"
             yield Contradiction(f"window.{index}.meshes_from_codline", allowed)
@@ -118,10 +144,25 @@ def _not_within(index: int, window: Window, part: Netting, behind: int) -> Itera
         if not (behind <= meshes <= ahead and meshes == math.floor(meshes)):
             allowed = f"whole meshes from {behind} to {ahead}, where {window.netting} lies"
             yield Contradiction(f"window.{index}.meshes_from_codline.{place}", allowed)
-    widest = min(part.open_meshes) // part.panels - (1 if part.panels == 1 else 0)
+    widest, of_these = min(part.open_meshes) // part.panels - (1 if part.panels == 1 else 0), ""
+    if part.tapers:
+        long, ends = part.meshes_long, (ahead - round(meshes) for meshes in window.meshes_from_codline)
+        fore, aft = part.open_meshes
+        narrowest = min(fore + (aft - fore) * place / long for place in ends) / part.panels
+        # half a mesh off its middle where it has none in common with the panel
+        widest, of_these = math.floor(narrowest - 2 * CLEAR - 1), ", less those beside the seams that it tapers along"
     if window.meshes_across > widest:
-        allowed = f"at most {widest}, the open meshes of the panel"
+        allowed = f"at most {widest}, the open meshes of the panel{of_these}"
         yield Contradiction(f"window.{index}.meshes_across", allowed)
+
+
+def lines_of_loss(holes: Sequence[Hole], netting: Sequence[Netting], most: int, globalisation: int = 1) -> int | None:
+    """Lines at equal angles along which a tube tapers, at most so many, that run through no hole; None: one does."""
+    own = [hole for hole in holes if netting[hole.section].tapers and netting[hole.section].panels == 1]
+    for lines in range(most, 0, -1):
+        if most % lines == 0 and all(hole.clear_of_seams(netting[hole.section], lines, globalisation) for hole in own):
+            return lines
+    return None
 
 
 def too_near(one: Hole, other: Hole, meshes_round: int) -> bool:
@@ -152,7 +193,8 @@ def ropes_amiss(
     ends: tuple[float, float],
     windows: Sequence[Window],
     holes: Sequence[Hole],
-    around: Sequence[int],
+    netting: Sequence[Netting],
+    globalisation: int = 1,
 ) -> tuple[int, int] | None:
     """The first rope that runs through a window, and that window; None where none does.
 
@@ -160,15 +202,20 @@ def ropes_amiss(
         places: of every rope, as shares of the way round from the first seam.
         ends: where the ropes run, in meshes from the codline.
         windows: of the plan.
-        holes: what they are let into.
-        around: open meshes round of the sections.
+        holes: what they are let into, of merged meshes.
+        netting: the sections.
+        globalisation: meshes that are merged, each way.
     """
     for index, (window, hole) in enumerate(zip(windows, holes, strict=True)):
         near, far = window.meshes_from_codline
         if max(near, ends[0]) >= min(far, ends[1]):
             continue
+        part = netting[hole.section]
+        around = part.open_meshes[0] // globalisation
+        # where the section is narrower the hole takes more of the way round
+        half = (0.5 * hole.across - BESIDE) * around / hole.narrowest(part, globalisation)
         for number, place in enumerate(places):
-            beside = (place * around[hole.section] - hole.first) % around[hole.section]
-            if BESIDE < beside < hole.across - BESIDE:
+            off = (place * around - hole.first - 0.5 * hole.across + 0.5 * around) % around - 0.5 * around
+            if abs(off) < half:
                 return number, index
     return None

@@ -30,6 +30,11 @@ def reason_text(choice: Choice) -> str:
             said = f"The plan is the same all round and {light}: {_sector_enough(choice)}"
         case Reason.LITTLE_WEIGHT:
             said = f"The plan is the same all round and {weighed}, is negligible: {_sector_enough(choice)}"
+        case Reason.TIPS:
+            said = (
+                "Rings go slack ahead of the catch, and weight, however little, may tip the bag at its "
+                f"hoop ({weighed}): the full net"
+            )
         case Reason.WEIGHT | Reason.TOO_HEAVY_TO_GLOBALISE:
             model = _merged(choice)
             if choice.reason is Reason.TOO_HEAVY_TO_GLOBALISE:

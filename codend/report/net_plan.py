@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from xml.sax.saxutils import escape
+from html import escape
 
 from codend.plan.amounts import Amounts, amounts_of
 from codend.plan.limits import Finding
@@ -201,7 +201,7 @@ def _limit_words(findings: Sequence[Finding]) -> list[str]:
 
 def _text(x: float, y: float, words: str, anchor: str = "start", bold: bool = False) -> str:
     weight = ' font-weight="bold"' if bold else ""
-    return f'<text x="{x:.2f}" y="{y:.2f}" text-anchor="{anchor}"{weight}>{escape(words)}</text>'
+    return f'<text x="{x:.2f}" y="{y:.2f}" text-anchor="{anchor}"{weight}>{escape(words, quote=False)}</text>'
 
 
 def _on_netting(x: float, y: float, words: str) -> str:

@@ -19,6 +19,7 @@ from codend.mechanics.loads import Loading
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
 from codend.mechanics.surface import Surface
+from codend.net.net import Floats
 from codend.solvers import newton
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import as_built
@@ -31,7 +32,7 @@ from codend.solvers.watched import Watched
 METHOD = "gentle steps"
 LONGEST = 0.15
 """Longest move of a node in a step, and longest change of a taut bar's vector, over the length of a bar."""
-FIRST_SHIFT, LEAST_SHIFT, MOST_SHIFT = 0.1, 1e-3, 1e4
+FIRST_SHIFT, LEAST_SHIFT, MOST_SHIFT = 0.1, 1e-5, 1e4
 LEAST_UNDER_CONTACT = 1e-5
 FALL, RISE = 0.6, 3.0
 """Factors on the shift after a step that was not cut, and where pivots are negative or a step passes through."""
@@ -85,6 +86,7 @@ def follow(
     prepared: Prepared,
     progress: Progress | None = None,
     steps_allowed: int = 400,
+    left: Floats | None = None,
 ) -> Motion:
     """Move a net gently from a start to an equilibrium, polished by Newton's method.
 
@@ -95,6 +97,8 @@ def follow(
         prepared: what ``newton.prepare`` returned for this structure.
         progress: told the residual of every step.
         steps_allowed: before it is given up.
+        left: an equilibrium that the net is to leave, (n, 3): Newton's method may lead back to it from a start where
+            little is out of balance yet.
     """
     steps, calm, waits = _Steps(problem, start, prepared), [CALM, *CALMER], 0
     for number in range(1, steps_allowed + 1):
@@ -113,13 +117,20 @@ def follow(
             if polished.report.outcome is Outcome.PASSED_THROUGH:
                 return Motion(End.TOUCHING, reached, number)
             near = np.abs(polished.positions - reached.positions).max() <= LONGEST * steps.bar
-            if polished.report.outcome.converged and near:
+            if polished.report.outcome.converged and near and not _back(polished, reached, left):
                 return Motion(End.SETTLED, polished, number)
-            if len(calm) == 1 or problem.surface is None:
+            if len(calm) == 1:
                 break
             # Newton's method works in the same room
             steps, calm, waits = _Steps(problem, reached, prepared), calm[1:], number + BETWEEN
     return Motion(End.STEPS_SPENT, _as_is(problem, start, steps.here), number)
+
+
+def _back(polished: Solution, reached: Solution, left: Floats | None) -> bool:
+    """Whether what was reached is on its way from an equilibrium that it was polished back to."""
+    if left is None:
+        return False
+    return bool(np.abs(polished.positions - left).max() < 0.5 * np.abs(reached.positions - left).max())
 
 
 class _Steps:

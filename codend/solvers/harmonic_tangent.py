@@ -24,11 +24,24 @@ FIRST_STEPS, MORE_STEPS, MOST_STEPS = 26, 13, 150
 """Of Arnoldi's method, before it is first looked what it found, until it is looked again, and in all."""
 
 
+BESIDE = 1e-4
+"""Share of that in a start which leads to some eigenvectors."""
+
+
 @lru_cache(maxsize=8)
 def _start(size: int) -> Floats:
     """A direction that no eigenvector is at right angles to, (size,)."""
     start = np.random.default_rng(0).standard_normal(size)
     return np.asarray(start / np.sqrt(np.sum(start**2)))
+
+
+def _led_start(size: int, led: Numbers | None, kind: np.dtype) -> Numbers:
+    """The same, but mostly along a vector that the eigenvectors sought are near to, where there is one, (size,)."""
+    start = _start(size)
+    if led is None or len(led) != size or (np.iscomplexobj(led) and kind.kind != "c"):
+        return start
+    mostly = BESIDE * start + led / np.linalg.norm(led)
+    return np.asarray(mostly / np.linalg.norm(mostly))
 
 
 class HarmonicTangent:
@@ -66,9 +79,12 @@ class HarmonicTangent:
         factorise_band_of_numbers(rows)
         return rows
 
-    def nearest(self, centre: float, most_steps: int = MOST_STEPS) -> "Nearest":
-        """Its eigenvalues nearest to a real number, as many as will be asked for."""
-        return Nearest(self, centre, most_steps)
+    def nearest(self, centre: float, most_steps: int = MOST_STEPS, led: Numbers | None = None) -> "Nearest":
+        """Its eigenvalues nearest to a real number, as many as will be asked for.
+
+        ``led`` is a vector that theirs are near to, as those of a neighbouring harmonic are, (unknowns,).
+        """
+        return Nearest(self, centre, most_steps, led)
 
     def negative_eigenvalues(self, negative: int, basis: Complex | None = None) -> int:
         """Number of negative eigenvalues of the Hermitian part of K, on moves at right angles to a basis if any.
@@ -102,7 +118,7 @@ class Nearest:
     The residual of an eigenvalue of the projection is the last entry of its vector times the next row's length.
     """
 
-    def __init__(self, tangent: HarmonicTangent, centre: float, most_steps: int) -> None:
+    def __init__(self, tangent: HarmonicTangent, centre: float, most_steps: int, led: Numbers | None = None) -> None:
         self.tangent, self.centre = tangent, centre
         self._factors = tangent.factors(centre)
         kind = self._factors.dtype
@@ -114,7 +130,7 @@ class Nearest:
         most = min(most_steps, tangent.size - 1)
         self._basis = np.zeros((most + 1, tangent.size), dtype=kind)
         self._projection = np.zeros((most + 1, most), dtype=kind)
-        self._basis[0] = _start(tangent.size)
+        self._basis[0] = _led_start(tangent.size, led, kind)
         self._steps = 0
         self._inverse = np.zeros(0, dtype=complex)
         self._parts = np.zeros((0, 0), dtype=complex)

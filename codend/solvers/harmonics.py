@@ -10,7 +10,7 @@ by one sector. With R (0, 1, i) = exp(-2 pi i / n) (0, 1, i) its moves along the
 k = 1 and n - 1. Where the moves of sectors are normalised, u_s = v exp(2 pi i k s / n) / sqrt(n), its column and row
 weigh sqrt(n) times what one sector has of them. It is held across the flow in a sector, but by nothing in the net.
 
-Every tangent is shifted by ``newton.NEUTRAL``: what moves for nothing, as slack twine does, does not count as growing.
+Every tangent is shifted by ``ring.NEUTRAL``: what moves for nothing, as slack twine does, does not count as growing.
 """
 
 from collections.abc import Iterator
@@ -21,14 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
-from codend.mechanics import newton_step as kernels
-from codend.mechanics.bars import bar_lengths
 from codend.mechanics.harmonics import Complex, negative_pivots_side_by_side
-from codend.mechanics.newton_state import measure
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
 from codend.solvers.harmonic_tangent import FIRST_STEPS, HarmonicTangent, Nearest
-from codend.solvers.newton import DIRECT, NEUTRAL
 from codend.solvers.outcome import Solution
 from codend.solvers.ring import Ring
 
@@ -38,8 +34,8 @@ CLOSE = 1.5
 """Factor within which the lowest eigenvalue of a Hermitian part is bounded."""
 MOST_SIDE_BY_SIDE = 96
 """Harmonics factorised at a time: as many as fit into the nearest cache."""
-AT_FIRST = 8
-"""Steps of Arnoldi's method before it is first looked what it found beside 0."""
+AT_FIRST, LED = 8, 6
+"""Steps of Arnoldi's method before it is first looked what it found beside 0, and led by the harmonic before."""
 DENSE = 40
 """Unknowns up to which all eigenvalues of a harmonic are found at once."""
 NEARER, NEARER_BY = 3, 0.2
@@ -90,7 +86,7 @@ def harmonics_of(problem: Problem, solution: Solution, ring: Ring) -> Harmonics:
     Those whose Hermitian part is positive definite, by its pivots, are stable. Of the others the eigenvalues in the
     left half-plane are found.
     """
-    _linearise(problem, solution, ring)
+    ring.linearise(problem, solution)
     return growing_harmonics(ring, stiffness_under_tension(problem, solution))
 
 
@@ -109,8 +105,14 @@ def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
     if ring.fronted:
         with_front[0] = ring.tangent(0).negative_eigenvalues(int(negative[0]))
     doubtful = asked[with_front > 0]
+    if len(doubtful) == 0:
+        return Harmonics(ring.order, (), ())
     with _libraries().limit(limits=1, user_api="blas"):
-        found = {k: _nearest_to_none(ring.tangent(k), int(negative[k]), int(with_front[k])) for k in doubtful.tolist()}
+        found: dict[int, tuple[Complex, Complex] | None] = {}
+        led: Complex | None = None
+        for k in doubtful.tolist():
+            found[k] = pair = _nearest_to_none(ring.tangent(k), int(negative[k]), int(with_front[k]), led)
+            led = None if pair is None else pair[1].sum(axis=1)
         left = np.array([k for k, pair in found.items() if pair is None], dtype=doubtful.dtype)
         enough = 0
         for k, lowest in zip(left.tolist(), _lower_bounds(ring, left, scale), strict=True):
@@ -133,18 +135,6 @@ def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
 def _libraries() -> ThreadpoolController:
     """Matrices as small as a harmonic's projections take far longer where libraries share them out among threads."""
     return ThreadpoolController()
-
-
-def _linearise(problem: Problem, solution: Solution, ring: Ring) -> None:
-    """Write the tangent at an equilibrium into the ring."""
-    structure, state, step = problem.structure, ring.state, ring.step
-    state.position[:] = solution.positions
-    bar_lengths(state.position, structure, state.length)
-    np.divide(solution.bar_tension, state.length, out=state.density)
-    tension = solution.mean_tension
-    measure(structure, problem.loading, tension, DIRECT.switches[0], 0.0, state)
-    sides = kernels.linearise(structure, problem.loading, ring.pattern, tension, NEUTRAL, state, step)
-    ring.gather(sides == 2)
 
 
 def negative_pivots(ring: Ring, harmonics: Numbers, shift: Floats) -> Numbers:
@@ -170,14 +160,16 @@ def _lower_bounds(ring: Ring, harmonics: Numbers, scale: float) -> Floats:
     return -bound
 
 
-def _nearest_to_none(tangent: HarmonicTangent, negative: int, expected: int) -> tuple[Complex, Complex] | None:
+def _nearest_to_none(
+    tangent: HarmonicTangent, negative: int, expected: int, led: Complex | None
+) -> tuple[Complex, Complex] | None:
     """Those eigenvalues nearest to 0, where the rest is proved to be stable: in a few steps, and nearly always enough.
 
-    The arguments are those of ``_lowest_eigenvalues``.
+    The arguments are those of ``_lowest_eigenvalues``, and the sum of the vectors of the harmonic before.
     """
     if not tangent.size > DENSE or expected >= tangent.size // 4:
         return None
-    found = tangent.nearest(0.0).eigenvalues(expected, AT_FIRST)
+    found = tangent.nearest(0.0, led=led).eigenvalues(expected, AT_FIRST if led is None else LED)
     if found is None or tangent.negative_eigenvalues(negative, np.linalg.qr(found[1])[0]) > 0:
         return None
     return found

@@ -182,24 +182,12 @@ class Motion:
         if self._tried(dt):
             return
         if halvings == MOST_HALVINGS:
-            self.set_state(before)
-            if self._tried_loosely(dt):
-                return
             raise ArithmeticError(f"the motion cannot be followed at {self.time:g} s, in steps of {dt:g} s neither")
         self.set_state(before)
         self._advance(0.5 * dt, halvings + 1)
         at_start = self.tension.copy(), self.support.copy()
         self._advance(0.5 * dt, halvings + 1)
         self.tension, self.support = at_start
-
-    def _tried_loosely(self, dt: float) -> bool:
-        """Whether a step is possible that leaves lengths to the next one to mend, as bars that snap taut together do."""
-        kept = self.length_error
-        self.length_error = max(kept, LOOSE)
-        try:
-            return self._tried(dt)
-        finally:
-            self.length_error = kept
 
     def _tried(self, dt: float) -> bool:
         kick = 0.5 * (self.last_step + dt)

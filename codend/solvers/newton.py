@@ -14,10 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from codend.mechanics import newton_step
-from codend.mechanics.bars import bar_lengths, carried
+from codend.mechanics.bars import carried
 from codend.mechanics.loads import Loading
-from codend.mechanics.newton_state import State, measure
+from codend.mechanics.newton_state import State, measure, take_over
 from codend.mechanics.problem import Problem
+from codend.net.net import Floats
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension, rough_shape
 from codend.solvers.kernels import FAILED, IN_FIRST, Iteration, Limits, advance, advance_banded
@@ -25,6 +26,7 @@ from codend.solvers.linear_systems import BandedSystem
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
 from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.refusal import Refusal, refusal, told
+from codend.solvers.ring import NEUTRAL, SWITCH, Ring
 from codend.solvers.watched import Watched
 
 METHOD = "newton"
@@ -40,16 +42,13 @@ FIRST_SHIFT, LARGEST_SHIFT = 1e-4, 1e3
 """In units of the stiffness that the reference tension gives the nodes; each next one is ten times as large."""
 ROUGH_STEPS = 20_000
 """Steps of a relaxation to start from."""
-NEUTRAL = 1e-6
-"""Shift, as ``FIRST_SHIFT``, under which stability is asked: behind a neck that has closed the bag turns
-about its axis for nothing, and round-off would give that eigenvalue either sign."""
 
 
 @dataclass(frozen=True)
 class NewtonSettings:
     """What may be tuned; the defaults hold for all plans the project knows."""
 
-    switches: tuple[float, ...] = (0.1, 0.01, 1.0)
+    switches: tuple[float, ...] = (SWITCH, 0.01, 1.0)
     """Weights of the test for taut bars (``newton_state.measure``), tried in order: where one makes bars go taut and
     slack in turns for ever, another does not."""
     iterations_allowed: int = 30
@@ -67,8 +66,6 @@ DIRECT = NewtonSettings(rough_starts=())
 """Newton's method from the start it is given and no other."""
 NEARBY = replace(DIRECT, iterations_allowed=8, refuses=False)
 """Newton's method from an equilibrium nearby, for no longer than a step or two and some to spare."""
-ONE_STEP = replace(NEARBY, iterations_allowed=1, least_iterations=1)
-"""The first step alone: with the tangent's factors it is one back-substitution."""
 
 
 @dataclass(frozen=True)
@@ -144,10 +141,24 @@ class TangentAtEquilibrium:
     products: int
     """By how many products of two vectors a front that follows the net adds to the tangent."""
     singular: bool
+    ring: Ring | None = None
+    """A sector's ring with the tangent for all harmonics, until something else is linearised in it."""
 
 
-def tangent_at(problem: Problem, solution: Solution, prepared: Prepared) -> TangentAtEquilibrium:
-    """The tangent at an equilibrium, shifted by ``NEUTRAL`` and factorised in ``prepared``."""
+def tangent_at(
+    problem: Problem, solution: Solution, prepared: Prepared, ring: Ring | None = None
+) -> TangentAtEquilibrium:
+    """The tangent at an equilibrium, shifted by ``NEUTRAL`` and factorised in ``prepared``.
+
+    Of a sector it is written by way of its ``ring``, which has it for all harmonics then; not where parts touch, whose
+    pairs a ring of the joints alone has no room for.
+    """
+    touches = problem.surface is not None or len(problem.loading.contact.kind) > 0
+    if ring is not None and not touches and solution.mean_tension > 0.0:
+        sides = ring.linearise(problem, solution)
+        ring.write_whole(prepared.step)
+        singular = prepared.system.factorise(prepared.step.blocks) == -1
+        return TangentAtEquilibrium(problem, solution, prepared, sides - 1, singular, ring)
     run = _Iterations(problem, prepared, DIRECT, None)
     run._set_start(solution, DIRECT.switches[0])
     prepared = run.prepared
@@ -157,6 +168,17 @@ def tangent_at(problem: Problem, solution: Solution, prepared: Prepared) -> Tang
     )
     singular = system.factorise(step.blocks) == -1
     return TangentAtEquilibrium(replace(problem, loading=run.loading), solution, prepared, sides - 1, singular)
+
+
+def moved_by(tangent: TangentAtEquilibrium, force: Floats) -> Floats:
+    """Moves of the nodes by small forces on them, (n, 3) both, m and N: one back-substitution.
+
+    The tangent's factors, or those of a tangent nearby that took their place, stand for its own.
+    """
+    step, system = tangent.prepared.step, tangent.prepared.system
+    step.right[0] = force
+    newton_step.combine(system.solve(step.right[: 1 + tangent.products]), step, step.move)
+    return step.move.copy()
 
 
 def solve_nearby(
@@ -235,16 +257,16 @@ class _Iterations:
 
     def to_equilibrium(self, tolerance: float, start: Solution | None, switch: float) -> Outcome:
         """Iterate until residual, axial imbalance and length error are within their tolerances."""
-        if start is not None and not (np.isfinite(start.positions).all() and np.isfinite(start.bar_tension).all()):
+        if start is not None and not math.isfinite(start.positions.sum() + start.bar_tension.sum()):
             # a relaxation that lost its footing is no start
-            self.state.marks[:] = (np.inf, np.inf, np.inf, np.inf, 0.0)
+            self.state.marks[:] = (np.inf, np.inf, np.inf, np.inf, 0.0, 0.0)
             return Outcome.NOT_FINITE
         self._set_start(start, switch)
         settings, shift = self.settings, 0.0
         kept = self.takes_factors and self.prepared.system.ready
         first, last = (self.iterations + n for n in (settings.least_iterations, settings.iterations_allowed))
         while True:
-            merit, residual, imbalance, length_error, fits = self.state.marks[0].item()
+            merit, residual, imbalance, length_error, fits, lowest = self.state.marks[0].item()
             error = max(residual, imbalance)
             if not math.isfinite(merit) or not math.isfinite(error):
                 return Outcome.NOT_FINITE
@@ -252,8 +274,6 @@ class _Iterations:
             if self.progress is not None:
                 self.progress(METHOD, error)
             if error <= tolerance and length_error <= LENGTH_TOLERANCE and self.iterations >= first:
-                twine = ~self.structure.is_strut
-                lowest = float((self.state.density * self.state.length).min(initial=0.0, where=twine))
                 if lowest < -ROUND_OFF * self.tension:
                     return Outcome.COMPRESSED
                 if lowest < 0.0:
@@ -284,11 +304,7 @@ class _Iterations:
         if start is None:
             state.position[:] = self.problem.net.positions
         else:
-            state.position[:] = start.positions
-            bar_lengths(start.positions, structure, state.length)
-            # a bar shrunk to nothing has a tension but no force density
-            state.density[:] = 0.0
-            np.divide(start.bar_tension, state.length, out=state.density, where=state.length > 0.0)
+            take_over(structure, np.ascontiguousarray(start.positions), start.bar_tension, state)
         self.tension = start.mean_tension if start is not None else 0.0
         if self.tension == 0.0:
             self.tension = reference_tension(self.problem)

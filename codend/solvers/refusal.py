@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from codend.mechanics import possible
 from codend.mechanics.crossing import band_turns
-from codend.mechanics.piercing import TOUCHING, first_pierced
+from codend.mechanics.piercing import TOUCHING, first_pierced, touching_m
 from codend.mechanics.problem import Problem
 from codend.mechanics.rings import first_crossed_ring
 from codend.mechanics.sheet import Sheet
@@ -23,8 +23,6 @@ fold it where the codline gathers it. Of the median bar, in the mesh ahead of a 
 more than two nodes in one."""
 ROUND_OFF = 1e-9
 """Of the shortest bar."""
-DEEPEST = 0.1
-"""Of the shortest bar; see ``touching_m``."""
 _IMPOSSIBLE = {
     possible.NO_VOLUME: (Outcome.NO_VOLUME, "volume {:.2g} m3"),
     possible.FRONT_BEHIND: (Outcome.FRONT_BEHIND, "front {:.2g} m ahead of the codline"),
@@ -62,7 +60,7 @@ def passage(problem: Problem, position: Floats, gathered: bool = True) -> Refusa
     if problem.surface is not None:
         return _through_surface(problem, position, problem.surface.sheet)
     catch = problem.loading.catch
-    touching = touching_m(problem)
+    touching = touching_m(problem.structure.length, problem.structure.diameter)
     if catch.row_size.any():
         round_axis = _rings(problem, position, touching)
         if round_axis is not None:
@@ -115,16 +113,6 @@ def layers_touch(problem: Problem, position: Floats) -> bool:
     if problem.loading.catch.row_size.any() and _rings(problem, position, touching) is not None:
         return True
     return bool(first_pierced(position, *_sheet(problem), touching)[0] >= 0)
-
-
-def touching_m(problem: Problem) -> float:
-    """Depth up to which netting touches itself and does not pass through, m.
-
-    Twine has a thickness: netting whose middle lines are on the wrong side of each other by less than that is pressed
-    together, which is no part of the model, and not through. That counts up to ``DEEPEST`` of the shortest bar.
-    """
-    shortest, thick = float(problem.structure.length.min()), float(np.median(problem.structure.diameter))
-    return max(TOUCHING * shortest, min(thick, DEEPEST * shortest))
 
 
 def _rings(problem: Problem, position: Floats, touching: float) -> Refusal | None:

@@ -1,21 +1,29 @@
 """A sector as one of a ring: the tangents that its harmonics see, side by side or one alone. See ``harmonics``."""
 
+import math
 from copy import copy
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.mechanics.harmonics import Complex, hermitian_parts
-from codend.mechanics.newton_state import empty_state
-from codend.mechanics.newton_step import empty_step
+from codend.mechanics.harmonics import Complex, add_turned_bands, add_up_images, hermitian_parts
+from codend.mechanics.newton_state import empty_state, measure, take_over
+from codend.mechanics.newton_step import Step, empty_step, linearise
+from codend.mechanics.problem import Problem
 from codend.mechanics.structure import Structure
 from codend.mechanics.tangent import NOTHING_NEAR, Pattern, pattern_of
 from codend.net.net import Floats, Ints
 from codend.solvers.harmonic_tangent import HarmonicTangent
 from codend.solvers.linear_systems import narrow_numbering
+from codend.solvers.outcome import Solution
 
 Places = NDArray[np.int64]
+SWITCH = 0.1
+"""Weight of the test for taut bars at an equilibrium, where they are one or the other (``newton_state.measure``)."""
+NEUTRAL = 1e-6
+"""Shift of a tangent that is asked for stability, over the stiffness that the mean tension gives the nodes: behind a
+neck that has closed the bag turns about its axis for nothing, and round-off would give that eigenvalue either sign."""
 
 
 class Entries(NamedTuple):
@@ -49,6 +57,10 @@ class Ring:
         self.order = int(structure.order) if whole else structure.order
         self.pattern = pattern_of(structure, by_image=True, near=near)
         self.state, self.step = empty_state(structure, bands), empty_step(structure, self.pattern)
+        nodes = len(structure.free)
+        self._whole_place = np.unique(
+            self.pattern.row.astype(np.int64) * nodes + self.pattern.column, return_inverse=True
+        )[1]
         self._gathered: Floats | None = None
         self.fronted = False
         """Whether the catch's front follows the net."""
@@ -72,6 +84,7 @@ class Ring:
         width, reach = int(self.depth.max()) + 1, int(np.abs(image).max())
         self.even, self.odd = np.zeros((2, reach + 1, self.size, width))
         """C and S of ``mechanics.harmonics``."""
+        self._turns = self._turns_of(self.order)
         row, column, image = self._row, self._column, self._image
         off = np.abs(row - column)
         self._tails = self._tail_of(0), self._tail_of(1)
@@ -87,10 +100,33 @@ class Ring:
         other = copy(self)
         order = structure.order
         other.order = int(order) if order.is_integer() else order
-        other._axis_weights = [entries.weights(k, other.order) for k, entries in enumerate(self._at_axis)]
+        if other.order != self.order:
+            other._axis_weights = [entries.weights(k, other.order) for k, entries in enumerate(self._at_axis)]
+            other._turns = self._turns_of(other.order)
         other.state, other.step = empty_state(structure, bands), empty_step(structure, self.pattern)
         other.even, other.odd = np.zeros_like(self.even), np.zeros_like(self.odd)
         return other
+
+    def _turns_of(self, order: float) -> Floats:
+        """Cosine and sine of m phi in harmonics 0 .. n / 2 of a ring of n sectors, (2, reach + 1, harmonics)."""
+        angle = np.arange(len(self.even))[:, None] * (2.0 * np.pi / order * np.arange(int(order // 2) + 1))
+        return np.stack([np.cos(angle), np.sin(angle)])
+
+    def linearise(self, problem: Problem, solution: Solution) -> int:
+        """Take over the tangent at an equilibrium, shifted by ``NEUTRAL``; how many right sides go with it."""
+        structure, state, step = problem.structure, self.state, self.step
+        take_over(structure, np.ascontiguousarray(solution.positions), solution.bar_tension, state)
+        tension = solution.mean_tension
+        measure(structure, problem.loading, tension, SWITCH, 0.0, state)
+        sides = linearise(structure, problem.loading, self.pattern, tension, NEUTRAL, state, step)
+        self.gather(sides == 2)
+        return int(sides)
+
+    def write_whole(self, step: Step) -> None:
+        """Write what was taken over into a step of moves that are the same in all sectors, images added up."""
+        add_up_images(self.step.blocks, self._whole_place, step.blocks)
+        step.right[:], step.gradient[:] = self.step.right, self.step.gradient
+        step.hardening[:] = self.step.hardening
 
     def gather(self, fronted: bool) -> None:
         """Take over the tangent that was written into ``step``, and whether the catch's front follows the net."""
@@ -145,7 +181,6 @@ class Ring:
 
     def turn_and_tail(self, harmonics: NDArray[np.integer]) -> tuple[Floats, Floats]:
         """What ``negative_pivots_side_by_side`` asks for of some harmonics."""
-        angle = np.arange(len(self.even))[:, None] * (2.0 * np.pi / self.order * harmonics)
         rows, width = len(self.depth) - self.size, self.even.shape[2]
         tail = np.zeros((rows, width, 2, len(harmonics)))
         tail[:, 0, 0] = 1.0
@@ -156,7 +191,7 @@ class Ring:
             for i, part in enumerate(parts):
                 tail[:, :, i, lane] = np.bincount(place, part, rows * width).reshape(rows, width)
             tail[held, 0, 0, lane] = 1.0
-        return np.stack([np.cos(angle), np.sin(angle)]), tail
+        return np.take(self._turns, harmonics, axis=2), tail
 
     def _tail_of(self, harmonic: int) -> tuple[Places, NDArray[np.bool_], Floats, Floats]:
         """Of the entries at the axis in a harmonic where they go among the tail's, and what their two parts weigh.
@@ -181,8 +216,7 @@ class Ring:
         if real := 2 * harmonic in (0, self.order):
             turns = turns.real
         band = np.zeros((2 * half + 1, self.size + count), dtype=turns.dtype)
-        for turn, part in zip(turns, self._bands, strict=True):
-            band[:, : self.size] += turn * part
+        add_turned_bands(self._bands, turns, band)
         if count:
             row, column, value = self._values_at_axis(harmonic)
             np.add.at(band, (half + row - column, column), value.real if real else value)
@@ -196,9 +230,10 @@ class Ring:
         """B_m of the unknowns off the axis as bands, laid out as ``HarmonicTangent.band``, (images, ...)."""
         if self._gathered is None:
             half, reach = self.even.shape[2] - 1, len(self.even) - 1
-            self._gathered = np.zeros((2 * reach + 1, 2 * half + 1, self.size))
-            place = self._image + reach, half + self._row - self._column, self._column
-            np.add.at(self._gathered, place, self.step.blocks.reshape(-1)[self._off_axis])
+            shape = 2 * reach + 1, 2 * half + 1, self.size
+            place = ((self._image + reach) * shape[1] + half + self._row - self._column) * shape[2] + self._column
+            entries = self.step.blocks.reshape(-1)[self._off_axis]
+            self._gathered = np.bincount(place, entries, math.prod(shape)).reshape(shape)
         return self._gathered
 
     def _of_harmonic_0(self, values: Floats) -> Floats:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -131,8 +132,10 @@ def _cell(value: Any) -> Any:
 
 def _table(rows: Sequence[dict[str, Any]], text: Set[str]) -> pa.Table:
     """Rows as columns of one kind each, those named as ``text``, the reason last; what no row has is missing."""
-    names = [name for name in dict.fromkeys(name for row in rows for name in row) if name != REASON]
-    return pa.table({name: _column([row.get(name) for row in rows], name in text) for name in (*names, REASON)})
+    names = [name for name in dict.fromkeys(chain.from_iterable(rows)) if name != REASON]
+    columns = zip(*(map(row.get, (*names, REASON)) for row in rows), strict=True)
+    found = zip((*names, REASON), columns, strict=True)
+    return pa.table({name: _column(cells, name in text) for name, cells in found})
 
 
 def _column(cells: Sequence[Any], is_text: bool) -> pa.Array:

@@ -31,8 +31,8 @@ class KeptCases:
         self._plan, self._choice, self._folder = plan, choice, folder
         self._waiting: list[CaseResult] = []
         self._texts: dict[str, dict[int, str]] = {name: {} for name in TABLES}
-        self._begun = self._last = monotonic()
-        self._spent_s, self._removed = 0.0, False
+        self._begun = self._last = 0.0
+        self._spent_s = 0.0
 
     def add(self, result: CaseResult) -> None:
         """Keep one more case.
@@ -42,10 +42,11 @@ class KeptCases:
         """
         self.count += 1
         self._waiting.append(result)
-        if not self._removed:
-            remove_run(self._folder)
-            self._removed = True
         now = monotonic()
+        if self.count == 1:
+            remove_run(self._folder)
+            # kernels that were read or compiled are none of what would be lost
+            self._begun = self._last = now - 1e-3 * result.report.solve_ms
         if now - self._last > _PAUSE_S and self._spent_s < _SHARE * (now - self._begun):
             self._write()
 

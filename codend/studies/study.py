@@ -22,10 +22,11 @@ from codend.equilibrium.folds import in_contact_share
 from codend.equilibrium.following import LYING_ON_ITSELF, NOT_FOLLOWED, as_it_lies, follow
 from codend.equilibrium.other_shapes import apart_from_other_shapes
 from codend.equilibrium.room import check_room, explained
-from codend.equilibrium.stability import Stability, stability_of
+from codend.equilibrium.stability import Stability, stability_of, tangent_of
 from codend.equilibrium.start_shapes import carried_over
 from codend.equilibrium.wrinkles import changed_by_wrinkles, within_accuracy
 from codend.mechanics.problem import Problem
+from codend.net.net import Floats, Net
 from codend.plan.plan import Case, Plan
 from codend.solvers import newton
 from codend.solvers.outcome import Progress, Solution, SolverReport
@@ -161,7 +162,8 @@ def solve(
                     progress(done, len(cases), f"case {case.number}: its stability and errors")
                 unseen_n = choice.unseen_weight_n if found_on is model else choice.weight_n
                 result = _judged(found_on, result, unseen_n, report)
-                result = replace(result, stands_in=None if found_on is model else found_on.near)
+                if found_on is not model:
+                    result = replace(result, stands_in=found_on.near)
         except MemoryError as error:
             raise explained(plan, choice, error, free) from None
         results[case.number] = result
@@ -175,7 +177,7 @@ def solve(
 def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progress: Progress) -> CaseResult:
     """The result with its stability and errors, or that of the shape to which following what grows led."""
     plan, case, problem, solution = model.plan, result.case, result.problem, result.solution
-    tangent = newton.tangent_at(problem, solution, model.prepared)
+    tangent = tangent_of(model, problem, solution)
     stability = stability_of(model, tangent)
     # sectors of diamond netting that are stable lie on themselves nowhere
     turned = any(part.knot_across_m > 0.0 for part in plan.netting)
@@ -202,7 +204,7 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
         solve_ms=solution.report.solve_ms + followed.spent_ms,
     )
     found = measured(shape.model.bag, case, shape.problem, replace(shape.solution, report=report))
-    tangent = newton.tangent_at(shape.problem, shape.solution, shape.model.prepared)
+    tangent = tangent_of(shape.model, shape.problem, shape.solution)
     folds = layers_touch(shape.problem, shape.solution.positions) or followed.contact_share > 0.0
     followed = replace(followed, folds=folds)
     covered = followed.covered and (not folds or followed.contact_share > 0.0)
@@ -217,21 +219,24 @@ def _nearest(near: Sequence[CaseResult], model: BagModel, case: Case) -> list[tu
     Its equilibrium is carried over to the model's net; the list is empty where there is none.
     """
     mine = model.bag.net
+    solved = [one for one in near if one.case.catch_kind == case.catch_kind and one.report.method != plan_case.METHOD]
 
-    def distance(other: CaseResult) -> float:
-        catch, order, bar_m = other.case.catch_value, other.net.order, float(other.net.bar_length[0])
-        sizes = (catch, case.catch_value), (order, mine.order), (bar_m, own_bar_m)
-        return sum(abs(a - b) / (a + b) for a, b in sizes if a != b)
-
-    def alike(other: CaseResult) -> bool:
-        pairs = (other.net.bars, mine.bars), (other.net.bar_image, mine.bar_image)
+    def alike(other: Net) -> bool:
+        pairs = (other.bars, mine.bars), (other.bar_image, mine.bar_image)
         nodes = len(other.positions) == len(mine.positions)
         return nodes and all(one is two or np.array_equal(one, two) for one, two in pairs)
 
-    own_bar_m = float(mine.bar_length[0])
-    solved = [one for one in near if one.case.catch_kind == case.catch_kind and one.report.method != plan_case.METHOD]
-    for nearest in sorted(solved, key=distance):
-        if alike(nearest):
+    def apart(others: list[float], own: float) -> Floats:
+        """Differences from one's own size, over the sum of both."""
+        sizes = np.array(others)
+        return np.asarray(np.abs(sizes - own) / (sizes + own))
+
+    distance = apart([one.case.catch_value for one in solved], case.catch_value)
+    distance += apart([one.net.order for one in solved], mine.order)
+    distance += apart([one.net.bar_length[0] for one in solved], mine.bar_length[0])
+    for number in np.argsort(distance, kind="stable"):
+        nearest = solved[number]
+        if alike(nearest.net):
             return [(nearest.case, carried_over(nearest.solution, nearest.net, mine))]
     return []
 

@@ -7,7 +7,6 @@ from catch_models.filling import enclosed_volume
 from codend.bag.bag import Bag
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
-from codend.bag.supports import held_by_the_entry
 from codend.equilibrium import fidelity
 from codend.mechanics import catch_weight
 from codend.mechanics.catch_front import band_geometry, fill, row_positions
@@ -44,7 +43,7 @@ def volume_below(corners: Floats, weight: Floats) -> float:
 @pytest.mark.parametrize("kind", MESHES)
 def test_a_full_random_net_is_pulled_down_by_the_weight_of_its_catch_and_no_other_way(kind):
     bag, _, at, load = weighing(kind, 6.0, 0.01)
-    volume = volume_below(at[bag.net.facets] - at[held_by_the_entry(bag)].mean(axis=0), bag.net.facet_weight)
+    volume = volume_below(at[bag.net.facets] - at[bag.held_by_the_entry].mean(axis=0), bag.net.facet_weight)
     expected = -(HEAVY - WATER) * GRAVITY_M_S2 * volume
     assert load.sum(axis=0) == pytest.approx([0.0, 0.0, expected], abs=1e-10 * abs(expected))
 

@@ -9,7 +9,6 @@ from codend.bag.bag import Bag
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
-from codend.bag.supports import held_by_the_entry
 from codend.equilibrium import fidelity
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Plan, load_plan, plan_from_dict
@@ -48,7 +47,7 @@ def solved(plan: Plan, sectors: int | None, *, codline_held: bool = False) -> tu
 def test_the_entry_alone_carries_the_loads_of_a_full_net(plan):
     bag, problem, solution = solved(PLANS[plan], None)
     load, support = loads_and_supports(problem, solution)
-    entry = held_by_the_entry(bag)
+    entry = bag.held_by_the_entry
     total = np.linalg.norm(load.sum(axis=0))
     assert 0 < entry.sum() < len(entry)
     assert np.abs(support[~entry]).max() <= 1e-9 * total
@@ -120,7 +119,7 @@ def test_of_models_of_every_kind_no_free_node_carries_anything_and_the_entry_all
     result = solve(plan_from_dict(tables(**OF_EVERY_KIND[kind]))).cases[0]
     assert result.converged
     load, support = loads_and_supports(result.problem, result.solution)
-    entry, size = held_by_the_entry(result.bag), np.abs(load).sum()
+    entry, size = result.bag.held_by_the_entry, np.abs(load).sum()
     if result.net.order > 1:
         support[len(support) - 1 - result.bag.anchors, 1:] = 0.0  # the images of a sector take that off
     assert np.abs(support[~entry]).max() <= 1e-8 * size

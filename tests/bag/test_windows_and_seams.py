@@ -65,7 +65,46 @@ TAPERED = {
     "four panels": [{"panels": 4, "meshes_round": 32, "meshes_round_aft": 24}],
     "wider": [{"panels": 2, "meshes_round": 20, "meshes_round_aft": 24}],
 }
+AFT = {"panels": 2, "meshes_round": 16}
+STEEP = {
+    "1T2B": [{"panels": 2, "meshes_round": 64, "meshes_long": 6, "cut": "1T2B"}, AFT],
+    "1T1B, with knots": [
+        {"panels": 2, "meshes_round": 64, "meshes_long": 4, "cut": "1T1B", "knot_mm": 5.0},
+        AFT | {"knot_mm": 5.0},
+    ],
+    "odd": [{"panels": 2, "meshes_round": 50, "meshes_long": 4, "meshes_round_aft": 24}, AFT | {"meshes_round": 24}],
+    "turned and stiff": [
+        TAPERED["turned and stiff"][0] | {"meshes_round": 48, "meshes_long": 4, "meshes_round_aft": 24, "cut": "1N4B"},
+        TAPERED["turned and stiff"][0] | {"meshes_round": 24, "meshes_round_aft": 24},
+    ],
+    "wider": [AFT, AFT | {"meshes_long": 4, "meshes_round_aft": 36}, AFT | {"meshes_round": 36}],
+}
 ASKED = {"tolerance": 1e-10, "wrinkles": False}
+
+
+@pytest.mark.parametrize("sections", STEEP.values(), ids=STEEP.keys())
+def test_cuts_steeper_than_bars_neither_add_nor_lose_twine_and_are_in_balance(sections):
+    """A trapezoid has as many bars but for a step of the cut in every row of a seam."""
+    made = plan(*sections)
+    bag = build_bag(made)
+    for number, section in enumerate(made.netting):
+        own = bag.bar_is_twine & (np.array(made.sections_of_bands())[bag.bar_band] == number)
+        steps = section.panels * section.rows_per_mesh * section.meshes_long * (2 + section.edge_cut.rate)
+        assert abs(own.sum() - 4 * section.mean_meshes_round * section.meshes_long) <= steps
+    assert (bag.mesh_bars >= 0).all()
+    sector, full = (solved(*sections, model={**ASKED, "fidelity": asked}) for asked in ("sector", "full"))
+    assert sector.net.order == 2
+    assert numbers(sector) == pytest.approx(numbers(full), rel=1e-8)
+    assert full.measures.entry_reaction_n == pytest.approx(full.measures.drag_n, rel=1e-8)
+    assert abs(full.measures.turn_deg) < 1e-6
+
+
+def test_an_entry_from_which_steeply_cut_netting_does_not_reach_its_seams_is_told():
+    steep = {"panels": 2, "meshes_round": 64, "meshes_long": 6, "cut": "1T2B"}
+    with pytest.raises(InputError, match="cut 1T2B, reaches its seams") as told:
+        solve(plan(steep, AFT, entry=0.35))
+    assert told.value.key == "entry.radius_m"
+    build_bag(plan(steep | {"axial_stiffness_n": 1e3}, AFT, entry=0.35))
 
 
 @pytest.mark.parametrize("sections", TAPERED.values(), ids=TAPERED.keys())
@@ -239,6 +278,46 @@ def test_a_window_as_wide_as_its_panel_leaves_the_net_in_balance(name, across):
     assert numbers(upper) == pytest.approx(numbers(lower), rel=1e-8)
 
 
+BEHIND = {"panels": 2, "meshes_round": 24, "meshes_long": 8}
+TURNED = {"panels": 2, "mesh": "t90", "knot_mm": 5.0}
+HOSTS = {
+    "1N2B": [{"panels": 2, "meshes_round": 40, "meshes_long": 8, "cut": "1N2B"}, BEHIND],
+    "1T2B": [{"panels": 2, "meshes_round": 88, "meshes_long": 8, "cut": "1T2B"}, BEHIND],
+    "turned": [TURNED | {"meshes_round": 40, "meshes_long": 8, "cut": "1T2B"}, BEHIND | TURNED],
+    "four panels": [
+        BEHIND | {"panels": 4, "meshes_round": 80, "cut": "1N2B"},
+        BEHIND | {"panels": 4, "meshes_round": 48},
+    ],
+}
+LET_IN = {"meshes_from_codline": [9, 13]}
+
+
+@pytest.mark.parametrize("sections", HOSTS.values(), ids=HOSTS.keys())
+def test_a_window_of_the_same_netting_in_a_section_that_tapers_changes_nothing(sections):
+    kind = {key: sections[0][key] for key in ("mesh", "knot_mm") if key in sections[0]}
+    assert numbers(solved(*sections, windows=[LET_IN | kind])) == pytest.approx(numbers(solved(*sections)), rel=1e-9)
+
+
+@pytest.mark.parametrize(("host", "across"), [("1N2B", 3), ("1T2B", 3)])
+def test_a_window_in_a_section_that_tapers_leaves_the_net_in_balance_and_mirrored(host, across):
+    square = LET_IN | {"mesh": "square", "meshes_round": across, "meshes_long": 8, "axial_stiffness_n": 1e4}
+    one, other = (solved(*HOSTS[host], windows=[square | {"panel": side}]) for side in ("upper", "lower"))
+    assert one.measures.entry_reaction_n == pytest.approx(one.measures.drag_n, rel=1e-8)
+    assert one.measures.sideways_imbalance < 1e-8
+    assert numbers(one) == pytest.approx(numbers(other), rel=1e-8)
+
+
+def test_a_tube_that_tapers_loses_its_meshes_beside_a_window():
+    sections = [{"meshes_round": 40, "meshes_long": 8, "meshes_round_aft": 24}, {"meshes_long": 8}]
+    assert plan(*sections).places_round() == 8
+    for side, lines in (("upper", 2), ("port", 1), ("starboard", 2)):
+        square = LET_IN | {"mesh": "square", "meshes_round": 3, "meshes_long": 8, "panel": side}
+        made = plan(*sections, windows=[square])
+        assert (made.places_round(), made.seam_deg) == (lines, -90.0 if side == "starboard" else 0.0)
+    result = solved(*sections, windows=[square])
+    assert result.measures.entry_reaction_n == pytest.approx(result.measures.drag_n, rel=1e-8)
+
+
 def test_a_window_of_the_same_netting_as_wide_as_its_panel_changes_nothing():
     whole = {"meshes_across": 12, "meshes_round": 12}
     assert numbers(solved({"panels": 2}, windows=[whole])) == pytest.approx(numbers(solved({})), rel=1e-9)
@@ -277,8 +356,8 @@ def test_a_sector_has_no_place_for_a_window(asked):
 @pytest.mark.parametrize(
     ("sections", "windows", "key"),
     [
-        ([{"meshes_long": 4, "meshes_round_aft": 8}], [], "netting.0.meshes_round_aft"),
-        ([{"meshes_round_aft": 20}], [{}], "window.0.netting"),
+        ([{"meshes_round_aft": 18}], [{"panel": "lower"}, {"panel": "starboard"}], "window.0.panel"),
+        ([{"panels": 2, "meshes_round_aft": 16}], [{"meshes_across": 7}], "window.0.meshes_across"),
         ([{}], [{"mesh": "square", "bending_stiffness_n_m2": 1e-4}], "window.0.bending_stiffness_n_m2"),
     ],
 )

@@ -22,7 +22,9 @@ from codend.solvers.refusal import passage
 from codend.studies.case_result import CaseResult
 from codend.studies.study import solve
 from tests.plans import make_plan
+from validation import swinging
 from validation.shaken import QUANTITIES, row_of, row_of_random, shaken
+from validation.weight_left_out import weighed_plan, with_density
 from validation.wrinkles.matrix import commercial
 
 
@@ -189,6 +191,24 @@ def test_random_plans_come_back_when_shaken_or_lie_within_their_errors(number, s
     assert (row["stable"], row["ends"]) == (stable, "settled")
     assert row.get("comes back", "yes") == "yes"
     assert max(value for name, value in row.items() if name.endswith("over its error")) <= 1.0
+
+
+@pytest.mark.parametrize(("seed", "number", "at_least"), [(40, 6, 0.1), (41, 6, 0.01), (44, 56, 0.01)])
+def test_errors_cover_a_bag_that_swings_on_its_hoop_however_weakly_that_grows(seed, number, at_least):
+    """Square mesh and diamond netting, one all but stable; a part of ``python -m validation.swinging``."""
+    row = swinging.row_of(weighed_plan(seed, number)[0])
+    assert (row["harmonics"], row["followed is stable"]) == ("1", "yes")
+    assert row["drag_n"] > at_least
+    assert max(value for name, value in row.items() if name.endswith("over its error")) <= 1.0
+
+
+def test_a_swinging_bag_is_followed_to_where_little_weight_hangs_it():
+    """The same shape by two ways: along what grows, and by a weight of 1e-4 of the drag."""
+    plan, _ = weighed_plan(40, 28)
+    followed = solve(swinging.with_wrinkles(plan, True)).cases[0]
+    heavy = solve(with_density(plan, "full", twine=1001.0)).cases[0]
+    assert followed.measures.drag_n == pytest.approx(heavy.measures.drag_n, rel=2e-3)
+    assert abs(followed.measures.drag_n - heavy.measures.drag_n) <= followed.errors.drag_error_n
 
 
 @pytest.mark.parametrize("seed", [1019, 1033])

@@ -160,6 +160,20 @@ def test_a_move_is_not_cut_far_short_of_where_ipctk_lets_it_go():
         assert 0.2 * theirs <= share <= 1.3 * theirs
 
 
+@pytest.mark.parametrize("sectors", [2, None])
+def test_pairs_that_an_earlier_search_left_are_those_of_a_search_anew(sectors):
+    net, position = crumpled("t90", sectors)
+    rng, kept = np.random.default_rng(5), Surface.of(net, LAW)
+    for step in [0.0, *rng.choice([0.001, 0.02], size=12)]:
+        move = np.where(net.fixed, 0.0, step * rng.normal(size=position.shape))
+        seen, anew = (s.nearest_of(s.on_the_way(position, move), position + move) for s in (kept, Surface.of(net, LAW)))
+        assert len(seen.kind)
+        for one, other in zip(seen, anew, strict=True):
+            assert np.array_equal(one, other)
+        assert kept.free_share(position, move) == Surface.of(net, LAW).free_share(position, move)
+        position = position + kept.free_share(position, move) * move
+
+
 def test_surfaces_that_do_not_close_round_are_refused():
     net, _ = crumpled("diamond", 1)
     with pytest.raises(ValueError, match="whole number"):

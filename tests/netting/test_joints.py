@@ -14,7 +14,6 @@ from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.situation import Situation
 from codend.equilibrium.solve import solve as solve_case
 from codend.net.net import facet_corners
-from codend.netting.parts import taken_up
 from codend.plan.plan import Plan
 from codend.report.choice_words import reason_text
 from codend.solvers import interior_point, newton
@@ -93,8 +92,6 @@ def test_a_sector_of_joined_sections_repeated_all_round_is_the_full_net(sections
 
 
 def test_of_5_meshes_laced_to_3_two_pairs_are_taken_up_two_by_two():
-    wide, narrow = np.full(10, 5), np.full(10, 3)
-    assert taken_up(np.arange(10), wide, narrow).tolist() == [0, 0, 1, 1, 2, 3, 3, 4, 4, 5]
     plan = joined_plan(*USUAL["100 to 60"])
     bag = build_bag(plan)
     net = bag.net

@@ -12,7 +12,7 @@ from codend.cli.net_plan import TEMPLATES
 from codend.errors import InputError
 from codend.plan.amounts import amounts_of
 from codend.plan.limits import held_to
-from codend.plan.plan import load_plan
+from codend.plan.plan import Plan, load_plan
 from codend.report.net_plan import plan_svg
 from codend.report.net_plan_shapes import HANGING
 
@@ -103,14 +103,27 @@ def panels(tmp_path):
     return load_plan(path)
 
 
-def test_edges_slope_as_they_are_cut(panels):
-    svg = plan_svg(panels)
+@pytest.mark.parametrize(
+    ("mesh", "cut", "around", "deep", "rate"),
+    [
+        ("diamond", "1N2B", 120, 40, 1 / 2),
+        ("diamond", "1N1B", 120, 30, 1 / 3),
+        ("diamond", "AB", 160, 30, 1),
+        ("diamond", "1T2B", 200, 20, 2),
+        ("t90", "1T2B", 120, 40, 1 / 2),
+        ("t90", "1N1B", 200, 12, 3),
+        ("diamond", "AN", 80, 40, 0),
+    ],
+)
+def test_edges_slope_as_they_are_cut(panels, mesh, cut, around, deep, rate):
+    own = {"mesh": mesh, "cut": cut, "meshes_round": around, "meshes_long": deep}
+    tables = panels.to_dict()
+    tables["netting"][0].update(own)
+    svg = plan_svg(Plan.from_dict(tables))
     outline = re.findall(OUTLINE, svg)[0]
     _, (x1, y1), (x2, y2), _ = [tuple(map(float, point.split(","))) for point in outline.split()]
-    lost, deep = panels.netting[0].edge_loss, panels.netting[0].meshes_long
-    assert lost / deep == 0.5
-    assert (x1 - x2) / (y2 - y1) == pytest.approx(lost / deep * HANGING / math.sqrt(1 - HANGING**2), rel=1e-5)
-    assert "1N2B" in svg
+    assert (x1 - x2) / (y2 - y1) == pytest.approx(rate * HANGING / math.sqrt(1 - HANGING**2), rel=1e-5)
+    assert f">{cut}<" in svg
 
 
 def test_panels_that_differ_are_drawn_each(panels):

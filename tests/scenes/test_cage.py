@@ -6,7 +6,7 @@ import pytest
 
 from codend.errors import InputError
 from codend.mechanics import contact
-from codend.mechanics.contact_search import least_distance
+from codend.mechanics.contact_ways import least_distance
 from codend.mechanics.sheet import sheet_of
 from codend.scenes.build import build
 from codend.scenes.enclosure import enclosed_m3, facing_alike, openings

@@ -16,11 +16,10 @@ from codend.mechanics.loads import add_tangent
 from codend.mechanics.problem import Problem
 from codend.mechanics.tangent import Pattern, pattern_of
 from codend.plan.plan import Plan, plan_from_dict
-from codend.solvers import newton
 from codend.solvers.harmonic_tangent import HarmonicTangent
 from codend.solvers.harmonics import Harmonics, growing_harmonics, harmonics_of, negative_pivots
 from codend.solvers.outcome import Solution
-from codend.solvers.ring import Ring
+from codend.solvers.ring import NEUTRAL, Ring
 from tests import complex_loads
 from tests.plans import joined_plan, make_plan
 
@@ -93,7 +92,7 @@ def directions_of_whole_net(plan: Plan) -> int:
         keeps = rows[np.count_nonzero(sizes > 1e-9 * sizes[0]) :].T
         tangent = keeps.T @ tangent @ keeps
     eigenvalues = np.linalg.eigvals(tangent).real
-    neutral = newton.NEUTRAL * start.bar_tension.mean() / net.bar_length.min()
+    neutral = NEUTRAL * start.bar_tension.mean() / net.bar_length.min()
     return int(np.count_nonzero(eigenvalues < -neutral))
 
 

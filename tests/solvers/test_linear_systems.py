@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from codend.mechanics.problem import Problem
 from codend.mechanics.rigid import rigid_pattern
 from codend.net.net import Net
+from codend.solvers.linear_systems import narrow_numbering
 from codend.solvers.one_sided import PASSES, OneSided
 from codend.solvers.sparse_system import SparseSystem
 from codend.solvers.symmetric_system import SymmetricSystem
@@ -70,3 +73,19 @@ def test_bars_that_never_push_pull_or_come_out_no_longer_than_they_are(passes, m
     assert np.abs(density * left_over).max() < 1e-8
     assert 0 < np.count_nonzero(density) < len(ends)
     assert one_sided.unsettled == 0
+
+
+@pytest.mark.parametrize("reach", [1, 2, 3])
+@pytest.mark.parametrize("shuffled", [False, True])
+def test_a_band_is_as_narrow_as_by_reverse_cuthill_mckee_and_one_that_cannot_be_narrower_is_left(reach, shuffled):
+    """Chains in which every node is joined to the next few on either side, some entries named twice."""
+    size = 40
+    row, column = np.nonzero(np.abs(np.subtract.outer(np.arange(size), np.arange(size))) <= reach)
+    order = np.random.default_rng(reach).permutation(size) if shuffled else np.arange(size)
+    row, column = np.append(order[row], order[:5]), np.append(order[column], order[:5])
+    by_library = np.empty(size, dtype=int)
+    graph = coo_array((np.ones(len(row)), (row, column)), shape=(size, size)).tocsr()
+    by_library[reverse_cuthill_mckee(graph, symmetric_mode=True)] = np.arange(size)
+    place = narrow_numbering(row, column, size)
+    assert np.abs(place[row] - place[column]).max() <= np.abs(by_library[row] - by_library[column]).max()
+    assert shuffled or (place == np.arange(size)).all()

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, solve_banded
 
 from codend.bag.meridian.shell import Floats, Shell, rates
 
@@ -110,6 +109,8 @@ def solve_newton(
     A step is shortened until it stays where the netting can be (radius below that of fully stretched bars, slope within
     a half turn) and until the next simplified Newton correction is smaller than the last full one.
     """
+    from scipy.linalg import LinAlgError, solve_banded
+
     state = start.copy()
     residual, bands = _defects(shell, grid, state, True)
     damping = 1.0

@@ -4,7 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.netting.knots import LEFT, RIGHT, Knots
-from codend.netting.parts import Counts, Parts
+from codend.netting.lattice import Counts
+from codend.netting.parts import Parts
 
 
 def add_rhombs(parts: Parts, knots: Knots, own: NDArray[np.bool_]) -> None:
@@ -57,13 +58,7 @@ def _add_corners(parts: Parts, knots: Knots, bands: Counts) -> None:
 def _last_that_share(knots: Knots, row: Counts, knot: Counts) -> tuple[Counts, Counts]:
     """Of the columns of the bands ahead and behind whose knots are laced to one of a row's ring, the last ones."""
     lattice = knots.lattice
-    upward, around = lattice.upward[row], lattice.knots[row]
-    ahead, behind = (
-        np.where(
-            upward, knot * lattice.columns[row - i] // around, -(-(knot + 1) * lattice.columns[row - i] // around) - 1
-        )
-        for i in (1, 0)
-    )
+    ahead, behind = (lattice.last_laced(row, knot, lattice.columns[row - i]) for i in (1, 0))
     return ahead, behind
 
 
