@@ -1,8 +1,9 @@
-"""Equilibrium of a scene: by the ordinary solvers, and where netting meets netting by gentle steps under contact.
+"""Equilibrium of a scene: by the ordinary solvers, and through the interior under contact where netting may meet.
 
-Contact is left out where it is not needed: a shape that is in balance without it, and in which nothing passes through
-anything, stands. Else the net is let go at rest in still water, and follows the current gently with its sheets pressing
-on each other where they meet.
+In a current the net is let go as it was placed, with its sheets pressing on each other where they meet. If that leads
+nowhere, and in still water, contact is left out if it is not needed: a shape that is in balance without it, and in
+which nothing passes through anything, stands. Else the net is let go at rest in still water, and follows the current,
+gently at last.
 """
 
 from collections.abc import Iterator
@@ -11,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from codend.mechanics.body import place, pose_of
+from codend.mechanics.contact import add_force
 from codend.mechanics.problem import Problem
 from codend.mechanics.surface import ContactLaw
 from codend.scenes.by_motion import calm_shapes
@@ -24,6 +26,7 @@ OF_A_BAR = 0.05
 """Distance at which contact begins, over the shortest bar of netting."""
 PUSH = 0.1
 """What sheets press on each other with at half of that distance, over the mean tension of the bars."""
+UNDER_CONTACT: tuple[Solver, ...] = (interior_point.solve, slack.solve)
 APART = 1e-3
 """Least distance of parts in a start for contact, over that at which it begins: nearer ones would leap apart."""
 
@@ -43,21 +46,32 @@ def find(
         return problem, find_equilibrium(problem, tolerance, progress=progress)
     if problem.body is not None:
         return _afloat(problem, tolerance, progress)
-    touching = problem.touching_by(contact_law(problem))
-    at_rest = None if problem.loading.water.flow.any() else _at_rest(problem, tolerance, progress)
+    touching, attempts, spent_ms = problem.touching_by(contact_law(problem)), [], 0.0
+    flowing = bool(problem.loading.water.flow.any())
+    if flowing and apart(touching, problem.net.positions):
+        found = interior_point.solve(touching, tolerance, progress=progress)
+        if found.report.outcome.converged:
+            return _as_it_touches(problem, touching.touching_at(found.positions), found, tolerance, progress)
+        attempts, spent_ms = list(found.report.attempts), found.report.solve_ms
+    at_rest = None if flowing else _at_rest(problem, tolerance, progress)
     found = interior_point.solve(problem, tolerance, progress=progress) if at_rest is None else at_rest
-    attempts, spent_ms = list(found.report.attempts), found.report.solve_ms
+    attempts += found.report.attempts
+    spent_ms += found.report.solve_ms
     if found.report.outcome.converged:
         if passage(touching, found.positions) is None:
             return problem, polished(problem, tolerance, found, progress)
         attempts.append("in that shape netting passes through netting: contact is needed")
     started = False
-    for start, law, solve in _starts(touching, tolerance, at_rest, progress):
+    for start, law, solvers in _starts(touching, tolerance, at_rest, progress):
         started = True
+        attempts += start.report.attempts if start is not at_rest else ()
         touching = problem.touching_by(law).touching_at(start.positions)
-        found = solve(touching, tolerance, start, progress=progress)
-        attempts += (*start.report.attempts, *found.report.attempts)
-        spent_ms += found.report.solve_ms
+        for solve in solvers:
+            found = solve(touching, tolerance, start, progress=progress)
+            attempts += found.report.attempts
+            spent_ms += found.report.solve_ms
+            if found.report.outcome.converged:
+                break
         if found.report.outcome.converged:
             touching = touching.touching_at(found.positions)
             break
@@ -74,6 +88,15 @@ def from_there(problem: Problem, tolerance: float, start: Solution) -> tuple[Pro
     touching = touching.touching_at(start.positions)
     found = gentle.solve(touching, tolerance, start)
     return (touching.touching_at(found.positions), found) if found.report.outcome.converged else None
+
+
+def _as_it_touches(
+    problem: Problem, touching: Problem, found: Solution, tolerance: float, progress: Progress | None
+) -> tuple[Problem, Solution]:
+    """An equilibrium under contact, and the problem: without contact where nothing presses on anything there."""
+    push = np.zeros_like(found.positions)
+    add_force(found.positions, touching.loading.contact, push)
+    return (touching, found) if push.any() else (problem, polished(problem, tolerance, found, progress))
 
 
 def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tuple[Problem, Solution]:
@@ -123,7 +146,7 @@ def contact_law(problem: Problem, tension: float | None = None) -> ContactLaw:
 
 def _starts(
     touching: Problem, tolerance: float, at_rest: Solution | None, progress: Progress | None
-) -> Iterator[tuple[Solution, ContactLaw, Solver]]:
+) -> Iterator[tuple[Solution, ContactLaw, tuple[Solver, ...]]]:
     """Shapes to be let go from in which nothing passes through anything, the contact there, and how.
 
     At rest in still water; then as built, led near its rest by its motion, or as it is.
@@ -131,11 +154,11 @@ def _starts(
     """
     rest = _at_rest(_in_still_water(touching), tolerance, progress) if at_rest is None else at_rest
     if rest.report.outcome.converged and apart(touching, rest.positions):
-        yield rest, contact_law(touching, rest.mean_tension), slack.solve
+        yield rest, contact_law(touching, rest.mean_tension), UNDER_CONTACT
     if apart(touching, touching.net.positions):
         for calm in calm_shapes(touching, progress):
-            yield calm, contact_law(touching, calm.mean_tension), gentle.solve
-        yield as_built(touching), contact_law(touching), slack.solve
+            yield calm, contact_law(touching, calm.mean_tension), (gentle.solve,)
+        yield as_built(touching), contact_law(touching), UNDER_CONTACT
 
 
 def _in_still_water(touching: Problem) -> Problem:
