@@ -48,7 +48,7 @@ class Kind:
     """By how much wider than those of diamond netting errors of smeared ropes are.
 
     Between real ropes T90 and square netting hang in folds, found only where they may pass through themselves: by
-    those, errors of 47 plans were up to 1.3 and 6.2 times diamond netting's (``python -m validation.smeared_ropes 14 --kind t90``).
+    those, errors of 47 plans were up to 1.3 and 6.2 times diamond netting's (``python -m validation.smeared_ropes``).
     """
 
     @cached_property
