@@ -17,7 +17,7 @@ from codend.bag.measures import measure_all
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.folds import fold_count, follow_under_contact, in_contact_share
-from codend.equilibrium.following import along
+from codend.equilibrium.growing_starts import along
 from codend.equilibrium.stability import stability_of
 from codend.mechanics.surface import Surface
 from codend.plan.plan import Plan

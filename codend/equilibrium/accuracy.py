@@ -19,7 +19,6 @@ from codend.mechanics.pressure import add_force as add_pressure
 from codend.net.net import Floats
 from codend.plan.plan import Case, Plan
 from codend.solvers.newton import TangentAtEquilibrium, drifted, moved_by, solve_nearby
-from codend.solvers.outcome import Solution
 
 POLISHED = 1e-3
 """Tolerance of the answer that a result is compared with, over the result's own residual."""
@@ -30,6 +29,8 @@ small catch moved by 0.09 N of 1292 and 0.05 degrees in 8 of them, by 0.17 N and
 SMALL = 1e-3
 """Change of the suction that the tangent answers, over the one that is told."""
 SAFETY = 1.5
+LARGEST_MOVE = 0.1
+"""Of a bar, that the tangent may answer such a change with: more is none of a net at rest."""
 MORE_SUCTION = 0.1
 """Change of the suction outside the catch, relative, that the sensitivity to the pressure curve is told for."""
 NOISE = 1e-8
@@ -117,6 +118,8 @@ def estimate(
     problem, report = tangent.problem, tangent.solution.report
     finest = max(POLISHED * max(report.residual, report.imbalance), FINEST)
     sizes = np.abs(measures.estimated)
+    # while the tangent's own factors are there
+    more, by_suction = _more_suction(tangent)
     polished = solve_nearby(problem, finest, tangent.solution, tangent)
     settled = polished.report.outcome.converged
     there = polished if settled else drifted(tangent, finest)
@@ -124,10 +127,12 @@ def estimate(
         return Errors.unknown()
     exact = measure_briefly(model.bag, problem, there)
     solver = (1.0 if settled else UNSETTLED) * np.abs(sizes - exact)
-    # while the tangent's factors are there
     with_suction = float("nan")
-    if settled and not tangent.singular:
-        with_suction = _change_with_suction(polished, tangent, exact[0])
+    if settled and np.abs(by_suction).max() <= LARGEST_MOVE * problem.structure.length.min():
+        catch = problem.loading.catch
+        changed = problem.loading._replace(catch=catch._replace(coefficients=catch.coefficients + more))
+        shape = there.positions + by_suction, there.share.copy()
+        with_suction = float(drag_in_shape(problem.structure, changed, *shape) / exact[0] - 1.0) / SMALL
     globalised = by_ratio(model, case, measures)
     if model.globalisation > 1:
         globalised += _distance(*(sector_measures(model.plan, case, g) for g in (1, model.globalisation)))
@@ -216,18 +221,19 @@ def _distance(first: Measures, second: Measures) -> np.ndarray:
     return np.abs(first.estimated - second.estimated)
 
 
-def _change_with_suction(there: Solution, tangent: TangentAtEquilibrium, drag_n: float) -> float:
-    """1 - Cp becomes 1 - 1.1 Cp; inside the catch the water stays at stagnation pressure.
+def _more_suction(tangent: TangentAtEquilibrium) -> tuple[np.ndarray, np.ndarray]:
+    """What a little more suction outside the catch adds to the pressure law's coefficients, and how nodes move by it.
 
-    By the tangent: a far smaller change, answered by one back-substitution, and told in proportion.
+    1 - Cp becomes 1 - 1.1 Cp, in proportion; inside the catch the water stays at stagnation pressure. The moves are
+    told by the tangent, with one back-substitution, (n, 3); they are infinite where it is singular.
     """
-    problem, position = tangent.problem, np.ascontiguousarray(there.positions)
+    problem, position = tangent.problem, np.ascontiguousarray(tangent.solution.positions)
     catch = problem.loading.catch
     more = SMALL * MORE_SUCTION * catch.coefficients
     more[3] -= SMALL * MORE_SUCTION
-    force, share = np.zeros_like(position), there.share.copy()
+    if tangent.singular:
+        return more, np.full_like(position, np.inf)
+    force = np.zeros_like(position)
     # pressures are linear in the coefficients
-    add_pressure(position, problem.structure, catch._replace(coefficients=more), share, force)
-    changed = problem.loading._replace(catch=catch._replace(coefficients=catch.coefficients + more))
-    moved = position + moved_by(tangent, force)
-    return float(drag_in_shape(problem.structure, changed, moved, share) / drag_n - 1.0) / SMALL
+    add_pressure(position, problem.structure, catch._replace(coefficients=more), tangent.solution.share, force)
+    return more, moved_by(tangent, force)

@@ -1,22 +1,19 @@
 """What grows of an equilibrium, followed gently to shapes that are not the same all round.
 
-A harmonic k of a ring of n sectors fits into a sector w of them wide where k w / n is whole. The narrowest that growing
-harmonics fit are followed, each started along its growing shape, and the widest of them once more shaken; what still
-grows of a shape is followed on in a wider one. Where only the whole net has room and has too many knots, a merged net
+The narrowest sectors that growing harmonics fit are followed (``growing_starts``), and what still grows of a shape in a
+wider one. Where only the whole net has room and has too many knots, a merged net
 takes its place. Where layers of netting meet, the start is followed once more with contact between them, unless the
 plan forbids it: following stops there then.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice
-from math import gcd
 
 import numpy as np
 
-from codend.bag.bag import Bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import Measures, measure_all
+from codend.equilibrium import growing_starts
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.folds import (
@@ -28,10 +25,10 @@ from codend.equilibrium.folds import (
     is_pierced,
     limp_of,
 )
+from codend.equilibrium.followed import NOT_FOLLOWED, Followed, Shape, meshes_wide
+from codend.equilibrium.growing_starts import fitting, starts
 from codend.equilibrium.stability import Stability, stability_of, tangent_of
-from codend.equilibrium.start_shapes import all_round_start
 from codend.mechanics.problem import Problem
-from codend.net.net import Floats, rotate
 from codend.plan.plan import Case, Plan
 from codend.solvers import gentle
 from codend.solvers.clock import Clock
@@ -39,14 +36,8 @@ from codend.solvers.gentle import End, Motion
 from codend.solvers.harmonics import Growth
 from codend.solvers.outcome import Progress, Solution
 
-MOST_KNOTS = 3000
-"""Of a sector that is followed, or of the whole net: some seconds a shape."""
-WIDTHS = 3
-"""Narrowest sectors that are followed."""
 MOST_WIDENINGS = 2
 """How often what still grows of a shape is followed on in a wider one."""
-ALONG, SHAKEN = 0.05, 0.01
-"""Largest move along a growing shape, and moves at random, to start with, over a bar."""
 COVERING = 3.0
 """What wrinkles change, at most, over what was found: the shapes found are some of many."""
 SWUNG = 0.1
@@ -58,64 +49,6 @@ WORK: dict[object, int] = {"auto": 500_000, True: 2_000_000}
 INNER_LAYERS = np.array([5e-4, 5e-4, 5e-4, 0.0]), np.array([0.0, 0.0, 0.0, 0.3])
 """What it changes whether the pressure of the catch acts on the inner layers of a fold, which it does here: share of
 drag, volume and radius, and opening in degrees (a prototype's, on a T90 codend of 100 meshes round)."""
-
-
-@dataclass(frozen=True)
-class Shape:
-    """A shape that was found, on its model."""
-
-    model: BagModel
-    problem: Problem
-    solution: Solution
-    stability: Stability
-    measures: Measures
-    meshes: int
-    """Real meshes that the sector is wide."""
-    harmonic: int
-    """Harmonic that was followed to it."""
-
-    @property
-    def growth(self) -> tuple[bool, float]:
-        """Whether it is not known to last, and how strongly it grows, over a bar's stiffness under tension."""
-        strengths = [-float(growth.eigenvalues[0].real) / self.stability.scale for growth in self.stability.growths]
-        return self.stability.stable != "yes", max(strengths, default=0.0)
-
-
-@dataclass(frozen=True)
-class Followed:
-    """What became of an equilibrium of which something grows."""
-
-    shape: Shape | None
-    """The shape that stands in its place, one that lasts, of the narrowest sector; None where none does."""
-    reason: str
-    """Why it does, or why none does, and how wide the sector is, in words."""
-    drag_spread_n: float
-    """Largest drag less least over the shapes that were found; nan where none was."""
-    opening_spread_deg: float
-    folds: bool
-    """Whether layers of netting met."""
-    changed: Floats
-    """What wrinkles change at most, by the shapes that were found: drag, volume, largest radius and opening ahead. In
-    contact it is their spread."""
-    spent_ms: float
-    contact_share: float = float("nan")
-    """Share of the knots of the shape that stands which other netting presses on; nan without contact."""
-    fold_count: int = 0
-    """Most folds of any ring of the shape that stands, all round."""
-    covered: bool = False
-    """Whether that is all they may change: the shape lasts, and in contact it is one of several."""
-    shapes_found: int = 0
-    """Shapes in balance that the starts led to."""
-
-
-LYING_ON_ITSELF = "netting lies on netting in this shape: contact is not modelled"
-NOT_FOLLOWED = Followed(None, "", float("nan"), float("nan"), False, np.zeros(4), 0.0)
-
-
-def as_it_lies(bag: Bag, problem: Problem, solution: Solution) -> Followed:
-    """What is told of an equilibrium that was found with contact between its layers, without following anything."""
-    share, folds = in_contact_share(problem, solution), fold_count(solution.positions, problem.rings, bag.net.order)
-    return replace(NOT_FOLLOWED, folds=share > 0.0, contact_share=share, fold_count=folds)
 
 
 def follow(
@@ -134,14 +67,14 @@ def follow(
     if model.near is not None:
         return replace(NOT_FOLLOWED, reason='not followed: fidelity = "sector" asks for the exact ratio of the counts')
     with Clock() as clock:
-        base, merged = (model, solution, stability, problem), ""
-        if not list(_fitting(model, stability)):
+        base, merged, most = (model, solution, stability, problem), "", growing_starts.MOST_KNOTS
+        if not list(fitting(model, stability)):
             other = _merged(model, case)
             if other is None:
-                reason = f"not followed: the sector that a growing harmonic fits has more than {MOST_KNOTS} knots"
+                reason = f"not followed: the sector that a growing harmonic fits has more than {most} knots"
                 return replace(NOT_FOLLOWED, reason=reason)
             base, g = other, other[0].globalisation
-            merged = f", {g} x {g} meshes merged into one, for the whole net has more than {MOST_KNOTS} knots"
+            merged = f", {g} x {g} meshes merged into one, for the whole net has more than {most} knots"
         at_rest = measure_all(base[0].bag, base[3], base[1])[2]
         if model.plan.model.contact is not False and is_pierced(base[3], base[1]):
             limp = _symmetric(replace(base[0], plan=limp_of(model.plan)), case)
@@ -176,7 +109,7 @@ class _Following:
         most: int | None = None,
     ) -> None:
         """Follow what grows of an equilibrium from so many starts at most, and what then still grows of that."""
-        for of_start, sectors, growth, rest, start in islice(_starts(model, self.case, solution, stability), most):
+        for of_start, sectors, growth, rest, start in islice(starts(model, self.case, solution, stability), most):
             knots = len(start.positions)
             if self.in_contact and self.work < LEAST_STEPS * knots:
                 self.left_out += 1
@@ -248,70 +181,13 @@ class _Following:
         )
 
 
-def meshes_wide(bag: Bag, meshes_round: int) -> int:
-    """Real meshes that a bag's sector is wide, of so many round."""
-    return round(meshes_round / bag.net.order)
-
-
-def _fitting(model: BagModel, stability: Stability) -> Iterator[tuple[int, Growth]]:
-    """The narrowest sectors that growing harmonics fit, over the model's own width, each with the strongest of them."""
-    order = model.bag.net.sectors
-    fitting: dict[int, Growth] = {}
-    for growth in sorted(stability.growths, key=lambda growth: growth.eigenvalues[0].real):
-        fitting.setdefault(order // gcd(order, growth.harmonic), growth)
-    knots = len(model.bag.net.positions) - 1
-    for width in sorted(fitting)[:WIDTHS]:
-        if width * knots <= MOST_KNOTS:
-            yield width, fitting[width]
-
-
-def _starts(
-    model: BagModel, case: Case, solution: Solution, stability: Stability
-) -> Iterator[tuple[BagModel, int, Growth, Solution, Solution]]:
-    """Models so many sectors wide, what grows there, the shape at rest, and where to start.
-
-    That is along what grows, and of the widest shaken as well.
-    """
-    order, sectors = model.bag.net.sectors, model.sectors
-    fitting = list(_fitting(model, stability))
-    if not fitting:
-        return
-    if len(solution.bar_tension) % (sectors or 1) or (len(solution.positions) - 1) % (sectors or 1):
-        return  # sections of different counts, whose narrower sectors are not numbered alike
-    for width, growth in fitting:
-        wide = model
-        if width > 1:
-            wide = model_of(model.plan, model.globalisation, (sectors or 1) * width)
-        rest, start = along(model, wide, solution, growth)
-        yield wide, order, growth, rest, start
-    shake = np.random.default_rng(case.number).standard_normal(rest.positions.shape) * ~wide.bag.net.fixed
-    yield wide, order, growth, rest, _moved(rest, SHAKEN * float(np.median(wide.bag.net.bar_length)) * shake)
-
-
-def along(model: BagModel, wide: BagModel, solution: Solution, growth: Growth) -> tuple[Solution, Solution]:
-    """The shape at rest in a wider model, and that moved a little along what grows of it."""
-    order, abreast = model.bag.net.sectors, model.sectors or 1
-    width = order // wide.bag.net.sectors
-    rest = all_round_start(model.bag, solution.positions, solution.bar_tension, width, abreast=abreast)
-    turn = np.exp(2j * np.pi * growth.harmonic * np.arange(width) / order)
-    moves = (growth.shape[:-1].reshape(-1, 1, abreast, 3) * turn[None, :, None, None]).real
-    moved = rotate(moves, np.arange(width)[None, :, None], order).reshape(-1, 3)
-    moved = np.concatenate([moved, growth.shape[-1:].real]) * ~wide.bag.net.fixed
-    bar = float(np.median(wide.bag.net.bar_length))
-    return rest, _moved(rest, ALONG * bar / np.linalg.norm(moved, axis=1).max() * moved)
-
-
-def _moved(start: Solution, by: Floats) -> Solution:
-    return replace(start, positions=start.positions + by)
-
-
 def _merged(model: BagModel, case: Case) -> tuple[BagModel, Solution, Stability, Problem] | None:
     """A sector of the net with the fewest meshes merged of which something grows that can be followed; None if none."""
     for g in model.plan.globalisations:
         if g <= model.globalisation:
             continue
         found = _symmetric(replace(model, globalisation=g), case)
-        if found is not None and list(_fitting(found[0], found[2])):
+        if found is not None and list(fitting(found[0], found[2])):
             return found
     return None
 

@@ -195,7 +195,8 @@ class Situation:
         Weight may hide below the tolerance of single nodes.
         """
         brief = self.by_meshes and len(self.model.bag.net.corners) == 0
-        return replace(BRIEF if brief else DIRECT, least_iterations=int(self.heavy))
+        settings = BRIEF if brief else DIRECT
+        return replace(settings, least_iterations=1) if self.heavy else settings
 
     def by_newton(self, problem: Problem, start: Solution | None, settings: NewtonSettings = DIRECT) -> Solution:
         """Newton's method to the plan's tolerance."""

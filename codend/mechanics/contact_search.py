@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from codend.compiled import njit
 from codend.mechanics.cells import Numbers, sorted_into_cells, write_box
 from codend.mechanics.contact import Contact, room, write_corners
-from codend.mechanics.nearest import EDGE_EDGE, NODE_TRIANGLE, nearest
+from codend.mechanics.nearest import EDGE_EDGE, NODE_TRIANGLE, closing, nearest
 from codend.mechanics.sheet import Sheet
 from codend.net.net import Floats, Ints
 
 
 class Candidates(NamedTuple):
-    """Pairs that may come near each other while every node stays within a margin of a way."""
+    """Pairs that may come near each other while every node stays within a margin of where all are together on a way."""
 
     start: Floats
     """Where the way begins, (n, 3)."""
@@ -41,11 +41,11 @@ def _lengths(vectors: Floats) -> Floats:
 
 
 @njit(cache=True, error_model="numpy")
-def _most(values: Floats, node: Ints) -> float:
-    """Largest of some nodes' values."""
+def _most(values: Floats, parts: Ints, part: int) -> float:
+    """Largest of the values of a part's nodes."""
     largest = 0.0
-    for place in node:
-        largest = max(largest, values[place])
+    for corner in range(parts.shape[1]):
+        largest = max(largest, values[parts[part, corner]])
     return largest
 
 
@@ -113,7 +113,7 @@ def _met(
             own[0] = sheet.node[seeker]
         else:
             own[:], own_image[:] = sheet.edge[seeker], sheet.edge_image[seeker]
-        shared, own_held, moved = on_axis[own].all(), sheet.fixed[own].all(), _most(longest, own)
+        shared, own_held, moved = on_axis[own].all(), sheet.fixed[own].all(), longest[own].max()
         for turn in range(1 if shared else sectors):
             # the others turned by an image are met where the seeker is turned back
             back = _back(turn, sectors)
@@ -154,7 +154,10 @@ def _met(
                             _write_pair(kind, seeker, turn, other, sheet, node[0], image[0])
                             write_corners(position, node, image, sheet.rotations, 0, found.corner)
                             distance = np.sqrt(nearest(kind, found)[1])
-                            distance -= moved + _most(longest, parts[other])
+                            if distance >= reach + moved + _most(longest, parts, other):
+                                continue
+                            write_corners(way, node, image, sheet.rotations, 0, found.corner)
+                            distance -= closing(kind, found.corner)
                             if distance >= reach:
                                 continue
                             if count == len(keys):
@@ -213,22 +216,23 @@ def _twice(values: NDArray) -> NDArray:
 
 @njit(cache=True, error_model="numpy")
 def strayed(position: Floats, move: Floats, start: Floats, way: Floats) -> Floats:
-    """How far from a way each node is at most that moves from a position, m, (n,)."""
-    found = np.empty(len(position))
+    """How far each node is at most, on a move from a position, from where all are together on a way, m, (n,)."""
+    square, along, of_move = 0.0, 0.0, 0.0
     for i in range(len(position)):
-        square, most = 0.0, 0.0
         for a in range(3):
             square += way[i, a] * way[i, a]
-        for end in range(2):
-            along = 0.0
-            for a in range(3):
-                along += (position[i, a] + end * move[i, a] - start[i, a]) * way[i, a]
-            place = min(max(along / square, 0.0), 1.0) if square > 0.0 else 0.0
-            off = 0.0
-            for a in range(3):
-                off += (position[i, a] + end * move[i, a] - start[i, a] - place * way[i, a]) ** 2
-            most = max(most, off)
-        found[i] = np.sqrt(most)
+            along += (position[i, a] - start[i, a]) * way[i, a]
+            of_move += move[i, a] * way[i, a]
+    first = min(max(along / square, 0.0), 1.0) if square > 0.0 else 0.0
+    last = min(max((along + of_move) / square, 0.0), 1.0) if square > 0.0 else 0.0
+    found = np.empty(len(position))
+    for i in range(len(position)):
+        here, there = 0.0, 0.0
+        for a in range(3):
+            apart = position[i, a] - start[i, a]
+            here += (apart - first * way[i, a]) ** 2
+            there += (apart + move[i, a] - last * way[i, a]) ** 2
+        found[i] = np.sqrt(max(here, there))
     return found
 
 
@@ -239,8 +243,13 @@ def may_meet(candidates: Candidates, stray: Floats, reach: float) -> Numbers:
     chosen, count = np.zeros(len(kind), dtype=np.int64), 0
     for pair in range(len(kind)):
         size = 1 if kind[pair] == NODE_TRIANGLE else 2
-        off = _most(stray, node[pair, :size]) + _most(stray, node[pair, size:])
-        if candidates.apart[pair] - off < reach:
+        mine, theirs = 0.0, 0.0
+        for i in range(4):
+            if i < size:
+                mine = max(mine, stray[node[pair, i]])
+            else:
+                theirs = max(theirs, stray[node[pair, i]])
+        if candidates.apart[pair] - mine - theirs < reach:
             chosen[count] = pair
             count += 1
     return chosen[:count]

@@ -8,7 +8,7 @@ import numpy as np
 
 from codend.compiled import njit
 from codend.mechanics.contact import Contact, room, write_corners
-from codend.mechanics.nearest import NODE_TRIANGLE, nearest
+from codend.mechanics.nearest import NODE_TRIANGLE, closing, nearest
 from codend.net.net import Floats
 
 LEFT_OVER = 0.1
@@ -39,7 +39,7 @@ def free_share(position: Floats, move: Floats, contact: Contact) -> float:
         write_corners(move, contact.node, contact.image, contact.rotations, pair, way)
         if _pass_by(kind, start, way):
             continue
-        speed = _closing_speed(kind, way)
+        speed = closing(kind, way)
         if speed == 0.0:
             continue
         found.corner[:] = start
@@ -77,21 +77,3 @@ def _pass_by(kind: int, start: Floats, way: Floats) -> bool:
         if low > there_high or high < there_low:
             return True
     return False
-
-
-@njit(cache=True)
-def _closing_speed(kind: int, way: Floats) -> float:
-    """Most by which the parts of a pair may near each other, after their mean move is taken off, which is done."""
-    own = 1 if kind == NODE_TRIANGLE else 2
-    for j in range(3):
-        mean = 0.25 * (way[0, j] + way[1, j] + way[2, j] + way[3, j])
-        for i in range(4):
-            way[i, j] -= mean
-    mine, theirs = 0.0, 0.0
-    for i in range(4):
-        size = way[i, 0] ** 2 + way[i, 1] ** 2 + way[i, 2] ** 2
-        if i < own:
-            mine = max(mine, size)
-        else:
-            theirs = max(theirs, size)
-    return np.sqrt(mine) + np.sqrt(theirs)

@@ -128,3 +128,21 @@ def _edge_edge(found: Nearest) -> tuple[int, float]:
     a = 2 if node < 2 else 0
     _set_edge(found, node, a, a + 1, place, free)
     return (1 if free else 0), _square(found)
+
+
+@njit(cache=True, error_model="numpy")
+def closing(kind: int, way: Floats) -> float:
+    """Most by which the parts of a pair may near each other, after their mean move is taken off, which is done."""
+    own = 1 if kind == NODE_TRIANGLE else 2
+    for j in range(3):
+        mean = 0.25 * (way[0, j] + way[1, j] + way[2, j] + way[3, j])
+        for i in range(4):
+            way[i, j] -= mean
+    mine, theirs = 0.0, 0.0
+    for i in range(4):
+        size = way[i, 0] ** 2 + way[i, 1] ** 2 + way[i, 2] ** 2
+        if i < own:
+            mine = max(mine, size)
+        else:
+            theirs = max(theirs, size)
+    return np.sqrt(mine) + np.sqrt(theirs)

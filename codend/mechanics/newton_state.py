@@ -13,14 +13,15 @@ from numpy.typing import NDArray
 
 from codend.compiled import njit
 from codend.mechanics.balance import out_of_balance
-from codend.mechanics.bars import add_bar_forces, bar_vector
+from codend.mechanics.bars import add_bar_forces, bar_lengths, bar_vector
 from codend.mechanics.catch_front import fill
 from codend.mechanics.loads import Loading, add_force
 from codend.mechanics.structure import Structure
 from codend.net.net import Floats
 
-MARKS = np.dtype([(name, np.float64) for name in ("merit", "residual", "imbalance", "length_error", "fits")])
-"""Named numbers of a state that kernels write; ``fits`` is 1 if the catch fits into the net."""
+MARKS = np.dtype([(name, np.float64) for name in ("merit", "residual", "imbalance", "length_error", "fits", "lowest")])
+"""Named numbers of a state that kernels write; ``fits`` is 1 if the catch fits into the net, ``lowest`` the largest
+compression of twine, N, below 0, or 0."""
 LENGTH_WEIGHT = 10.0
 """Force, in units of the reference tension, that a bar's strain of 1 counts as in the merit."""
 
@@ -78,6 +79,15 @@ def empty_state(structure: Structure, bands: int) -> State:
 
 
 @njit(cache=True, error_model="numpy")
+def take_over(structure: Structure, position: Floats, tension: Floats, state: State) -> None:
+    """Write a shape, (n, 3), and the force densities of its tensions, (m,): 0 of bars that are shrunk to nothing."""
+    state.position[:] = position
+    bar_lengths(position, structure, state.length)
+    for bar in range(len(tension)):
+        state.density[bar] = tension[bar] / state.length[bar] if state.length[bar] > 0.0 else 0.0
+
+
+@njit(cache=True, error_model="numpy")
 def measure(
     structure: Structure, loading: Loading, tension: float, switch: float, barrier: float, state: State
 ) -> None:
@@ -99,7 +109,7 @@ def measure(
     rests, flexibilities, struts = structure.length, structure.flexibility, structure.is_strut
     position, density, gaps, lengths = state.position, state.density, state.gap, state.length
     force, load, free = state.force, state.load, structure.free
-    merit, worst, total = 0.0, 0.0, 0.0
+    merit, worst, total, lowest = 0.0, 0.0, 0.0, 0.0
     for bar in range(len(density)):
         dx, dy, dz = bar_vector(position, firsts[bar], seconds[bar], images[bar], rotations)
         length = np.sqrt(dx * dx + dy * dy + dz * dz)
@@ -113,6 +123,8 @@ def measure(
                 density[bar] = gap = 0.0
         lengths[bar], gaps[bar] = length, gap
         total += abs(density[bar]) * length
+        if not struts[bar]:
+            lowest = min(lowest, density[bar] * length)
         error = abs(gap) * length
         worst = max(worst, error)
         merit += (weight * error) ** 2
@@ -129,4 +141,4 @@ def measure(
     residual, imbalance = out_of_balance(structure, force, load, total / max(len(density), 1))
     marks = state.marks[0]
     marks.merit, marks.residual, marks.imbalance = np.sqrt(merit), residual, imbalance
-    marks.length_error, marks.fits = worst, 1.0 if fits else 0.0
+    marks.length_error, marks.fits, marks.lowest = worst, 1.0 if fits else 0.0, lowest

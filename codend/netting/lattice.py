@@ -154,6 +154,8 @@ class Lattice:
         100 meshes joined to 60, at the ratio of 5 to 3, of each 5 two pairs are taken up two by two and one is not.
         """
         ring, seams = self.knots[row], self.ring_seams[row]
+        if np.array_equal(ring, columns):
+            return knot
         evenly = np.where(self._upward[row], -(-knot * ring // columns), knot * ring // columns)
         panel, place = np.divmod(knot, columns // seams)
         own = ring // seams

@@ -1,8 +1,9 @@
-"""Equilibrium of a scene: by the ordinary solvers, and where netting meets netting by gentle steps under contact.
+"""Equilibrium of a scene: by the ordinary solvers, and through the interior under contact where netting may meet.
 
-Contact is left out where it is not needed: a shape that is in balance without it, and in which nothing passes through
-anything, stands. Else the net is let go at rest in still water, and follows the current gently with its sheets pressing
-on each other where they meet.
+In a current the net is let go as it was placed, with its sheets pressing on each other where they meet. If that leads
+nowhere, and in still water, contact is left out if it is not needed: a shape that is in balance without it, and in
+which nothing passes through anything, stands. Else the net is let go at rest in still water, and follows the current,
+gently at last.
 """
 
 from collections.abc import Iterator
@@ -11,11 +12,12 @@ from dataclasses import replace
 import numpy as np
 
 from codend.mechanics.body import place, pose_of
+from codend.mechanics.contact import add_force
 from codend.mechanics.problem import Problem
 from codend.mechanics.surface import ContactLaw
 from codend.solvers import floating, in_turns, interior_point, slack
 from codend.solvers.dynamic_relaxation import as_built, reference_tension
-from codend.solvers.outcome import Progress, Solution
+from codend.solvers.outcome import Progress, Solution, Solver
 from codend.solvers.refusal import passage
 from codend.solvers.solve import find_equilibrium, polished
 
@@ -23,6 +25,7 @@ OF_A_BAR = 0.05
 """Distance at which contact begins, over the shortest bar of netting."""
 PUSH = 0.1
 """What sheets press on each other with at half of that distance, over the mean tension of the bars."""
+UNDER_CONTACT: tuple[Solver, ...] = (interior_point.solve, slack.solve)
 APART = 1e-3
 """Least distance of parts in a start for contact, over that at which it begins: nearer ones would leap apart."""
 
@@ -42,10 +45,17 @@ def find(
         return problem, find_equilibrium(problem, tolerance, progress=progress)
     if problem.body is not None:
         return _afloat(problem, tolerance, progress)
-    touching = problem.touching_by(contact_law(problem))
-    at_rest = None if problem.loading.water.flow.any() else _at_rest(problem, tolerance, progress)
+    touching, attempts, spent_ms = problem.touching_by(contact_law(problem)), [], 0.0
+    flowing = bool(problem.loading.water.flow.any())
+    if flowing and _apart(touching, problem.net.positions):
+        found = interior_point.solve(touching, tolerance, progress=progress)
+        if found.report.outcome.converged:
+            return _as_it_touches(problem, touching.touching_at(found.positions), found, tolerance, progress)
+        attempts, spent_ms = list(found.report.attempts), found.report.solve_ms
+    at_rest = None if flowing else _at_rest(problem, tolerance, progress)
     found = interior_point.solve(problem, tolerance, progress=progress) if at_rest is None else at_rest
-    attempts, spent_ms = list(found.report.attempts), found.report.solve_ms
+    attempts += found.report.attempts
+    spent_ms += found.report.solve_ms
     if found.report.outcome.converged:
         if passage(touching, found.positions) is None:
             return problem, polished(problem, tolerance, found, progress)
@@ -54,15 +64,27 @@ def find(
     for start, law in _starts(touching, tolerance, at_rest, progress):
         started = True
         touching = problem.touching_by(law).touching_at(start.positions)
-        found = slack.solve(touching, tolerance, start, progress=progress)
-        attempts += found.report.attempts
-        spent_ms += found.report.solve_ms
+        for solve in UNDER_CONTACT:
+            found = solve(touching, tolerance, start, progress=progress)
+            attempts += found.report.attempts
+            spent_ms += found.report.solve_ms
+            if found.report.outcome.converged:
+                break
         if found.report.outcome.converged:
             touching = touching.touching_at(found.positions)
             break
     if not started:
         return problem, find_equilibrium(problem, tolerance, progress=progress)
     return touching, replace(found, report=replace(found.report, attempts=tuple(attempts), solve_ms=spent_ms))
+
+
+def _as_it_touches(
+    problem: Problem, touching: Problem, found: Solution, tolerance: float, progress: Progress | None
+) -> tuple[Problem, Solution]:
+    """An equilibrium under contact, and the problem: without contact where nothing presses on anything there."""
+    push = np.zeros_like(found.positions)
+    add_force(found.positions, touching.loading.contact, push)
+    return (touching, found) if push.any() else (problem, polished(problem, tolerance, found, progress))
 
 
 def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tuple[Problem, Solution]:

@@ -13,7 +13,7 @@ import numpy as np
 from codend.mechanics.bars import add_bar_forces, add_bar_tangent, bar_lengths, bar_products
 from codend.mechanics.catch_front import fill
 from codend.mechanics.loads import add_force, add_tangent
-from codend.mechanics.newton_state import State, empty_state, measure
+from codend.mechanics.newton_state import State, empty_state, measure, take_over
 from codend.mechanics.newton_step import empty_step, finish_step, linearise, right_side
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
@@ -57,9 +57,7 @@ class Linearised:
         self._step = step = empty_step(structure, pattern)
         self._free = structure.free
         self.state = state = empty_state(structure, problem.bands)
-        state.position[:] = solution.positions
-        bar_lengths(state.position, structure, state.length)
-        np.divide(solution.bar_tension, state.length, out=state.density, where=state.length > 0.0)
+        take_over(structure, np.ascontiguousarray(solution.positions), solution.bar_tension, state)
         tension = solution.mean_tension or reference_tension(problem)
         measure(structure, loading, tension, SWITCH, 0.0, state)
         self.taut = (state.density != 0.0) | structure.is_strut

@@ -27,7 +27,7 @@ from codend.solvers.newton import DIRECT
 from codend.solvers.outcome import Outcome, Progress, Solution
 from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.refusal import passage
-from codend.solvers.watched import Watched
+from codend.solvers.watched import FIRST_EXACT, REVERSED, Watched
 
 METHOD = "gentle steps"
 LONGEST = 0.15
@@ -52,11 +52,8 @@ SHORT, BOLDER = 0.7, 2.0
 """Share of a step under contact under which it was too bold, and the factor on the shift then."""
 PUSHED_BACK = 0.5
 """Of the work that a step's force does along it, what may be left at its end against it: more is an overshoot."""
-REVERSED = -0.5
-"""Cosine between two steps under which the second goes back on the first; half of it is taken then."""
 SETTLING_RESIDUAL, SETTLING_MOVE = 1e-3, 0.02
 """Residual, and move over a bar, under which contact's own tangent is tried, or what of it leaves pivots positive."""
-FIRST_EXACT = 0.125
 
 
 class End(Enum):
@@ -204,7 +201,7 @@ class _Steps:
         step = self.watched.prepared.step
         move, before = step.move, self.before
         along = float(np.vdot(move, before)) / float(np.linalg.norm(move) * np.linalg.norm(before) + 1e-300)
-        back = size == 1.0 and along < REVERSED
+        back = size == 1.0 and along < REVERSED  # half of it is taken then
         size = 0.5 if back else size
         pairs = surface.on_the_way(self.here.position, size * move)
         size *= surface.free_part(self.here.position, size * move, pairs)

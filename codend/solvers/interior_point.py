@@ -7,7 +7,8 @@ same share of a step. The barrier is lowered when forces are as near to balance 
 is, and raised to where the bars are when they hit slackness one after the other. One form serves limp and stiff twine,
 ropes, layers, weight and sheets at rest (``python -m validation.interior_steps`` counts the steps): ten to thirty
 factorisations, up to a hundred for T90 of stiff twine with a small catch, where Newton's method alone needs one or two
-near its equilibrium, and the last digits are left to it; but it needs no start nearby.
+near its equilibrium, and the last digits are left to it; but it needs no start nearby. With contact between parts of a
+net (``Problem.of(contact=...)``) no step goes past where any would pass through another.
 """
 
 from dataclasses import dataclass, replace
@@ -24,6 +25,7 @@ from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import reference_tension
 from codend.solvers.newton import DIRECT, LARGEST_SHIFT, Prepared
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.watched import FIRST_EXACT, Watched
 
 METHOD = "interior point"
 LOWERED, LOWERED_WARILY = 0.1, 0.5
@@ -50,6 +52,9 @@ LEAST_SHIFT = 1e-3
 """In units of what the pull and the bending of the bars at a node resist, see ``kernels.shift_by_resistance``."""
 BOLD, EASY = 0.3, 0.5
 """Share of a step that its turn leaves under which the shift rises, and over which it falls."""
+EXACT = 1e-4
+"""Residual up to which contact's tangent is its own, or what of it leaves pivots positive: elsewhere what is negative
+definite of it is left out."""
 STALLED = 80
 """Steps in a row that do not lower the barrier, after which none will."""
 KEPT_TAUT = 1.0
@@ -92,8 +97,6 @@ def solve(
         progress: told the residual of every step.
         prepared: what ``newton.prepare`` returned for this structure.
     """
-    if problem.surface is not None:
-        raise ValueError("this method knows no contact: use find_equilibrium")
     prepared = newton.prepare(problem.structure, problem.bands) if prepared is None else prepared
     with Clock() as clock:
         state, outcome, steps, length_error = _lower_the_barrier(
@@ -135,15 +138,17 @@ def _lower_the_barrier(
     prepared: Prepared,
 ) -> tuple[State, Outcome, int, float]:
     """Follow the barrier down; where that ended, how, after how many steps, and the error of lengths there."""
-    structure, loading = problem.structure, problem.loading
+    structure, watched = problem.structure, Watched(problem, prepared)
     state, new, _ = prepared.states
     state.position[:] = problem.net.positions if start is None else start.positions
     mean = reference_tension(problem) if start is None else start.mean_tension
-    tension = max(mean, _largest_load(problem, mean, state)) if start is None else mean
+    crude = start is None or problem.surface is not None
+    tension = max(mean, _largest_load(problem, mean, state)) if crude else mean
     last_barrier = settings.last_barrier * mean / tension
     tensions = tension if start is None else np.maximum(start.bar_tension, LEAST_TENSION * tension)
     state.density[:] = tensions / structure.length
-    measure(structure, loading, tension, 1.0, KEPT_TAUT, state)
+    watched.look(state.position)
+    measure(structure, watched.loading, tension, 1.0, KEPT_TAUT, state)
     barrier = settings.first_barrier
     kernels.begin(structure, barrier * tension, LEAST_SLACKNESS, state)
     loosening, softness = np.zeros(len(structure.length)), np.zeros(len(structure.length))
@@ -162,20 +167,24 @@ def _lower_the_barrier(
             close = barrier <= last_barrier and state.residual <= tolerance
             return state, Outcome.CONVERGED if close else Outcome.STEPS_SPENT, steps, error
         steps += 1
-        turn, shift = _step(problem, tension, shift, softness, state, prepared)
+        turn, shift = _step(watched, tension, shift, softness, state)
         if not np.isfinite(turn):
             return state, Outcome.SINGULAR if np.isnan(turn) else Outcome.NOT_IMPROVING, steps, error
-        way = kernels.way_to_nothing(structure, barrier * tension, state, prepared.step, loosening)
+        step = watched.prepared.step
+        way = kernels.way_to_nothing(structure, barrier * tension, state, step, loosening)
         of_turn = min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0
         share = min(of_turn, max(NEAREST, 1.0 - np.sqrt(barrier)) * way)
-        kernels.go(state, prepared.step, loosening, share, new)
-        measure(structure, loading, tension, 1.0, KEPT_TAUT, new)
+        free = watched.go_along(state.position, share * step.move)
+        kernels.go(state, step, loosening, free * share, new)
+        measure(structure, watched.loading, tension, 1.0, KEPT_TAUT, new)
         state, new = new, state
-        if of_turn > EASY:
-            shift = 0.25 * shift if shift > LEAST_SHIFT else 0.0
-        elif of_turn < BOLD:
+        back = watched.goes_back(step.move)
+        if min(of_turn, free) < BOLD or back:
             shift = min(max(2.0 * shift, LEAST_SHIFT), LARGEST_SHIFT)
-        if share < BLOCKED:
+        elif of_turn > EASY:
+            shift = 0.25 * shift if shift > LEAST_SHIFT else 0.0
+        blocked, share = share < BLOCKED, free * share
+        if blocked:
             barrier = max(barrier, kernels.reached_barrier(structure, state) / tension)
             continue
         near = kernels.largest_force(structure, state.force) <= NEAR * tension * barrier or state.residual <= FINEST
@@ -198,26 +207,33 @@ def _largest_load(problem: Problem, tension: float, state: State) -> float:
     return kernels.largest_force(structure, state.load)
 
 
-def _step(
-    problem: Problem, tension: float, shift: float, softness: Floats, state: State, prepared: Prepared
-) -> tuple[float, float]:
+def _step(watched: Watched, tension: float, shift: float, softness: Floats, state: State) -> tuple[float, float]:
     """Write the step at a state, with the tangent shifted until it can be factorised and leads not too far.
 
     Returns:
         the largest change of a bar's vector over its length, infinite if no shift helps and nan if none lets the
         tangent be factorised, and the shift it took.
     """
-    structure, loading, step, system = problem.structure, problem.loading, prepared.step, prepared.system
+    structure, loading, prepared = watched.problem.structure, watched.loading, watched.prepared
+    step, system = prepared.step, prepared.system
+    near_contact = state.residual <= EXACT and len(loading.contact.kind) > 0
+    exact = min(2.0 * max(watched.exact, FIRST_EXACT), 1.0) if near_contact else 0.0
     softened = structure._replace(flexibility=softness)
     while True:
-        turn = np.nan
-        sides = newton_step.linearise(softened, loading, prepared.pattern, tension, 0.0, state, step)
+        turn, watched.exact = np.nan, exact
+        acting = loading._replace(contact=loading.contact._replace(exact=exact))
+        sides = newton_step.linearise(softened, acting, prepared.pattern, tension, 0.0, state, step)
         if shift > 0.0:
             kernels.shift_by_resistance(structure, prepared.pattern, state, shift, step.blocks)
-        if system.factorise(step.blocks) == 0:
+        factorised = system.factorise(step.blocks) == 0
+        if factorised:
             solved = system.solve(step.right[:sides])
             _, _, determinant = newton_step.finish_step(structure, state, state, solved, step)
             turn = kernels.largest_turn(structure, state, step) if determinant > 0.0 else np.inf
-        if turn <= FARTHEST_TURN or shift >= LARGEST_SHIFT:
+        stands = factorised and not (near_contact and system.negative_pivots())
+        if (turn <= FARTHEST_TURN and stands) or shift >= LARGEST_SHIFT:
             return turn, shift
+        if exact > 0.0:
+            exact = 0.25 * exact if exact > FIRST_EXACT else 0.0
+            continue
         shift = max(4.0 * shift, LEAST_SHIFT)

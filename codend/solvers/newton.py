@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from codend.mechanics import newton_step
-from codend.mechanics.bars import bar_lengths, carried
+from codend.mechanics.bars import carried
 from codend.mechanics.loads import Loading
-from codend.mechanics.newton_state import State, measure
+from codend.mechanics.newton_state import State, measure, take_over
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
 from codend.solvers.clock import Clock
@@ -257,16 +257,16 @@ class _Iterations:
 
     def to_equilibrium(self, tolerance: float, start: Solution | None, switch: float) -> Outcome:
         """Iterate until residual, axial imbalance and length error are within their tolerances."""
-        if start is not None and not (np.isfinite(start.positions).all() and np.isfinite(start.bar_tension).all()):
+        if start is not None and not math.isfinite(start.positions.sum() + start.bar_tension.sum()):
             # a relaxation that lost its footing is no start
-            self.state.marks[:] = (np.inf, np.inf, np.inf, np.inf, 0.0)
+            self.state.marks[:] = (np.inf, np.inf, np.inf, np.inf, 0.0, 0.0)
             return Outcome.NOT_FINITE
         self._set_start(start, switch)
         settings, shift = self.settings, 0.0
         kept = self.takes_factors and self.prepared.system.ready
         first, last = (self.iterations + n for n in (settings.least_iterations, settings.iterations_allowed))
         while True:
-            merit, residual, imbalance, length_error, fits = self.state.marks[0].item()
+            merit, residual, imbalance, length_error, fits, lowest = self.state.marks[0].item()
             error = max(residual, imbalance)
             if not math.isfinite(merit) or not math.isfinite(error):
                 return Outcome.NOT_FINITE
@@ -274,8 +274,6 @@ class _Iterations:
             if self.progress is not None:
                 self.progress(METHOD, error)
             if error <= tolerance and length_error <= LENGTH_TOLERANCE and self.iterations >= first:
-                twine = ~self.structure.is_strut
-                lowest = float((self.state.density * self.state.length).min(initial=0.0, where=twine))
                 if lowest < -ROUND_OFF * self.tension:
                     return Outcome.COMPRESSED
                 if lowest < 0.0:
@@ -306,11 +304,7 @@ class _Iterations:
         if start is None:
             state.position[:] = self.problem.net.positions
         else:
-            state.position[:] = start.positions
-            bar_lengths(start.positions, structure, state.length)
-            # a bar shrunk to nothing has a tension but no force density
-            state.density[:] = 0.0
-            np.divide(start.bar_tension, state.length, out=state.density, where=state.length > 0.0)
+            take_over(structure, np.ascontiguousarray(start.positions), start.bar_tension, state)
         self.tension = start.mean_tension if start is not None else 0.0
         if self.tension == 0.0:
             self.tension = reference_tension(self.problem)

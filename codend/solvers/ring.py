@@ -1,14 +1,14 @@
 """A sector as one of a ring: the tangents that its harmonics see, side by side or one alone. See ``harmonics``."""
 
+import math
 from copy import copy
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.mechanics.bars import bar_lengths
 from codend.mechanics.harmonics import Complex, add_turned_bands, add_up_images, hermitian_parts
-from codend.mechanics.newton_state import empty_state, measure
+from codend.mechanics.newton_state import empty_state, measure, take_over
 from codend.mechanics.newton_step import Step, empty_step, linearise
 from codend.mechanics.problem import Problem
 from codend.mechanics.structure import Structure
@@ -115,9 +115,7 @@ class Ring:
     def linearise(self, problem: Problem, solution: Solution) -> int:
         """Take over the tangent at an equilibrium, shifted by ``NEUTRAL``; how many right sides go with it."""
         structure, state, step = problem.structure, self.state, self.step
-        state.position[:] = solution.positions
-        bar_lengths(state.position, structure, state.length)
-        np.divide(solution.bar_tension, state.length, out=state.density)
+        take_over(structure, np.ascontiguousarray(solution.positions), solution.bar_tension, state)
         tension = solution.mean_tension
         measure(structure, problem.loading, tension, SWITCH, 0.0, state)
         sides = linearise(structure, problem.loading, self.pattern, tension, NEUTRAL, state, step)
@@ -232,9 +230,10 @@ class Ring:
         """B_m of the unknowns off the axis as bands, laid out as ``HarmonicTangent.band``, (images, ...)."""
         if self._gathered is None:
             half, reach = self.even.shape[2] - 1, len(self.even) - 1
-            self._gathered = np.zeros((2 * reach + 1, 2 * half + 1, self.size))
-            place = self._image + reach, half + self._row - self._column, self._column
-            np.add.at(self._gathered, place, self.step.blocks.reshape(-1)[self._off_axis])
+            shape = 2 * reach + 1, 2 * half + 1, self.size
+            place = ((self._image + reach) * shape[1] + half + self._row - self._column) * shape[2] + self._column
+            entries = self.step.blocks.reshape(-1)[self._off_axis]
+            self._gathered = np.bincount(place, entries, math.prod(shape)).reshape(shape)
         return self._gathered
 
     def _of_harmonic_0(self, values: Floats) -> Floats:

@@ -11,6 +11,12 @@ from codend.net.net import Floats
 from codend.solvers.linear_systems import linear_system
 from codend.solvers.prepared import Prepared
 
+REVERSED = -0.5
+"""Cosine between two moves under which the second goes back on the first: where parts are nearest has leapt."""
+
+FIRST_EXACT = 0.125
+"""Share of what is negative definite of contact that tangents near balance begin with; it is doubled step by step."""
+
 
 class Watched:
     """Loads and room of a net in motion: those it was given, unless parts of it may touch."""
@@ -19,6 +25,9 @@ class Watched:
         self.problem, self.prepared = problem, prepared
         self.loading: Loading = problem.loading
         self._without = prepared
+        self._before: Floats | None = None
+        self.exact = 0.0
+        """Share of what is negative definite of contact that the last tangent had (``Contact.exact``)."""
         near = problem.loading.contact
         if len(near.kind) and len(prepared.pattern.contact_slot) != len(near.kind):
             self.prepared = self._made()
@@ -38,6 +47,26 @@ class Watched:
         self.loading = self.loading._replace(contact=now)
         self.prepared = self._without if len(now.kind) == 0 else self._made()
         return True
+
+    def go_along(self, position: Floats, move: Floats) -> float:
+        """Take it that the net goes along a move, as far as nothing passes through anything; the share it goes."""
+        surface = self.problem.surface
+        if surface is None:
+            return 1.0
+        pairs = surface.on_the_way(position, move)
+        share = surface.free_part(position, move, pairs)
+        self.see(surface.nearest_of(pairs, position + share * move))
+        return share
+
+    def goes_back(self, move: Floats) -> bool:
+        """Whether a move under contact goes back on the one before."""
+        if self.problem.surface is None:
+            return False
+        before, self._before = self._before, move.copy()
+        if before is None:
+            return False
+        along = float(np.vdot(move, before))
+        return along < REVERSED * float(np.linalg.norm(move) * np.linalg.norm(before))
 
     def _made(self) -> Prepared:
         structure, near = self.problem.structure, self.loading.contact

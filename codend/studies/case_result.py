@@ -6,7 +6,7 @@ from codend.bag.bag import Bag, real_tensions
 from codend.bag.measures import Measures, Meshes, Rows
 from codend.bag.near_ratio import NearRatio
 from codend.equilibrium.accuracy import Errors
-from codend.equilibrium.following import NOT_FOLLOWED, Followed
+from codend.equilibrium.followed import NOT_FOLLOWED, Followed
 from codend.equilibrium.stability import Stability
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Net

@@ -19,7 +19,8 @@ from codend.equilibrium.accuracy import Errors
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
 from codend.equilibrium.folds import in_contact_share
-from codend.equilibrium.following import LYING_ON_ITSELF, NOT_FOLLOWED, as_it_lies, follow
+from codend.equilibrium.followed import LYING_ON_ITSELF, NOT_FOLLOWED, as_it_lies
+from codend.equilibrium.following import follow
 from codend.equilibrium.other_shapes import apart_from_other_shapes
 from codend.equilibrium.room import check_room, explained
 from codend.equilibrium.stability import Stability, stability_of, tangent_of

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from codend.bag.bag import Bag, mesh_corners
 from codend.bag.layer_measures import measure_layers, of_the_catch
-from codend.equilibrium.following import meshes_wide
+from codend.equilibrium.followed import meshes_wide
 from codend.equilibrium.stability import ranges_text
 from codend.io.columns import (
     ALL_PANELS,

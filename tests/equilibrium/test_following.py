@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from codend.equilibrium import following
+from codend.equilibrium import following, growing_starts
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.folds import fold_count
@@ -116,7 +116,7 @@ def test_followed_it_lies_in_waves_that_last_in_the_narrowest_sector_that_its_ha
 
 
 def test_where_wider_sectors_have_too_many_knots_a_merged_net_is_followed_and_says_so(monkeypatch):
-    monkeypatch.setattr(following, "MOST_KNOTS", 90)
+    monkeypatch.setattr(growing_starts, "MOST_KNOTS", 90)
     result = stiff_t0_anew(wrinkles=True)
     assert (result.bag.globalisation, result.net.order, result.followed.shape.meshes) == (2, 6, 4)
     assert result.followed.reason == (
@@ -131,7 +131,7 @@ def test_where_wider_sectors_have_too_many_knots_a_merged_net_is_followed_and_sa
 
 
 def test_where_merged_nets_have_too_many_as_well_the_symmetric_row_stands(monkeypatch):
-    monkeypatch.setattr(following, "MOST_KNOTS", 60)
+    monkeypatch.setattr(growing_starts, "MOST_KNOTS", 60)
     result = stiff_t0_anew(wrinkles=True)
     assert result.followed.shape is None
     assert result.followed.reason == "not followed: the sector that a growing harmonic fits has more than 60 knots"
@@ -157,9 +157,9 @@ def test_a_shape_of_which_nothing_that_can_be_followed_grows_is_the_last(monkeyp
     model, case = model_of(plan, 1, 1), plan.cases()[0]
     problem, solution = equilibrium.solve(model, case, (), None)
     stability = stability_of(model, newton.tangent_at(problem, solution, model.prepared))
-    assert list(following._starts(model, case, solution, stability))
-    monkeypatch.setattr(following, "MOST_KNOTS", 0)
-    assert not list(following._starts(model, case, solution, stability))
+    assert list(growing_starts.starts(model, case, solution, stability))
+    monkeypatch.setattr(growing_starts, "MOST_KNOTS", 0)
+    assert not list(growing_starts.starts(model, case, solution, stability))
 
 
 def test_columns_tell_what_was_followed():

@@ -6,6 +6,7 @@ import pytest
 from codend.equilibrium import bag_model
 from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.solve import solve as find
+from codend.equilibrium.stability import tangent_of
 from codend.net.last_made import LastMade
 from codend.netting import pattern
 from codend.solvers import newton
@@ -47,6 +48,26 @@ def test_a_net_after_another_of_its_joints_is_that_net_to_the_last_bit(mesh, net
 def _last(made):
     key = next(reversed(made._made))
     return key, lambda: None
+
+
+@pytest.mark.parametrize(("mesh", "netting"), KINDS)
+@pytest.mark.parametrize("catch", [{"filled_meshes": 6.0}, {"volume_m3": 0.01}])
+def test_the_tangent_by_way_of_a_sectors_ring_is_that_of_newtons_method(mesh, netting, catch):
+    model = model_of(make_plan(30, 20, mesh=mesh, netting=netting, catch=catch), 1, 1)
+    problem, solution = solved(model)
+    assert solution.report.outcome.converged
+    newton.tangent_at(problem, solution, model.prepared)
+    step = model.prepared.step
+    blocks, right, gradient = step.blocks.copy(), step.right.copy(), step.gradient.copy()
+    for values in step[:3]:
+        values[:] = np.nan
+    tangent = tangent_of(model, problem, solution)
+    assert tangent.ring is model.ring
+    sides = 1 + tangent.products
+    assert sides == (1 if "filled_meshes" in catch else 2)
+    for own, expected in ((step.blocks, blocks), (step.right[:sides], right[:sides])):
+        np.testing.assert_allclose(own, expected, rtol=1e-9, atol=1e-12 * np.abs(expected).max())
+    np.testing.assert_allclose(step.gradient[: sides - 1], gradient[: sides - 1], rtol=1e-9, atol=1e-12)
 
 
 def test_a_tangent_keeps_its_factors_while_a_like_net_is_solved():

@@ -68,6 +68,13 @@ def test_a_cage_in_a_current_is_in_balance_and_nothing_passes_through_it(in_curr
     assert not ipctk.has_intersections(mesh, np.asfortranarray(in_current.solution.positions))
 
 
+def test_a_cage_in_a_current_is_found_with_contact_from_the_first_step(in_current):
+    through, last = in_current.solution.report.attempts
+    assert through.startswith("interior point")
+    assert last.startswith("newton")
+    assert in_current.solution.report.iterations < 60
+
+
 def test_what_sheets_do_to_each_other_adds_up_to_nothing_and_keeps_them_apart(in_current):
     problem, places = in_current.built.problem, in_current.solution.positions
     near, push = problem.loading.contact, np.zeros_like(places)

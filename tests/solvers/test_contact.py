@@ -13,7 +13,7 @@ from codend.mechanics.problem import Problem
 from codend.mechanics.surface import ContactLaw, Surface
 from codend.mechanics.water import uniform_flow
 from codend.net.net import Net
-from codend.solvers import dynamic_relaxation, gentle, interior_point, newton
+from codend.solvers import dynamic_relaxation, gentle, interior_point, newton, rigid_bars
 from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.motion import Motion
 from codend.solvers.solve import find_equilibrium
@@ -73,6 +73,14 @@ def test_relaxation_lays_a_chain_on_a_floor_as_gentle_steps_do():
     found = dynamic_relaxation.solve(problem, 1e-6, settings=SETTINGS)
     assert found.report.outcome.converged
     assert np.abs(found.positions - expected.positions).max() < 2e-3
+
+
+def test_the_interior_point_lays_a_chain_on_a_floor_as_gentle_steps_do():
+    problem = chain_on_a_floor(50, 2.0, 1e-3)
+    expected, found = gentle.solve(problem, 1e-9), interior_point.solve(problem, 1e-9)
+    assert found.report.outcome.converged
+    assert found.report.iterations < expected.report.iterations
+    assert np.abs(found.positions - expected.positions).max() < 1e-6
 
 
 def test_newtons_method_goes_on_from_a_chain_on_a_floor_to_one_pulled_harder():
@@ -181,4 +189,4 @@ def test_contact_changes_nothing_where_nothing_touches(mesh, sectors):
 def test_methods_that_know_no_contact_say_so():
     problem = chain_on_a_floor(10, 1.0, 1e-3)
     with pytest.raises(ValueError, match="knows no contact"):
-        interior_point.solve(problem, 1e-6)
+        rigid_bars.solve(problem, 1e-6)
