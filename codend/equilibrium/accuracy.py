@@ -64,7 +64,7 @@ NO_WRINKLES = np.zeros(4)
 SMEARED = np.array([[0.012, 9.0], [0.03, 18.0], [0.02, 8.0], [2.0, 700.0]])
 """Change by smearing ropes of drag, volume, largest radius (relative) and opening ahead (degrees), at most: what
 there is in any case, and by the square of the shortening over the number of ropes
-(``python -m validation.smeared_ropes``)."""
+(``python -m validation.smeared_ropes``); of diamond netting, of others by ``Kind.smeared_errors``."""
 
 
 def weight_errors(plan: Plan, share: float) -> np.ndarray:
@@ -76,7 +76,7 @@ def weight_errors(plan: Plan, share: float) -> np.ndarray:
 def smeared_errors(plan: Plan) -> np.ndarray:
     """How far smeared ropes may be off: relative in drag, volume and largest radius, degrees in opening, (4,)."""
     most = max(max(rope.shortening, 0.0) ** 2 / rope.number for rope in plan.ropes)
-    return np.asarray(SMEARED @ [1.0, most])
+    return np.asarray(max(part.kind.smeared_errors for part in plan.netting) * SMEARED @ [1.0, most])
 
 
 @dataclass(frozen=True)
