@@ -31,8 +31,12 @@ def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     return compiled
 
 
+@cache
 def digest_of_sources(module: str) -> str:
-    """A digest of the source of an imported module and of all it imports of this project, in hexadecimal."""
+    """A digest of the source of an imported module and of all it imports of this project, in hexadecimal.
+
+    Of a module that is being imported: of what stands at its top, ahead of the first function that asks.
+    """
     digest = sha256()
     for name in sorted(modules_behind(module)):
         source, _ = _source_of(name)

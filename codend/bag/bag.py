@@ -111,6 +111,8 @@ class Bag:
     @cached_property
     def mesh_is_folded(self) -> NDArray[np.bool_]:
         """Whether a mesh is folded over its widest part by a strap, (k,)."""
+        if len(self.straps) == 0:
+            return np.zeros(len(self.mesh_row), dtype=bool)
         return np.isin(self.mesh_row, self.node_row[self.net.bars[self.straps, 0]]) & self.mesh_is_staggered
 
     @cached_property
