@@ -228,7 +228,8 @@ def _move(built: "BuiltScene", start: "Floats", folder: Path):  # type: ignore[n
                 notes.append(f"{said}: take a smaller time.step_s.")
     if passages := int(frame.passages[0]):
         seen = f"at {passages} of {last} outputs, first at {frame.passages[1]:g} s"
-        notes.append(f"Netting has passed through itself or a rope, which nothing in a motion prevents: {seen}.")
+        prevents = "nothing in a motion prevents" if scene.afloat else "model.contact = true prevents"
+        notes.append(f"Netting has passed through itself or a rope, which {prevents}: {seen}.")
     return frame.peaks, notes, frame
 
 

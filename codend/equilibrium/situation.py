@@ -7,7 +7,7 @@ from functools import cached_property
 from codend.bag.near_ratio import SLOW_MESHES, near_ratios
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.folds import contact_law, under_weight
-from codend.equilibrium.start_shapes import all_round_start, along_the_rows, windowed_start
+from codend.equilibrium.start_shapes import all_round_start, along_the_rows, windowed_start, windows_let_into
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case, Plan
 from codend.solvers import dynamic_relaxation, gentle, interior_point, newton
@@ -126,6 +126,11 @@ class Situation:
     @cached_property
     def sector_all_round(self) -> Solution | None:
         """The equilibrium of a sector set all round, its report that of the sector; None where that is not solved."""
+        if self.model.bag.windows and self.plan.ropes:
+            between = model_of(self.plan, self.model.globalisation, 1)
+            found = self.solve(between, self.case)
+            if found.report.outcome.converged:
+                return replace(windows_let_into(self.model, between.bag, found), report=found.report)
         sector = model_of(self.plan, self.model.globalisation, 1, smeared=True)
         found = self.solve(sector, self.case)
         if not found.report.outcome.converged:

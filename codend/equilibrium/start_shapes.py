@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from codend.bag.bag import Bag
 from codend.bag.bag_kernels import ring_means
@@ -58,6 +59,27 @@ def windowed_start(wider: BagModel, sector: Bag, found: Solution) -> Solution:
             ends = laid.net.positions[whole.net.bars[own]]
             pulls[own[np.abs(ends[:, 1, 0] - ends[:, 0, 0]) < 0.1 * whole.net.bar_length[own]]] *= 0.1
     return Solution(laid.net.positions, pulls, np.zeros(whole.bands), START)
+
+
+def windows_let_into(wider: BagModel, sector: Bag, found: Solution) -> Solution:
+    """A start for a full net with windows, from the equilibrium of a sector of the same netting between its ropes.
+
+    Knots outside the windows are where they are in the sector set all round, a window's where the netting is that it
+    takes the place of. Ropes and netting outside pull as there, a window's twine as a mean of its band.
+    """
+    plan, g, rows = wider.plan, wider.globalisation, ring_means(sector.structure, found.positions)
+    plain = build_bag(plan, globalisation=g, sectors=sector.net.sectors, rows=rows)
+    laid = build_bag(plan, globalisation=g, rows=rows).net
+    there = set_round(sector, plain, found)
+    away, near = map(np.asarray, cKDTree(plain.net.positions).query(laid.positions, k=4))
+    weight = 1.0 / (away + 1e-9 * float(laid.bar_length.min()))
+    moved = (weight[:, :, None] * (there.positions - plain.net.positions)[near]).sum(axis=1)
+    positions = laid.positions + moved / weight.sum(axis=1)[:, None]
+    start = windowed_start(wider, sector, found)
+    middles = (net.positions[net.bars].mean(axis=1) for net in (plain.net, laid))
+    away, bar = map(np.asarray, cKDTree(next(middles)).query(next(middles)))
+    pulls = np.where(away < 1e-6 * laid.bar_length, there.bar_tension[bar], start.bar_tension)
+    return replace(start, positions=np.where(laid.fixed, laid.positions, positions), bar_tension=pulls)
 
 
 def set_round(sector: Bag, whole: Bag, solution: Solution) -> Solution:

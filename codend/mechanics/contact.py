@@ -234,32 +234,3 @@ def add_bound(position: Floats, contact: Contact, bound: Floats) -> None:
         stiffness = 4.0 * curve * square + 2.0 * abs(slope)
         for i in range(4):
             bound[contact.node[pair, i]] += 2.0 * stiffness * abs(found.weight[i])
-
-
-@njit(cache=True, error_model="numpy")
-def add_stiffness(
-    position: Floats, velocity: Floats, contact: Contact, step: float, drift: float, force: Floats, blocks: Floats
-) -> None:
-    """Add h dt K of contact to blocks of single nodes, (n, 3, 3), and what their velocities take from its push, N.
-
-    Each node of a pair is given the row sum of the pair's stiffness across its gap, which is no less than that.
-    """
-    found = room()
-    for pair in range(len(contact.kind)):
-        write_corners(position, contact.node, contact.image, contact.rotations, pair, found.corner)
-        _, square = nearest(contact.kind[pair], found)
-        _, slope, curve = barrier(contact, pair, square)
-        if slope == 0.0:
-            continue
-        stiffness = (4.0 * curve * square + 2.0 * slope) / square
-        closing = 0.0
-        for i in range(4):
-            for a in range(3):
-                closing += found.weight[i] * found.apart[a] * velocity[contact.node[pair, i], a]
-        for i in range(4):
-            node = contact.node[pair, i]
-            for a in range(3):
-                force[node, a] -= drift * stiffness * found.weight[i] * closing * found.apart[a]
-                for b in range(3):
-                    across = stiffness * found.apart[a] * found.apart[b]
-                    blocks[node, a, b] += 2.0 * step * drift * abs(found.weight[i]) * across

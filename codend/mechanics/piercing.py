@@ -211,6 +211,8 @@ def first_pierced(
         for i in range(3):
             cells[i, 0] = max(int((box[i] - reach[i] - low[i]) / size), 0)
             cells[i, 1] = min(int((box[3 + i] + reach[i] - low[i]) / size), shape[i] - 1)
+        if cells[2, 0] > cells[2, 1]:
+            continue  # beyond all facets, where the list has no stretch
         px, qx = bars[0, 0], bars[1, 0]
         pierced = 0.0
         for i in range(cells[0, 0], cells[0, 1] + 1):

@@ -34,7 +34,9 @@ class RigidPattern(NamedTuple):
     node_start: Ints
     """Where the ends at each node begin in ``node_ends``, (n + 1,)."""
     node_ends: Ints
-    """Bar ends, node by node, (2 m,)."""
+    """Ends, node by node, (2 m + 4 c,)."""
+    row_of_end: Ints
+    """Row of every end: of bar k, then of parts that meet, with four ends each, (2 m + 4 c,)."""
     slots: Ints
     """Entry of every pair of ends at a node, node by node, first end slowest."""
     row: Ints
@@ -44,27 +46,44 @@ class RigidPattern(NamedTuple):
     """Entry of each bar with itself, (m,)."""
 
 
-def rigid_pattern(structure: Structure, on_body: Ints | None = None) -> RigidPattern:
-    """Entries of the system for the tensions of a net, those of all bars at the nodes ``on_body`` of a body besides."""
+def rigid_pattern(structure: Structure, on_body: Ints | None = None, meeting: Ints | None = None) -> RigidPattern:
+    """Entries of the system for the tensions of a net.
+
+    Args:
+        structure: the net, of whose bars k has the ends 2 k and 2 k + 1.
+        on_body: nodes of a rigid body, whose bars have entries with each other besides.
+        meeting: the nodes of pairs of parts that meet, (c, 4), each pair a row after those of the bars.
+    """
     bars, nodes = len(structure.first), len(structure.free)
     at_node = np.stack([structure.first, structure.second], axis=1).ravel()
+    row_of_end = np.repeat(np.arange(bars), 2)
+    if meeting is not None:
+        at_node = np.concatenate([at_node, meeting.ravel()])
+        row_of_end = np.concatenate([row_of_end, np.repeat(np.arange(len(meeting)) + bars, 4)])
+    rows = bars if meeting is None else bars + len(meeting)
     ends = np.argsort(at_node, kind="stable")
     start = np.searchsorted(at_node[ends], np.arange(nodes + 1))
-    meeting = [ends[start[node] : start[node + 1]] // 2 for node in range(nodes)]
-    keys = np.concatenate([(here[:, None] * bars + here[None, :]).ravel() for here in meeting])
+    # every end with every end at its node, node by node
+    count = np.diff(start)
+    first = np.repeat(np.arange(len(ends)), np.repeat(count, count))
+    begin = np.repeat(start[:-1], count**2)
+    within = np.arange(len(first)) - np.repeat(np.concatenate([[0], np.cumsum(count**2)[:-1]]), count**2)
+    second = begin + within % np.repeat(count, count**2)
+    keys = row_of_end[ends[first]] * rows + row_of_end[ends[second]]
     at_nodes = len(keys)
     if on_body is not None:
-        bar = np.unique(np.flatnonzero(np.isin(at_node, on_body)) // 2)
-        keys = np.concatenate([keys, (bar[:, None] * bars + bar[None, :]).ravel()])
+        bar = np.unique(np.flatnonzero(np.isin(at_node[: 2 * bars], on_body)) // 2)
+        keys = np.concatenate([keys, (bar[:, None] * rows + bar[None, :]).ravel()])
     entries, slots = np.unique(keys, return_inverse=True)
     slots = slots[:at_nodes]
     return RigidPattern(
         node_start=start.astype(np.int32),
         node_ends=ends.astype(np.int32),
+        row_of_end=row_of_end.astype(np.int32),
         slots=slots.astype(np.int32),
-        row=(entries // bars).astype(np.int32),
-        column=(entries % bars).astype(np.int32),
-        diagonal=np.searchsorted(entries, np.arange(bars) * (bars + 1)).astype(np.int32),
+        row=(entries // rows).astype(np.int32),
+        column=(entries % rows).astype(np.int32),
+        diagonal=np.searchsorted(entries, np.arange(rows) * (rows + 1)).astype(np.int32),
     )
 
 
@@ -144,8 +163,12 @@ def kinetic_energy(
 
 @njit(cache=True)
 def tension_system(pattern: RigidPattern, gradient: Floats, inverse: Floats, taut: Ints, entries: Floats) -> None:
-    """Write the entries of J M^-1 J^T; bars that are not ``taut``, (m,), stand apart from all others."""
+    """Write the entries of J M^-1 J^T; rows that are not ``taut``, (m + c,), stand apart from all others.
+
+    ``gradient`` has a row of three an end.
+    """
     starts, ends, slots, diagonal = pattern.node_start, pattern.node_ends, pattern.slots, pattern.diagonal
+    row_of_end = pattern.row_of_end
     entries[:] = 0.0
     pair = 0
     for node in range(len(starts) - 1):
@@ -157,7 +180,8 @@ def tension_system(pattern: RigidPattern, gradient: Floats, inverse: Floats, tau
             w = inverse[node, 2, 0] * x + inverse[node, 2, 1] * y + inverse[node, 2, 2] * z
             for other in range(starts[node], starts[node + 1]):
                 r = ends[other]
-                if p // 2 == r // 2 or (taut[p // 2] and taut[r // 2]):
+                a, b = row_of_end[p], row_of_end[r]
+                if a == b or (taut[a] and taut[b]):
                     entries[slots[pair]] += u * gradient[r, 0] + v * gradient[r, 1] + w * gradient[r, 2]
                 pair += 1
     for bar in range(len(diagonal)):

@@ -117,7 +117,9 @@ def _once_covered(net: Net) -> tuple[Ints, Ints]:
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import connected_components
 
-    half = np.flatnonzero(net.facet_weight < 0.75 * net.facet_weight.max(initial=0.0))
+    # netting of quadrangles alone has no facets that count whole
+    most = net.facet_weight.max(initial=0.0)
+    half = np.flatnonzero(net.facet_weight < 0.75 * (most if most > 0.75 else 1.0))
     if len(half) == 0:
         return net.facets, net.facet_image
     node, image = net.facets[half], net.facet_image[half]

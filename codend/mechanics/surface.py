@@ -61,13 +61,19 @@ class Surface:
         reach, margin = SEEN * self.law.distance_m, MARGIN * self.law.distance_m
         stray = strayed(position, move, self._found[0].start, self._found[0].way) if self._found else None
         if stray is None or not stray.max(initial=0.0) <= margin:
-            law = no_contact()._replace(
-                distance=self.law.distance_m, stiffness=self.law.stiffness_n_m, rotations=self.sheet.rotations
-            )
-            pairs, apart = near_pairs(position, move, reach + 2.0 * margin, law, self.sheet)
+            pairs, apart = near_pairs(position, move, reach + 2.0 * margin, self._nothing(), self.sheet)
             self._found[:] = [Candidates(position.copy(), move.copy(), pairs, apart)]
             stray = np.zeros(len(position))
         return _only(self._found[0].pairs, may_meet(self._found[0], stray, reach))
+
+    def within(self, position: Floats, reach: float) -> Contact:
+        """What is within a reach of what in a shape, (n, 3)."""
+        return near_pairs(position, np.zeros_like(position), reach, self._nothing(), self.sheet)[0]
+
+    def _nothing(self) -> Contact:
+        """Nothing near anything, by this law."""
+        distance, stiffness = self.law
+        return no_contact()._replace(distance=distance, stiffness=stiffness, rotations=self.sheet.rotations)
 
     def nearest_of(self, pairs: Contact, position: Floats) -> Contact:
         """Those of some pairs that are near each other in a shape, (n, 3)."""

@@ -15,7 +15,8 @@ from codend.mechanics.body import place, pose_of
 from codend.mechanics.contact import add_force
 from codend.mechanics.problem import Problem
 from codend.mechanics.surface import ContactLaw
-from codend.solvers import floating, in_turns, interior_point, slack
+from codend.scenes.by_motion import calm_shapes
+from codend.solvers import floating, gentle, in_turns, interior_point, slack
 from codend.solvers.dynamic_relaxation import as_built, reference_tension
 from codend.solvers.outcome import Progress, Solution, Solver
 from codend.solvers.refusal import passage
@@ -47,7 +48,7 @@ def find(
         return _afloat(problem, tolerance, progress)
     touching, attempts, spent_ms = problem.touching_by(contact_law(problem)), [], 0.0
     flowing = bool(problem.loading.water.flow.any())
-    if flowing and _apart(touching, problem.net.positions):
+    if flowing and apart(touching, problem.net.positions):
         found = interior_point.solve(touching, tolerance, progress=progress)
         if found.report.outcome.converged:
             return _as_it_touches(problem, touching.touching_at(found.positions), found, tolerance, progress)
@@ -61,10 +62,11 @@ def find(
             return problem, polished(problem, tolerance, found, progress)
         attempts.append("in that shape netting passes through netting: contact is needed")
     started = False
-    for start, law in _starts(touching, tolerance, at_rest, progress):
+    for start, law, solvers in _starts(touching, tolerance, at_rest, progress):
         started = True
+        attempts += start.report.attempts if start is not at_rest else ()
         touching = problem.touching_by(law).touching_at(start.positions)
-        for solve in UNDER_CONTACT:
+        for solve in solvers:
             found = solve(touching, tolerance, start, progress=progress)
             attempts += found.report.attempts
             spent_ms += found.report.solve_ms
@@ -76,6 +78,16 @@ def find(
     if not started:
         return problem, find_equilibrium(problem, tolerance, progress=progress)
     return touching, replace(found, report=replace(found.report, attempts=tuple(attempts), solve_ms=spent_ms))
+
+
+def from_there(problem: Problem, tolerance: float, start: Solution) -> tuple[Problem, Solution] | None:
+    """Equilibrium under contact by gentle steps from a shape; None if it passes through itself, or none was found."""
+    touching = problem.touching_by(contact_law(problem, start.mean_tension))
+    if not apart(touching, start.positions):
+        return None
+    touching = touching.touching_at(start.positions)
+    found = gentle.solve(touching, tolerance, start)
+    return (touching.touching_at(found.positions), found) if found.report.outcome.converged else None
 
 
 def _as_it_touches(
@@ -134,16 +146,19 @@ def contact_law(problem: Problem, tension: float | None = None) -> ContactLaw:
 
 def _starts(
     touching: Problem, tolerance: float, at_rest: Solution | None, progress: Progress | None
-) -> Iterator[tuple[Solution, ContactLaw]]:
-    """Shapes to be let go from in which nothing passes through anything, and the contact there: at rest, as built.
+) -> Iterator[tuple[Solution, ContactLaw, tuple[Solver, ...]]]:
+    """Shapes to be let go from in which nothing passes through anything, the contact there, and how.
 
+    At rest in still water; then as built, led near its rest by its motion, or as it is.
     ``at_rest`` is how the net in still water was looked for, where it was.
     """
     rest = _at_rest(_in_still_water(touching), tolerance, progress) if at_rest is None else at_rest
-    if rest.report.outcome.converged and _apart(touching, rest.positions):
-        yield rest, contact_law(touching, rest.mean_tension)
-    if _apart(touching, touching.net.positions):
-        yield as_built(touching), contact_law(touching)
+    if rest.report.outcome.converged and apart(touching, rest.positions):
+        yield rest, contact_law(touching, rest.mean_tension), UNDER_CONTACT
+    if apart(touching, touching.net.positions):
+        for calm in calm_shapes(touching, progress):
+            yield calm, contact_law(touching, calm.mean_tension), (gentle.solve,)
+        yield as_built(touching), contact_law(touching), UNDER_CONTACT
 
 
 def _in_still_water(touching: Problem) -> Problem:
@@ -164,7 +179,7 @@ def _at_rest(still: Problem, tolerance: float, progress: Progress | None) -> Sol
     return replace(found, report=replace(found.report, attempts=attempts, solve_ms=spent_ms))
 
 
-def _apart(touching: Problem, positions: np.ndarray) -> bool:
+def apart(touching: Problem, positions: np.ndarray) -> bool:
     """Whether nothing passes through anything, nor nearly does."""
     assert touching.surface is not None
     least = APART * touching.surface.law.distance_m

@@ -6,9 +6,12 @@ from math import ceil, pi, sin
 
 import numpy as np
 
+from codend.errors import InputError
 from codend.mechanics.body import attitude_deg, pose_of
+from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Ints
 from codend.scenes.build import BuiltScene
+from codend.scenes.equilibrium import apart, contact_law
 from codend.scenes.frame_measures import float_rows
 from codend.scenes.frame_tables import FRAME
 from codend.scenes.measures import most_tension
@@ -93,13 +96,15 @@ def follow(built: BuiltScene, start: Floats, state: State | None = None) -> Iter
 
     Raises:
         ArithmeticError: the motion cannot be followed.
+        InputError: netting passes through itself at the start of a motion under contact.
     """
     scene, time = built.scene, built.scene.time
     if time is None:
         raise ValueError("a scene without a table [time] has no motion")
     path = path_of(scene.vessel, scene.vessel_path())
+    problem = _under_contact(built, start) if scene.model.contact and not scene.afloat else built.problem
     motion = Motion(
-        built.problem,
+        problem,
         start,
         added_mass=built.added_mass,
         towed=built.towed,
@@ -119,7 +124,7 @@ def follow(built: BuiltScene, start: Floats, state: State | None = None) -> Iter
     for number in range(first, outputs(time)):
         now = {"peaks": peaks.copy(), "since": since.copy(), "number": np.array([float(number)])}
         before = {**motion.state(), **now, "passages": passages.copy()}
-        if passage(built.problem, motion.position) is not None:
+        if passage(problem, motion.position) is not None:
             passages[0] += 1.0
             passages[1] = np.fmin(passages[1], number * time.output_s)
         for step in range(steps):
@@ -146,6 +151,17 @@ def follow(built: BuiltScene, start: Floats, state: State | None = None) -> Iter
                 since[:] = 0.0
                 if number == outputs(time) - 1:
                     return
+
+
+def _under_contact(built: BuiltScene, start: Floats) -> Problem:
+    """The scene's problem with what may not pass through what."""
+    if len(built.problem.net.facets) == 0:
+        return built.problem
+    touching = built.problem.touching_by(contact_law(built.problem))
+    if not apart(touching, start):
+        allowed = "left out, or a start in which nothing touches or passes through anything"
+        raise InputError(built.scene.source, "model.contact", True, allowed, "is not possible from the start as it is")
+    return touching
 
 
 def _note(built: BuiltScene, tension: Floats, time_s: float, peaks: Floats, since: Floats) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from codend.mechanics.body import load, pose_of
 from codend.net.net import Floats
 from codend.scenes.build import BuiltScene
-from codend.scenes.equilibrium import find
+from codend.scenes.equilibrium import find, from_there
 from codend.scenes.frame_measures import frame_cautions
 from codend.scenes.netting_measures import contact_share, netting_caution, volume_m3
 from codend.solvers import floating, interior_point
@@ -48,7 +48,7 @@ def solve_scene(built: BuiltScene) -> SceneResult:
 
     Bars between supports that hold them lengthwise carry nothing that could be told; theirs is told as 0.
     """
-    problem, solution = find(built.problem, built.scene.model.tolerance, built.scene.model.contact)
+    problem, solution = find(built.problem, built.scene.model.tolerance, built.scene.model.contact is not False)
     tension = np.where(problem.cannot_strain(solution.positions), 0.0, solution.bar_tension)
     solution = replace(solution, bar_tension=tension)
     return SceneResult(replace(built, problem=problem), solution, *loads_and_supports(problem, solution))
@@ -175,13 +175,18 @@ def result_row(result: SceneResult) -> dict[str, Any]:
 def settled(built: BuiltScene, positions: Floats, bar_tension: Floats) -> SceneResult:
     """Equilibrium of a scene from where its motion has come to, (n, 3) and (m,), by Newton's method with a barrier.
 
-    Of netting that would pass through itself there: as ``solve_scene`` finds it, under contact.
+    Of netting that would pass through itself there: by gentle steps under contact, else as ``solve_scene`` finds it.
     """
     start = Solution(positions, bar_tension, np.zeros(built.problem.bands), START)
     solve = interior_point.solve if built.problem.body is None else floating.solve
     solution = solve(built.problem, built.scene.model.tolerance, start)
-    if built.scene.model.contact and solution.report.outcome is Outcome.PASSED_THROUGH:
-        return solve_scene(built)
+    if built.scene.model.contact is not False and solution.report.outcome is Outcome.PASSED_THROUGH:
+        under = None
+        if built.problem.body is None:
+            under = from_there(built.problem, built.scene.model.tolerance, start)
+        if under is None:
+            return solve_scene(built)
+        return SceneResult(replace(built, problem=under[0]), under[1], *loads_and_supports(*under))
     return SceneResult(built, solution, *loads_and_supports(built.problem, solution))
 
 

@@ -234,5 +234,7 @@ class SceneModel(Table):
     """Straight bars that a rope is cut into which does not say so itself."""
     tolerance: Annotated[Number, Ge(1e-12), Le(0.1)] = 1e-9
     """Largest nodal residual over the sum of all loads."""
-    contact: bool = True
-    """Whether netting that meets netting presses on it, without friction; false: such a shape is refused."""
+    contact: bool | None = None
+    """Whether netting that meets netting presses on it, without friction; false: such a shape is refused; true: in a
+    motion as well, which then takes longer, and starts where nothing passes through anything; None: in an equilibrium
+    only."""

@@ -156,7 +156,8 @@ class Nearest:
             self._look()
         inverse, parts = self._inverse[: self._settled], self._parts[:, : self._settled]
         found = np.asarray(self.centre + 1.0 / inverse, dtype=np.complex128)
-        return found, np.einsum("mi,mk->ik", self._basis[: self._steps], parts)
+        vectors: Complex = (self._basis[: self._steps].T @ parts).astype(np.complex128, copy=False)
+        return found, vectors
 
     def _look(self) -> None:
         """Eigenvalues of the projection, nearest first, and how many of the first ones have settled."""

@@ -19,9 +19,12 @@ from codend.solvers import pardiso_system
 from codend.solvers.kernels import Band, factorise_band, solve_band
 from codend.solvers.pardiso_system import PardisoSystem
 from codend.solvers.sparse_system import SparseSystem
+from codend.solvers.symmetric_system import SymmetricSystem
 
 WIDEST_BAND = 100
 """Half-bandwidth of a tangent beyond which SuperLU is the faster (measured)."""
+WIDEST_SYMMETRIC_BAND = 50
+"""The same beyond which L D L^T is the faster (measured on strips of netting)."""
 
 
 class LinearSystem(Protocol):
@@ -74,6 +77,15 @@ def fitting_system(unknown: Ints, row: Ints, column: Ints, widest_band: int) -> 
         return BandedSystem(unknown, row, column, half_band)
     wide = PardisoSystem if pardiso_system.installed() else SparseSystem
     return wide(unknown, row, column)
+
+
+def symmetric_system(row: Ints, column: Ints, size: int) -> LinearSystem:
+    """The system for a positive definite matrix of one coordinate an unknown: banded, or its own L D L^T."""
+    place = narrow_numbering(row, column, size)
+    half_band = int(np.abs(place[row] - place[column]).max(initial=0))
+    if half_band <= WIDEST_SYMMETRIC_BAND:
+        return BandedSystem(place[:, None], place[row], place[column], half_band)
+    return SymmetricSystem(row, column, size)
 
 
 def narrow_numbering(row: Ints, column: Ints, size: int) -> Ints:

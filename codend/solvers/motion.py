@@ -18,26 +18,24 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from codend.mechanics import contact, motion, rigid
+from codend.mechanics import motion, rigid
 from codend.mechanics.bars import bar_lengths, carried
+from codend.mechanics.contact_rows import add_pushes
 from codend.mechanics.loads import add_moving_force
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Ints
 from codend.solvers.body_motion import BodyMotion
-from codend.solvers.linear_systems import fitting_system, narrow_numbering
+from codend.solvers.meeting import COMPLIANCE, NO_TOUCH, Meeting, Rows
+from codend.solvers.one_sided import NO_PUSH, OneSided
 
 DAMPING = 0.1
 """s: it takes 2 s x (frequency x step) / 4 of a swing's amplitude a radian, and all from steps far longer on."""
-WIDEST_BAND = 80
-"""Half-bandwidth of the system for the tensions beyond which SuperLU is the faster (measured)."""
 LENGTHS_MET = 1e-11
 LOOSE, ENOUGH = 1e-3, 0.2
 """From which allowed departure on, and below which part of it, lengths are corrected twice only."""
 CORRECTIONS = 15
-SLACK_PASSES, SWEEPS, MOST_SWEEPS = 12, 30, 1000
-"""Sweeps after a guess of which bars are taut, twice as many after each further one."""
-NO_PUSH = 1e-10
-"""Push, over the largest force density, that is round-off."""
+MORE_ROWS = 8
+"""Times that parts which a step would carry through each other are taken into its system, before it is too long."""
 NEARLY_TAUT = 1e-6
 """What a bar may be shorter than its length at the start, relative, to be looked upon as taut first."""
 MOST_HALVINGS = 8
@@ -82,9 +80,10 @@ class Motion:
             raise ValueError("bars in motion need a mass: give their diameter")
         bars, nodes = len(net.bars), len(net.positions)
         self.pattern = rigid.rigid_pattern(self.structure, None if problem.body is None else problem.body.nodes)
-        row, column = self.pattern.row, self.pattern.column
-        place = narrow_numbering(row, column, bars)
-        self.system = fitting_system(place[:, None], place[row], place[column], WIDEST_BAND)
+        self.tensions = OneSided(self.pattern, self.structure.is_strut)
+        surface = problem.surface
+        self.meeting = None if surface is None else Meeting(surface, float(net.bar_length.min()))
+        self._met = np.zeros((0, 4), dtype=np.int32)
         self.time, self.last_step = 0.0, 0.0
         self.position = np.array(positions, dtype=np.float64, order="C")
         self.body: BodyMotion | None = None
@@ -96,7 +95,6 @@ class Motion:
         self.length_error, self._corrections = length_error, 2 if length_error >= LOOSE else CORRECTIONS
         self.worst_length = 0.0
         """Largest departure of a bar from its length that a step has left, relative."""
-        self.taut = np.ones(bars, dtype=np.int32)
         self.strain = np.zeros((2, bars))
         """Of the bars now and a step earlier, 0 in slack ones."""
         self.density = np.zeros(bars)
@@ -105,25 +103,20 @@ class Motion:
         """At the start of the last step, N, (m,)."""
         self.support = np.zeros((nodes, 3))
         """What held the nodes then, N, (n, 3): of free nodes what is left out of balance, round-off."""
-        self.unsettled = 0
-        """Steps in which it was not found which bars are slack."""
+        self._move = np.zeros((nodes, 3))
         self._point_mass = np.zeros(nodes)
         np.add.at(self._point_mass, net.point_node, net.point_mass)
         self._share = np.zeros(problem.bands)
         self._gradient, self._square = np.zeros((2 * bars, 3)), np.zeros(bars)
         self._masses, self._inverse = np.zeros((nodes, 3, 3)), np.zeros((nodes, 3, 3))
         self._force, self._acceleration = np.zeros((nodes, 3)), np.zeros((nodes, 3))
-        self._entries, self._masked = np.zeros(len(row)), np.zeros(len(row))
-        self._starts = np.searchsorted(row, np.arange(bars + 1)).astype(np.int32)
-        self._rate, self._length, self._product = np.zeros(bars), np.zeros(bars), np.zeros(bars)
-        self._all = np.ones(bars, dtype=np.int32)
-        self._factored: Ints | None = None
+        self._rate, self._length = np.zeros(bars), np.zeros(bars)
         bar_lengths(self.position, self.structure, self._length)
         stretches = self.structure.flexibility > 0.0
         strain = np.where(stretches, self._length / self.structure.length - 1.0, 0.0)
         self.strain[:] = carried(self.structure.is_strut, strain)
         # a crumpled bar that was asked to be as long as it is would tear its neighbours along
-        self.taut[:] = self.structure.is_strut | (self._length >= (1.0 - NEARLY_TAUT) * self.structure.length)
+        self.tensions.taut[:] = self.structure.is_strut | (self._length >= (1.0 - NEARLY_TAUT) * self.structure.length)
 
     def state(self) -> dict[str, Floats | Ints]:
         """A copy of all that ``set_state`` needs to go on from here."""
@@ -131,21 +124,25 @@ class Motion:
         return {
             "position": self.position.copy(),
             "velocity": self.velocity.copy(),
-            "taut": self.taut.copy(),
+            "taut": self.tensions.taut.copy(),
             "strain": self.strain.copy(),
             "density": self.density.copy(),
             "free": self.structure.free.copy(),
             "clock": clock,
             **({} if self.body is None else self.body.state()),
+            **({} if self.meeting is None else self.meeting.state()),
         }
 
     def set_state(self, state: dict[str, Floats | Ints]) -> None:
         """Go back to a state."""
         self.position[:], self.velocity[:] = state["position"], state["velocity"]
-        self.taut[:], self.strain[:] = state["taut"], state["strain"]
+        if self.meeting is not None:
+            self.meeting.set_state(state)
+            self._set_rows(self.meeting.nodes)
+        self.tensions.taut[:], self.strain[:] = state["taut"], state["strain"]
         self.structure.free[:], self.density = state["free"], np.array(state["density"])
         self.time, self.last_step, unsettled, self.worst_length = map(float, state["clock"])
-        self.unsettled = int(unsettled)
+        self.tensions.unsettled = int(unsettled)
         if self.body is not None:
             self.body.set_state(state["body"])
 
@@ -153,6 +150,16 @@ class Motion:
         """Hold a node fast from now on to the ground, whose velocity as seen here is ``ground``, (3,), m/s."""
         self.structure.free[node] = 0.0
         self.velocity[node] = ground
+
+    @property
+    def taut(self) -> Ints:
+        """Bars that were taut in the last step, (m,)."""
+        return self.tensions.taut[: len(self.density)]
+
+    @property
+    def unsettled(self) -> int:
+        """Steps in which it was not found which bars are slack."""
+        return self.tensions.unsettled
 
     @property
     def kinetic_energy_j(self) -> float:
@@ -184,29 +191,24 @@ class Motion:
 
     def _tried(self, dt: float) -> bool:
         kick = 0.5 * (self.last_step + dt)
-        self.loading = self.problem.touching_at(self.position).loading
         self._measure()
         self._set_loads(kick, dt)
         last_velocity = self.velocity.copy()
         self._move_supports(dt)
         # what their masses feel of being moved is in the balance of the supports below
-        density = self._solve_for_tensions(kick, dt)
-        if density is None:
+        found = self._solve_for_tensions(kick, dt)
+        if found is None:
             return False
-        pulls = self._force.copy()
-        rigid.add_pulls(self.structure, self._gradient, density, pulls)
+        density, pulls = found
+        pulls += self._force
         rigid.accelerations(self._inverse, pulls, self._acceleration)
         self.velocity += kick * self._acceleration
-        before = self.position.copy()
         self.position += dt * self.velocity
         if self.body is not None:
             twist = self.body.pulled(pulls - self._force, kick)
             self.body.velocities(twist, self.velocity)
             self.body.advance(twist, dt, self.position)
         if not np.isfinite(self.position).all():
-            return False
-        surface = self.problem.surface
-        if surface is not None and surface.free_share(before, self.position - before) < 1.0:
             return False
         felt = np.einsum("nij,nj->ni", self._masses, self.velocity - last_velocity) / kick
         self.support = felt - pulls
@@ -237,7 +239,6 @@ class Motion:
         motion.add_bar_drag(*here, structure, water, self.mass, self.added, self.density, kick, dt, blocks)
         motion.add_point_drag(*here, loading.points, water, of_points, kick, blocks)
         motion.add_seabed(*here, loading.seabed, kick, dt, self._force, blocks)
-        contact.add_stiffness(*here, loading.contact, kick, dt, self._force, blocks)
         motion.invert(blocks, structure.free, self._inverse)
         if self.body is not None:
             self.body.start_step(bare, blocks, self._gradient, dt)
@@ -248,13 +249,45 @@ class Motion:
             there = self._start + self.path(self.time + dt)
             self.velocity[self.towed] = (there - self.position[self.towed]) / dt
 
-    def _solve_for_tensions(self, kick: float, dt: float) -> Floats | None:
-        """Force densities of the step, N/m, (m,): of twine none below 0; None where the lengths are not met.
+    def _solve_for_tensions(self, kick: float, dt: float) -> tuple[Floats, Floats] | None:
+        """Force densities of the step, N/m, (m,), of twine none below 0, and the pulls of bars and pushes, N, (n, 3).
+
+        None where the lengths are not met, or parts pass through each other.
+        """
+        if self.meeting is None:
+            return self._with_rows(kick, dt, None)
+        expected = dt * self.velocity
+        self.meeting.look(self.position, expected)
+        rows: Rows | None = self.meeting.rows(self.position, expected)
+        for _ in range(MORE_ROWS):
+            if rows is None:
+                return None
+            self._set_rows(rows.node)
+            found = self._with_rows(kick, dt, rows)
+            if found is None or self.meeting.passes(self.position, self._move):
+                return found
+            rows = self.meeting.more_rows(self.position, self._move)
+        return None
+
+    def _set_rows(self, met: Ints) -> None:
+        """Give pairs of parts, whose nodes are (c, 4), rows after those of the bars."""
+        if np.array_equal(met, self._met):
+            return
+        before, bars = self.tensions, len(self.density)
+        strut = np.concatenate([self.structure.is_strut, np.zeros(len(met), dtype=bool)])
+        no_push = np.concatenate([np.full(bars, NO_PUSH), np.full(len(met), NO_TOUCH)])
+        self.tensions = OneSided(rigid.rigid_pattern(self.structure, None, met), strut, no_push)
+        self.tensions.taut[:bars], self.tensions.unsettled = before.taut[:bars], before.unsettled
+        self._met = met
+
+    def _with_rows(self, kick: float, dt: float, rows: Rows | None) -> tuple[Floats, Floats] | None:
+        """The same with the rows of some parts that meet.
 
         Newton's method on the lengths at the end of the step, all its systems with the matrix of the start; in each
         one bars are taut that then pull, and all others no longer than they may be.
         """
         structure, rest, squared = self.structure, self.structure.length, kick * dt
+        bars, system = len(rest), self.tensions
         weights = _weights(DAMPING)
         known = (weights[1] * self.strain[0] + weights[2] * self.strain[1]) / weights[0]
         # a step's strain by its force density
@@ -262,24 +295,33 @@ class Motion:
         rigid.accelerations(self._inverse, self._force, self._acceleration)
         free_move = dt * (self.velocity + kick * self._acceleration)
         self._moved(free_move, kick, dt, None)
-        rigid.tension_system(self.pattern, self._gradient, self._inverse, self._all, self._entries)
+        every = np.ones(len(system.taut), dtype=np.int32)
+        gradient = self._gradient if rows is None else np.concatenate([self._gradient, rows.gradient.reshape(-1, 3)])
+        rigid.tension_system(system.pattern, gradient, self._inverse, every, system.entries)
         if self.body is not None:
-            self.body.couple(self._entries)
-        self._entries[self.pattern.diagonal] += rest**2 * give / squared
-        self._factored = None
+            self.body.couple(system.entries)
+        diagonal = system.pattern.diagonal
+        system.entries[diagonal[:bars]] += rest**2 * give / squared
+        system.entries[diagonal[bars:]] *= 1.0 + COMPLIANCE
+        system.renewed()
         # the first time without the term in dt^2, which is what the papers solve
         rigid.lengthening(structure, self._gradient, free_move, self._rate)
         aim = np.maximum(rest * (1.0 - known), 0.5 * rest)
-        right = (self._rate + 0.5 * (self._square - aim**2)) / squared
+        right = np.zeros(len(system.taut))
+        right[:bars] = (self._rate + 0.5 * (self._square - aim**2)) / squared
+        if rows is not None:
+            right[bars:] = (rows.aim - rows.gap + rows.closed(free_move)) / squared
         worst, density = np.inf, None
         for number in range(CORRECTIONS):
-            density = self._one_sided(right)
-            if density is None:
+            found = system.solve(right)
+            if found is None:
                 return None
-            pulls = np.zeros_like(free_move)
+            density, pulls = found[:bars], np.zeros_like(free_move)
             rigid.add_pulls(structure, self._gradient, density, pulls)
+            if rows is not None:
+                add_pushes(rows.node, rows.gradient, found[bars:], pulls)
             rigid.accelerations(self._inverse, pulls, self._acceleration)
-            move = free_move + squared * self._acceleration
+            self._move = move = free_move + squared * self._acceleration
             self._moved(move, kick, dt, pulls)
             bar_lengths(self.position + move, structure, self._length)
             aim = np.maximum(rest * (1.0 + give * density - known), 0.5 * rest)
@@ -289,45 +331,19 @@ class Motion:
                 break
             if number + 1 >= self._corrections and worst <= ENOUGH * self.length_error:
                 break
-            rigid.multiply(self._starts, self.pattern.column, self._entries, density, self._product)
-            right = self._product + 0.5 * (self._length**2 - aim**2) / squared
+            right = system.times(found)
+            right[:bars] += 0.5 * (self._length**2 - aim**2) / squared
+            if rows is not None:
+                right[bars:] += (rows.aim - rows.gap + rows.closed(move)) / squared
         if not worst <= self.length_error or density is None or not np.isfinite(density).all():
             return None
         self.worst_length = max(self.worst_length, worst)
-        return density
+        return density, pulls
 
     def _moved(self, move: Floats, kick: float, dt: float, pulls: Floats | None) -> None:
         """Write those of a body's nodes into the moves of a step, (n, 3): under its loads, and pulls (n, 3) besides."""
         if self.body is not None:
             self.body.moves(self.body.pulled(np.zeros_like(move) if pulls is None else pulls, kick), dt, move)
-
-    def _one_sided(self, right: Floats) -> Floats | None:
-        """Force densities q with A q = right where they are above 0 and A q > right elsewhere, A the step's matrix.
-
-        Struts, which may push, have A q = right anyhow.
-
-        Which bars are taut is the first guess; a few sweeps of one-sided relaxation tell where it is wrong.
-        """
-        column, diagonal, strut = self.pattern.column, self.pattern.diagonal, self.structure.is_strut
-        for number in range(SLACK_PASSES):
-            if self._factored is None or not np.array_equal(self.taut, self._factored):
-                rigid.only_taut(self._starts, column, self.taut, self._entries, self._masked)
-                self._factored = self.taut.copy()
-                if self.system.factorise(self._masked) == -1:
-                    return None
-            density = self.system.solve(np.where(self.taut, right, 0.0)[None, :, None]).reshape(-1) * self.taut
-            rigid.multiply(self._starts, column, self._entries, density, self._product)
-            least = -NO_PUSH * float(np.abs(density).max(initial=0.0))
-            scale = NO_PUSH * float(np.abs(right).max(initial=0.0))
-            pushes = ~strut & (density < least)
-            density, missing = carried(strut, density), right - self._product
-            if not np.any(np.where(self.taut, pushes, missing > scale)):
-                return np.asarray(density)
-            sweeps = min(SWEEPS * 2**number, MOST_SWEEPS)
-            rigid.relax_one_sided(self._starts, column, diagonal, self._entries, right, strut, density, sweeps)
-            self.taut[:] = strut | (density > 0.0)
-        self.unsettled += 1
-        return density
 
     def _note_strains(self) -> None:
         bar_lengths(self.position, self.structure, self._length)

@@ -17,7 +17,7 @@ from codend.mechanics.catch_front import fill
 from codend.mechanics.loads import add_bound, add_moving_force
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Ints
-from codend.solvers.linear_systems import fitting_system, narrow_numbering
+from codend.solvers.linear_systems import symmetric_system
 
 ADDED_MASS = 1.0
 """Cm of a cylinder in potential flow (BM97 2.1.2, LB99 4.1)."""
@@ -29,8 +29,6 @@ FARTHEST_OFF = 1e-6
 """Drift that a projection may leave before it counts as failed."""
 SLACK_PASSES = 8
 REFINEMENTS = 2
-WIDEST_BAND = 80
-"""Half-bandwidth of the system for the tensions beyond which SuperLU is the faster (measured)."""
 
 
 class RigidMotion:
@@ -52,8 +50,7 @@ class RigidMotion:
             raise ValueError("rigid bars do not stretch: the net must be inextensible")
         self.pattern = rigid.rigid_pattern(structure)
         row, column = self.pattern.row, self.pattern.column
-        place = narrow_numbering(row, column, bars)
-        self.system = fitting_system(place[:, None], place[row], place[column], WIDEST_BAND)
+        self.system = symmetric_system(row, column, bars)
         self.position = np.array(positions, dtype=np.float64, order="C")
         self.velocity = np.array(velocities, dtype=np.float64, order="C")
         self.density = np.zeros(bars)

@@ -9,6 +9,7 @@ from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
 from codend.equilibrium import standing_in
+from codend.equilibrium.accuracy import smeared_errors
 from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.fidelity import Reason, choose
 from codend.equilibrium.start_shapes import set_round
@@ -131,7 +132,13 @@ def test_short_ropes_open_the_meshes_ahead_and_raise_the_drag(number, shortening
 def test_the_error_of_smeared_ropes_covers_the_difference_on_random_plans():
     rng = np.random.default_rng(15)
     found = [compare(random_plan(rng)) for _ in range(3)]
-    assert all(one is not None and one["covered"] == 1.0 for one in found)
+    assert all(one is not None and one["worst"] <= 1.0 for one in found)
+
+
+def test_the_error_of_smeared_ropes_is_wider_where_netting_hangs_in_folds_between_them():
+    one = {"number": 4, "shortening": 0.1}
+    errors = [smeared_errors(roped(one, mesh=mesh)) for mesh in ("diamond", "t90", "square")]
+    assert errors[1:] == [pytest.approx(factor * errors[0]) for factor in (1.8, 7.5)]
 
 
 def test_ropes_are_real_unless_the_accuracy_in_opening_lets_them_be_smeared():

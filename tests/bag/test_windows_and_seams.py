@@ -2,8 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from codend.bag.build import build_bag
+from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.bag_model import model_of
+from codend.equilibrium.start_shapes import set_round, windows_let_into
 from codend.errors import InputError
 from codend.io.run_tables import read_run_table
 from codend.net.net import facet_corners
@@ -316,6 +320,25 @@ def test_a_tube_that_tapers_loses_its_meshes_beside_a_window():
         assert (made.places_round(), made.seam_deg) == (lines, -90.0 if side == "starboard" else 0.0)
     result = solved(*sections, windows=[square])
     assert result.measures.entry_reaction_n == pytest.approx(result.measures.drag_n, rel=1e-8)
+
+
+def test_a_net_with_windows_between_ropes_starts_where_the_net_without_them_is_in_balance():
+    rope = [{"number": 2, "shortening": 0.1, "axial_stiffness_n": 5e3}]
+    strap = [{"meshes_from_codline": 3, "length_m": 0.9}]
+    both = [{"panel": side, "axial_stiffness_n": 1e3} for side in ("upper", "lower")]
+    elastic = {"panels": 2, "axial_stiffness_n": 1e3}
+    made = plan(elastic, windows=both, rope=rope, strap=strap)
+    model, sector = model_of(made, 1, None), model_of(made, 1, 1)
+    _, found = equilibrium.solve(sector, made.cases()[0], (), None)
+    start = windows_let_into(model, sector.bag, found)
+    whole = set_round(sector.bag, build_bag(made, sectors=sector.bag.net.sectors), found)
+    away, _ = cKDTree(whole.positions).query(start.positions)
+    assert away.max() < 0.05 * model.bag.net.bar_length.min()
+    with_windows = solved(elastic, windows=both, rope=rope, strap=strap)
+    assert with_windows.report.attempts[0].startswith("from the equilibrium of a sector, through the interior")
+    # the opening ahead is that of the section's own meshes, which are not alike between ropes
+    wanted = np.delete(numbers(solved(elastic, rope=rope, strap=strap)), 2)
+    assert np.delete(numbers(with_windows), 2) == pytest.approx(wanted, rel=1e-8)
 
 
 def test_a_window_of_the_same_netting_as_wide_as_its_panel_changes_nothing():

@@ -247,3 +247,17 @@ def test_random_plans_give_no_net_that_passes_through_itself(model):
     for number in range(4):
         result = random_plan_solved(number, *model)
         assert result is None or not result.converged or fault(result) == ""
+
+
+@pytest.mark.parametrize("away", [-1e4, -3.0, 3.0, 1e4])
+@pytest.mark.parametrize("axis", range(3))
+def test_bars_far_from_all_netting_pierce_none(axis, away):
+    """A warp lies above its trawl: no list of the facets near it may be read beyond its ends."""
+    triangle = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    offset = away * np.eye(3)[axis]
+    positions = np.concatenate([triangle, triangle[:2] + offset + 0.2, [[0.2, 0.2, -1.0], [0.2, 0.2, 1.0]]])
+    first, second = np.array([3], dtype=np.int32), np.array([4], dtype=np.int32)
+    none, facets = np.zeros(1, dtype=np.int32), np.array([[0, 1, 2]], dtype=np.int32)
+    sheet = facets, np.zeros((1, 3), dtype=np.int32), np.ones(1), 1.0
+    assert first_pierced(positions, first, second, none, *sheet, 1e-3) == (-1, -1)
+    assert first_pierced(positions, first + 2, second + 2, none, *sheet, 1e-3) == (0, 0)

@@ -14,7 +14,7 @@ from codend.mechanics import drag
 from codend.mechanics.water import uniform_flow
 from codend.mechanics.weight import GRAVITY_M_S2
 from codend.net.net import rotate
-from codend.solvers import dynamic_relaxation, rigid_bars, rigid_motion
+from codend.solvers import dynamic_relaxation, linear_systems, rigid_bars
 from codend.solvers.linear_systems import BandedSystem
 from codend.solvers.outcome import Outcome
 from codend.solvers.rigid_bars import RigidBarsSettings
@@ -199,7 +199,7 @@ def test_band_and_sparse_factors_give_the_same_tensions(monkeypatch):
     problem = problem_of(build_bag(plan), plan, plan.cases()[0])
     start, still = problem.net.positions, np.zeros_like(problem.net.positions)
     banded = RigidMotion(problem, start, still)
-    monkeypatch.setattr(rigid_motion, "WIDEST_BAND", 0)
+    monkeypatch.setattr(linear_systems, "WIDEST_SYMMETRIC_BAND", 0)
     sparse = RigidMotion(problem, start, still)
     assert isinstance(banded.system, BandedSystem)
     assert not isinstance(sparse.system, BandedSystem)

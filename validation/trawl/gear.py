@@ -12,9 +12,12 @@ Assumed: lift and drag of the doors, floats, ropes, hanging of the wings, stretc
 a door.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 SCALE = 0.3
 KNOT_M_S = 1852.0 / 3600.0
@@ -81,6 +84,22 @@ BOSOM = 48
 """Meshes of half a bosom; 49.5 in the plan."""
 ROUND_M = 0.4
 """Side of the square in whose half the gear lies along the line astern."""
+SPREAD = (
+    (123.2, 121.9, 3.0, -34.3, -41.4),
+    (126.6, 125.3, 3.0, -34.2, -41.4),
+    (129.2, 128.2, 2.8, -34.5, -41.2),
+    (131.3, 130.7, 2.0, -35.6, -40.7),
+    (133.7, 133.4, 1.35, -36.7, -40.1),
+    (135.1, 135.0, 1.0, -37.2, -39.6),
+    (136.9, 136.9, 0.48, -37.85, -39.0),
+    (138.4, 138.4, 0.27, -38.1, -38.65),
+    (139.7, 139.7, 0.0, -38.35, -38.35),
+)
+"""About where the gear comes to rest: of wing ends, mouth and the ends of sections x above and below, half the width,
+heights above and below, m. No netting passes through other netting there."""
+SPREAD_DOOR = (93.9, 9.1, -32.7)
+STRAIGHT = 0.9998
+"""Share of their length over which the ropes along the wings are laid: sagging they would cross each other."""
 Place = tuple[float, float]
 _UP, _UP_OUT, _LOW_OUT, _LOW = (0.0, 0.0), (0.5 * ROUND_M, 0.0), (0.5 * ROUND_M, -ROUND_M), (0.0, -ROUND_M)
 _UP_WING, _LOW_WING = (0.14 * ROUND_M, 0.0), (0.14 * ROUND_M, -ROUND_M)
@@ -97,9 +116,16 @@ def rounded(merged: int) -> float:
 
 
 def half_trawl(
-    merged: int = 24, speed_m_s: float = SPEED_M_S, floats_n: float = FLOATS_N, **tables: dict[str, Any]
+    merged: int = 24,
+    speed_m_s: float = SPEED_M_S,
+    floats_n: float = FLOATS_N,
+    spread: bool = False,
+    **tables: dict[str, Any],
 ) -> dict[str, Any]:
-    """The starboard half of the gear in a line astern at the surface, as tables of a scene, which ``tables`` add to."""
+    """The starboard half of the gear as tables of a scene, which ``tables`` add to.
+
+    It is placed in a line astern at the surface; ``spread``, about as it is towed.
+    """
     sections = MERGED[merged]
     netting: list[dict[str, Any]] = []
     seams: list[list[str]] = []
@@ -129,8 +155,14 @@ def half_trawl(
     def long_m(of: str) -> float:
         return 0.98 * sections[of].long * sections[of].mesh * SCALE / 1000.0
 
-    ends = WARP_M + BRIDLE_M
-    x = ends - 0.2 + 0.985 * long_m("wing")
+    ends = WARP_M + BRIDLE_M - 0.2
+    x = ends + STRAIGHT * long_m("wing")
+
+    def along_wing(end: Place, place: Place) -> list[float]:
+        """Where a rope of the wing's length that is laid straight from the wing's end comes to."""
+        aside = math.dist(end, place)
+        return at(ends + math.sqrt((STRAIGHT * long_m("wing")) ** 2 - aside**2), place)
+
     wing, up, low = (sections["wing"].fore, sections["wing"].aft), "upper wing end", "lower wing end"
     up_out, low_out = at(x, _UP_OUT), at(x, _LOW_OUT)
     add("upper wing", "wing", wing, [up, up, up_out, "upper quarter"], "left", left="headline wing")
@@ -140,6 +172,7 @@ def half_trawl(
     seams += [["upper wing.right", "side upper wing.left"], ["side lower wing.right", "lower wing.left"]]
 
     behind, middle = x, (BOSOM, BOSOM)
+    stations = [ends, x]
     x += long_m("1")
     beside = (sections["1"].fore - BOSOM, sections["1"].aft - BOSOM)
     lines = [at(x, place) for place in (_UP, _UP_WING, _UP_OUT, _SIDE_UP, _SIDE_LOW, _LOW_OUT, _LOW_WING, _LOW)]
@@ -159,6 +192,7 @@ def half_trawl(
 
     for of in "234567":
         fore_x, x = x, x + long_m(of)
+        stations.append(fore_x)
         codend = of == "7"
         a, b, c, d = ("codline" if codend else at(x, place) for place in (_UP, _UP_OUT, _LOW_OUT, _LOW))
         half = (sections[of].fore, sections[of].aft)
@@ -193,23 +227,31 @@ def half_trawl(
     door |= {"mass_kg": DOOR_KG, "density_kg_m3": 7850.0, "added_mass_kg": DOOR_WATER_KG}
     points = [
         {"name": "door", "at": [0.999 * WARP_M, 0.0, 0.0], **door},
-        {"name": up, "at": [ends - 0.2, 0.5 * ROUND_M, 0.0]},
+        {"name": up, "at": at(ends, _UP_OUT)},
         {
             "name": low,
-            "at": [ends - 0.2, 0.5 * ROUND_M, -0.25 * ROUND_M],
+            "at": at(ends, _LOW_OUT),
             "mass_kg": WEIGHT_KG,
             "density_kg_m3": 7850.0,
         },
-        {"name": "upper quarter", "at": at(behind, _UP_WING), "mass_kg": 0.2, "wet_weight_n": -floats_n},
-        {"name": "side upper quarter", "at": at(behind, _SIDE_UP)},
-        {"name": "side lower quarter", "at": at(behind, _SIDE_LOW)},
-        {"name": "lower quarter", "at": at(behind, _LOW_WING)},
+        {"name": "upper quarter", "at": along_wing(_UP_OUT, _UP_WING), "mass_kg": 0.2, "wet_weight_n": -floats_n},
+        {"name": "side upper quarter", "at": along_wing(_UP_OUT, _SIDE_UP)},
+        {"name": "side lower quarter", "at": along_wing(_LOW_OUT, _SIDE_LOW)},
+        {"name": "lower quarter", "at": along_wing(_LOW_OUT, _LOW_WING)},
         {"name": "upper centre", "at": at(behind, _UP), "held": "symmetry"},
         {"name": "lower centre", "at": at(behind, _LOW), "held": "symmetry"},
         {"name": "codline", "at": [x, 0.0, -0.5 * ROUND_M], "held": "symmetry"},
     ]
+    if spread:
+        stations.append(x)
+        for point in points[1:]:
+            point["at"] = _spread(point["at"], stations)
+        points[0]["at"] = list(SPREAD_DOOR)
+        for sheet in netting:
+            places = sheet["corners"]
+            sheet["corners"] = [place if isinstance(place, str) else _spread(place, stations) for place in places]
     return {
-        "title": "Half of a pelagic trawl, shot astern",
+        "title": "Half of a pelagic trawl" if spread else "Half of a pelagic trawl, shot astern",
         "vessel": {"speed_m_s": speed_m_s},
         "rope": ropes,
         "netting": netting,
@@ -217,3 +259,10 @@ def half_trawl(
         "point": points,
         **tables,
     }
+
+
+def _spread(place: Sequence[float], stations: Sequence[float]) -> list[float]:
+    """Where a place in the line astern comes to as the gear is towed, about."""
+    above, below, wide, top, bottom = (float(np.interp(place[0], stations, row)) for row in zip(*SPREAD, strict=True))
+    down, out = -place[2] / ROUND_M, place[1] / (0.5 * ROUND_M)
+    return [round(above + down * (below - above), 3), round(out * wide, 3), round(top + down * (bottom - top), 3)]
