@@ -178,7 +178,7 @@ def _trial_report(fitted: "FieldFit", at: Sequence[str], reference_length: float
 
 def _gears_report(fitted: "GearFit", at: Sequence[str], reference_length: float | None) -> "FitReport":
     from codend.report.fit_page import FitReport
-    from codend.report.fit_words import gear_summary, gear_warnings, lead, scatter_text
+    from codend.report.fit_words import at_mean_text, gear_summary, gear_warnings, lead, scatter_text
     from codend.selectivity.fits.gears import coefficient_table, gear_table
     from codend.selectivity.fits.one_stage_estimates import covariates, estimates_within
     from codend.selectivity.fits.predictions import delta_table
@@ -194,7 +194,7 @@ def _gears_report(fitted: "GearFit", at: Sequence[str], reference_length: float 
         summary=gear_summary(fitted),
         lead=[lead(level, estimates_within(one, level)[0]) for level in one.levels],
         warnings=[*gear_warnings(fitted), *_far_behind(tables, one.model.family.name)],
-        notes=[*one.data.notes, *(scatter_text(one) if one.converged else [])],
+        notes=[*one.data.notes, *([*at_mean_text(one), *scatter_text(one)] if one.converged else [])],
         tables=tables,
         fit=one if one.converged else None,
         hauls=fitted.hauls,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from codend.selectivity.fits.choices import LEAST_UNITS
 from codend.selectivity.fits.fielddata import FieldData
 from codend.selectivity.fits.one_stage import OneStage, left_over_dispersion
 from codend.selectivity.fits.parameters import Estimates
@@ -77,6 +78,35 @@ def scatter_text(one: OneStage) -> list[str]:
     ]
 
 
+def few_hauls(data: FieldData, limits: str) -> list[str]:
+    """What limits leave out that are of one haul or two; nothing of more."""
+    count = len(data.haul_names)
+    if count >= LEAST_UNITS:
+        return []
+    told = "One haul tells" if count == 1 else f"{count} hauls tell"
+    return [f"{told} nothing of how hauls differ: {limits} are those of these fish, and too narrow for others."]
+
+
+def at_mean_text(one: OneStage) -> list[str]:
+    """Where L50 and SR are asked for that depend on columns; nothing where they depend on none but the group."""
+    parts = [part for part in (one.l50, one.log_sr, one.split) if part is not None and part.spec is not None]
+    named = {str(name) for part in parts for name in part.spec.required_variables} - {one.group}
+    used = [str(name) for name in one.hauls.columns if name in named]
+    if not used:
+        return []
+    found = []
+    for name in used:
+        column = one.hauls[name]
+        if column.dtype.kind == "f":
+            found.append(f"{name} = {column.mean():.4g}")
+        else:
+            counts = column.value_counts(sort=False)
+            found.append(f"{name}: {', '.join(f'{value} in {count}' for value, count in counts.items())}")
+    return [
+        f"L50 and SR are at the mean of the {len(one.hauls)} hauls ({'; '.join(found)}); --at asks for other places."
+    ]
+
+
 def trial_summary(fitted: FieldFit) -> str:
     """Data and model."""
     shown = f" The answer is the {fitted.answers[0].group.replace('-', ' ')} fit: {_first_model(fitted)}."
@@ -123,6 +153,8 @@ def trial_notes(fitted: FieldFit) -> list[str]:
     """Dispersion, and scatter left over."""
     notes, pooled, kind = [], fitted.pooled, fitted.overdispersion.capitalize()
     if pooled.converged:
+        notes += few_hauls(fitted.data, "limits")
+    if pooled.converged:
         if fitted.overdispersion == "none":
             notes.append("Pooled fit: no dispersion factor, as asked for.")
         elif pooled.dispersion > 1.0:
@@ -133,7 +165,9 @@ def trial_notes(fitted: FieldFit) -> list[str]:
         else:
             notes.append(f"Pooled fit: no lack of fit by {kind}, dispersion factor 1.")
     if fitted.one_stage is not None and fitted.one_stage.converged:
-        notes += scatter_text(fitted.one_stage)
+        notes += [*at_mean_text(fitted.one_stage), *scatter_text(fitted.one_stage)]
+    elif fitted.shown is not None:
+        notes += at_mean_text(fitted.shown)
     return notes
 
 
@@ -197,6 +231,7 @@ def comparison_notes(found: CatchComparison) -> list[str]:
     notes = [
         "The ratio takes both gears to have fished with equal effort; where they did not, it is off by that factor."
     ]
+    notes += few_hauls(found.data, "bands")
     if np.isfinite(found.p_value):
         lack = "a shape these polynomials lack, or hauls that differ" if found.p_value < 0.05 else "no lack of fit"
         notes.append(

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from catch_models.fish import LAW_OF_PUSH, PARAMETERS, Species
+from codend.selectivity.escape.crowd_kernels import tried_shares
 from codend.selectivity.escape.haul import trying_of
 from codend.selectivity.escape.predict import Prediction
-from codend.selectivity.escape.retention_kernels import tried_shares
 from codend.selectivity.predicted_and_observed.together import Together
 
 

@@ -207,3 +207,39 @@ def test_a_selection_range_wider_than_the_lengths_is_said(tmp_path):
     hostile(lambda length: 1.0 / (1.0 + np.exp(-0.02 * (length - 32.0)))).to_csv(tmp_path / "hauls.csv", index=False)
     asked = ["fit", str(tmp_path / "hauls.csv"), "--design", "covered", "--out", str(tmp_path / "out")]
     assert "wider than all lengths measured" in CliRunner().invoke(main, asked).output
+
+
+def fitted(table, folder, *options):
+    table.to_csv(folder / "hauls.csv", index=False)
+    asked = ["fit", str(folder / "hauls.csv"), "--design", "covered", *options, "--out", str(folder / "out")]
+    return CliRunner().invoke(main, asked)
+
+
+def test_two_hauls_are_answered_by_the_pooled_fit_with_a_word_on_its_limits(tmp_path):
+    result = fitted(haul_table(2, fish=300.0, seed=1), tmp_path)
+    assert re.match(r"L50 3\d\.\d\d cm", result.output), result.output
+    assert "2 hauls tell nothing of how hauls differ" in result.output
+    assert pd.read_csv(tmp_path / "out" / "fit.csv")["group"][0] == "pooled"
+
+
+def test_a_gear_that_retained_nothing_is_named(tmp_path):
+    table = haul_table(6, fish=150.0, seed=1, gears=True)
+    table.loc[table["gear"] == "B", "codend"] = 0
+    result = fitted(table, tmp_path, "--group", "gear")
+    assert result.exit_code == 3
+    assert "not fitted: B has no fish in codend" in result.output
+
+
+def test_where_an_answer_that_depends_on_columns_is_asked_for_is_said(tmp_path):
+    table = haul_table(6, fish=150.0, seed=1, gears=True)
+    result = fitted(table, tmp_path, "--l50", "gear + catch_kg")
+    mean = table.groupby("haul")["catch_kg"].first().mean()
+    assert f"at the mean of the 6 hauls (gear: A in 3, B in 3; catch_kg = {mean:.4g})" in result.output
+
+
+def test_counts_of_a_hundred_millions_get_no_number_between_hauls_and_the_reason(tmp_path):
+    table = haul_table(4, fish=150.0, seed=1)
+    table[["codend", "cover"]] *= 1_000_000
+    result = fitted(table, tmp_path)
+    assert result.exit_code == 3
+    assert "one-stage was not fitted: more than 1e+08 fish are counted" in result.output

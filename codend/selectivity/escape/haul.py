@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from catch_models.fish import PARAMETERS, Species
 from codend.selectivity.escape.catches import Catch, Part
-from codend.selectivity.escape.haul_kernels import OF_LENGTHS, retain_hauls, time_shares
+from codend.selectivity.escape.crowd_kernels import Crowd, Nodes, Trying
+from codend.selectivity.escape.haul_kernels import alike_together, retain_hauls, time_shares
 from codend.selectivity.escape.retention import EscapeTerms, crowd_of, escape_terms, everywhere_alike, nodes_of
-from codend.selectivity.escape.retention_kernels import Crowd, Nodes, Trying
 
 Floats = NDArray[np.float64]
 MOST_CATCHES = 6
@@ -129,7 +129,7 @@ def many_hauls(
     L50 and SR are nan where too few fish escape to have them. Shared out over the processor's cores.
     """
     values = np.ascontiguousarray(values, dtype=float)
-    order = np.lexsort(values[:, OF_LENGTHS].T)  # those of which tables are the same behind each other
+    order = alike_together(values)
     parts = np.array_split(values[order], os.cpu_count() or 1)
     found = [(np.empty((len(part), 2)), np.empty((len(part), len(length_cm)))) for part in parts]
     ln_length = np.log(0.01 * length_cm)

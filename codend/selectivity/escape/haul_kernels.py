@@ -10,15 +10,13 @@ from numpy.typing import NDArray
 
 from catch_models.fish_parameters import PARAMETERS
 from codend.compiled import njit
+from codend.selectivity.escape.crowd_kernels import Crowd, Nodes, Trying, ideals_of, tables_of
 from codend.selectivity.escape.retention_kernels import (
-    Crowd,
-    Nodes,
-    Trying,
+    Passages,
     add_terms,
-    ideals_of,
     ln_length_at,
+    passages_of,
     retained_at,
-    tables_of,
 )
 
 Floats = NDArray[np.float64]
@@ -26,16 +24,31 @@ Floats = NDArray[np.float64]
 BIN: Final = 0.004
 """Width, in ln L, of the bins in which terms of many hauls are gathered, each split between two to keep its mean."""
 _LEAST_LN_M, _BINS = math.log(1e-3), int(math.log(1e4) / BIN)
-_SIZE, _GROWTH = PARAMETERS.index("spread.size"), PARAMETERS.index("haul.catch_growth")
+_SIZE, _ROWS_AHEAD, _GROWTH = (
+    PARAMETERS.index(name) for name in ("spread.size", "behaviour.rows_ahead", "haul.catch_growth")
+)
 OF_LENGTHS = np.array(
     [name.startswith("section.") or name in ("spread.shape", "behaviour.rotation_deg") for name in PARAMETERS]
 )
 """Numbers on which the longest fish through a mesh of given opening depends."""
+OF_PASSAGES = OF_LENGTHS | np.array([name.startswith("behaviour.push_") for name in PARAMETERS])
+"""And those on which it depends what fish make of the opening."""
+OF_TERMS = OF_PASSAGES | np.array(
+    [name in ("behaviour.contact", "behaviour.attempts", "behaviour.rows_ahead") for name in PARAMETERS]
+)
+"""And those on which it depends which meshes are tried, and how often."""
+
+
+def alike_together(values: Floats) -> NDArray[np.int64]:
+    """Order of sets of values (m, 15) in which those that share tables, passages and terms follow each other, (m,)."""
+    keys = [values[:, which].T for which in (OF_TERMS & ~OF_PASSAGES, OF_PASSAGES & ~OF_LENGTHS, OF_LENGTHS)]
+    return np.lexsort(np.concatenate(keys))
 
 
 @njit(cache=True, nogil=True)
-def _same_lengths(one: Floats, other: Floats) -> bool:
-    return not np.any((one != other) & OF_LENGTHS)
+def _same(values: Floats, m: int, which: NDArray[np.bool_]) -> bool:
+    """Whether a set of values is as the one before it in some of its numbers."""
+    return m > 0 and not np.any((values[m] != values[m - 1]) & which)
 
 
 @njit(cache=True, nogil=True)
@@ -65,21 +78,38 @@ def retain_hauls(
     most = 0
     for catch in range(len(volume)):
         most = max(most, crowd.start[catch + 1] - crowd.start[catch])
-    most *= len(nodes.shape) * len(nodes.rotation)
-    ln_g, escape = np.empty(most), np.empty(most)
+    most, catches, shapes = most * len(nodes.rotation), len(volume), len(nodes.shape)
+    ln_g, escape = np.empty((catches, shapes * most)), np.empty((catches, shapes * most))
+    ln_length = np.empty((catches, shapes, most))
+    mesh, rotation = np.empty((2, catches, shapes, most), dtype=np.int64)
+    ways, terms = np.zeros(catches, dtype=np.int64), np.zeros(catches, dtype=np.int64)
     place, mass = np.empty(_BINS + 1), np.empty(_BINS + 1)
     tables = np.zeros((0, 0, 0, 0))
     for m in range(len(values)):
         share = time_shares((volume / volume[-1]) ** (1.0 / values[m, _GROWTH]))
-        if m == 0 or not _same_lengths(values[m], values[m - 1]):
+        if not _same(values, m, OF_LENGTHS):
             tables = tables_of(crowd, values[m], nodes)
-        ideals = ideals_of(crowd, values[m], nodes, tables)
+        if not _same(values, m, OF_PASSAGES):
+            ideals, rows = ideals_of(crowd, values[m], nodes, tables), values[m, _ROWS_AHEAD]
+            for other in range(m + 1, len(values)):
+                if not _same(values, other, OF_PASSAGES):
+                    break
+                rows = max(rows, values[other, _ROWS_AHEAD])
+            for catch in range(catches):
+                passages = Passages(ln_length[catch], mesh[catch], rotation[catch])
+                ways[catch] = passages_of(crowd, catch, values[m], nodes, rows, trying, ideals, tables, passages)
+        if not _same(values, m, OF_TERMS):
+            for catch in range(catches):
+                passages = Passages(ln_length[catch], mesh[catch], rotation[catch])
+                terms[catch] = add_terms(
+                    crowd, catch, values[m], nodes, trying, passages, ways[catch], ln_g[catch], escape[catch]
+                )
         gathered = np.zeros(_BINS + 1)
-        for catch in range(len(volume)):
-            for k in range(add_terms(crowd, catch, values[m], nodes, trying, ideals, tables, ln_g, escape)):
-                bins = min(max((ln_g[k] - _LEAST_LN_M) / BIN, 0.0), _BINS - 1e-6)
+        for catch in range(catches):
+            for k in range(terms[catch]):
+                bins = min(max((ln_g[catch, k] - _LEAST_LN_M) / BIN, 0.0), _BINS - 1e-6)
                 left = int(bins)
-                weight = share[catch] * escape[k]
+                weight = share[catch] * escape[catch, k]
                 gathered[left] += weight * (left + 1 - bins)
                 gathered[left + 1] += weight * (bins - left)
         count = 0

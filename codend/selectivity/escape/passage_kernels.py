@@ -62,28 +62,84 @@ def longest_turned(hole: Hole, phi: float, fish: Fish, rotation: float) -> float
 
 @njit(cache=True, nogil=True)
 def longest_turned_by(
-    hole: Hole, phi: float, fish: Fish, rotation: float, turns: Turns, lengths: NDArray[np.float64]
+    hole: Hole, phi: float, fish: Fish, steps: int, turns: Turns, lengths: NDArray[np.float64]
 ) -> None:
-    """Write the longest fish at a rotation, and at that and each of some ``turns`` (k,), into ``lengths`` (k + 1,), m.
+    """Write the longest fish at the best rotation, and at each of some ``turns`` (k,) off it, m, into ``lengths``.
 
-    Of ellipses h^2 = (S + D cos 2(nu - theta)) / 2 (see ``_support``) is linear in cos and sin of twice the turn, and
-    of the three d^2 / h^2 the least is asked.
+    (k + 1,); one search for the best rotation serves all.
     """
     if fish.n != 2.0:
+        rotation = best_rotation(hole, phi, fish, steps)
         lengths[0] = longest_turned(hole, phi, fish, rotation)
         for k in range(len(turns.angle)):
             lengths[k + 1] = longest_turned(hole, phi, fish, rotation + turns.angle[k])
         return
-    nu1, d1, nu2, d2, nu3, d3 = sides_of(hole, phi)
+    best = _best_of_ellipse(hole, phi, fish)
+    lengths[0] = math.sqrt(_squared(hole, phi, fish, best))
+    for k in range(len(turns.angle)):
+        cosine, sine = turns.cosine[k], turns.sine[k]
+        turned = best[0] * cosine - best[1] * sine, best[1] * cosine + best[0] * sine
+        lengths[k + 1] = math.sqrt(_squared(hole, phi, fish, turned))
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _squared(hole: Hole, phi: float, fish: Fish, turned: tuple[float, float]) -> float:
+    """Square of the longest ellipse, m2, by cosine and sine of twice its rotation: least of d^2 / h^2 over the sides.
+
+    h^2 = (S + D cos 2(nu - theta)) / 2 with S = a^2 + b^2, D = a^2 - b^2 is linear in them.
+    """
     squares, difference = 0.5 * (fish.a * fish.a + fish.b * fish.b), 0.5 * (fish.a * fish.a - fish.b * fish.b)
-    c1, s1 = difference * math.cos(2.0 * (nu1 - rotation)), difference * math.sin(2.0 * (nu1 - rotation))
-    c2, s2 = difference * math.cos(2.0 * (nu2 - rotation)), difference * math.sin(2.0 * (nu2 - rotation))
-    c3, s3 = difference * math.cos(2.0 * (nu3 - rotation)), difference * math.sin(2.0 * (nu3 - rotation))
-    for k in range(len(lengths)):
-        cosine = turns.cosine[k - 1] if k > 0 else 1.0
-        sine = turns.sine[k - 1] if k > 0 else 0.0
-        least = min(d1 * d1 / (squares + c1 * cosine + s1 * sine), d2 * d2 / (squares + c2 * cosine + s2 * sine))
-        lengths[k] = math.sqrt(min(least, d3 * d3 / (squares + c3 * cosine + s3 * sine)))
+    cosine, sine = difference * turned[0], difference * turned[1]
+    if hole.shape == RECTANGLE:
+        return min(
+            0.25 * hole.bar * hole.bar / (squares + cosine), 0.25 * hole.across * hole.across / (squares - cosine)
+        )
+    c, s = math.cos(phi), math.sin(phi)
+    across, along = 2.0 * s * s - 1.0, 2.0 * s * c  # cosine and sine of twice the first normal's angle
+    turned_knots = hole.shape == RHOMBUS_KNOTS_ACROSS
+    d = (hole.bar * s + 0.5 * hole.knot) * c if turned_knots else (hole.bar * c + 0.5 * hole.knot) * s
+    least = d * d / (squares + max(across * cosine + along * sine, across * cosine - along * sine))
+    if hole.knot > 0.0:
+        third = hole.bar * (c if turned_knots else s)
+        least = min(least, third * third / (squares + (cosine if turned_knots else -cosine)))
+    return least
+
+
+@njit(cache=True, nogil=True)
+def _best_of_ellipse(hole: Hole, phi: float, fish: Fish) -> tuple[float, float]:
+    """Cosine and sine of twice the best rotation of an ellipse: as ``best_rotation`` has it."""
+    best = 1.0, 0.0
+    value = _squared(hole, phi, fish, best)
+    tried = -1.0, 0.0
+    length = _squared(hole, phi, fish, tried)
+    if length > value:
+        best, value = tried, length
+    if hole.shape != RECTANGLE and hole.knot == 0.0:  # in a rhombus it lies along a diagonal
+        return best
+    nu1, d1, nu2, d2, nu3, d3 = sides_of(hole, phi)
+    normal = math.cos(2.0 * nu1), math.sin(2.0 * nu1)
+    for sign in (1.0, -1.0):
+        tried = sign * normal[0], sign * normal[1]
+        length = _squared(hole, phi, fish, tried)
+        if length > value:
+            best, value = tried, length
+    # where the first pair of sides and another let the same ellipse through: a linear equation in cosine and sine. The
+    # first two pairs of a rhombus cross at 0 and 90 degrees only, and the second and third mirror the first and third
+    nu, d = (nu2, d2) if hole.shape == RECTANGLE else (nu3, d3)
+    squares, difference = fish.a * fish.a + fish.b * fish.b, fish.a * fish.a - fish.b * fish.b
+    first, other = d1**-2, d**-2
+    cosine = difference * (first * normal[0] - other * math.cos(2.0 * nu))
+    sine = difference * (first * normal[1] - other * math.sin(2.0 * nu))
+    wanted, reach = squares * (other - first), cosine * cosine + sine * sine
+    if reach == 0.0 or wanted * wanted > reach:
+        return best
+    root = math.sqrt(reach - wanted * wanted)
+    for sign in (1.0, -1.0):
+        tried = (cosine * wanted - sign * sine * root) / reach, (sine * wanted + sign * cosine * root) / reach
+        length = _squared(hole, phi, fish, tried)
+        if length > value:
+            best, value = tried, length
+    return best
 
 
 @njit(cache=True, nogil=True)
@@ -131,41 +187,31 @@ def best_rotation(hole: Hole, phi: float, fish: Fish, steps: int) -> float:
     sides = sides_of(hole, phi)
     if sides[1] <= 0.0 or sides[3] <= 0.0:  # closed
         return 0.0
+    if fish.n == 2.0:
+        turned = _best_of_ellipse(hole, phi, fish)
+        return 0.5 * math.atan2(turned[1], turned[0])
     best, value = 0.0, min(_by_side(sides, fish, 0.0))
     at_end = min(_by_side(sides, fish, quarter))
     if at_end > value:
         best, value = quarter, at_end
-    if fish.n == 2.0 and hole.knot == 0.0 and hole.shape != RECTANGLE:  # an ellipse in a rhombus lies along a diagonal
-        return best
     q = fish.n / (fish.n - 1.0)
     between = math.atan((fish.a / fish.b) ** (q / (q - 2.0))) if q > 2.0 else 0.0
-    turned = 0.0, quarter, between, -between
+    turns = 0.0, quarter, between, -between
     for side in (0, 2):
         for k in range(4 if between > 0.0 else 2):
-            tried = sides[2 * side] - turned[k]
+            tried = sides[2 * side] - turns[k]
             length = min(_by_side(sides, fish, tried))
             if length > value:
                 best, value = tried, length
     for one, two in ((0, 1), (0, 2), (1, 2)):
-        # ellipses: the two roots for the first and third pair mirror those for the second and third, and the mirrored
-        # sides of knotted netting cross at 0 and at 90 degrees only
-        known = fish.n == 2.0 and (one == 1 or (two == 1 and hole.shape != RECTANGLE))
-        if known or sides[2 * two + 1] == math.inf:
+        if sides[2 * two + 1] == math.inf:
             continue
-        if fish.n != 2.0:
-            ends = _turning_points(sides, fish, one, two, between)
-            for k in range(ROTATIONS * (len(ends) - 1)):
-                left, right = ends[k // ROTATIONS], ends[k // ROTATIONS + 1]
-                width = (right - left) / ROTATIONS
-                left += width * (k % ROTATIONS)
-                tried = _crossing(sides, fish, one, two, left, left + width, steps) if width > 0.0 else math.nan
-                if not math.isnan(tried):
-                    length = min(_by_side(sides, fish, tried))
-                    if length > value:
-                        best, value = tried, length
-            continue
-        for k in range(2):
-            tried = _crossing_of_ellipse(sides, fish, one, two, k)
+        ends = _turning_points(sides, fish, one, two, between)
+        for k in range(ROTATIONS * (len(ends) - 1)):
+            left, right = ends[k // ROTATIONS], ends[k // ROTATIONS + 1]
+            width = (right - left) / ROTATIONS
+            left += width * (k % ROTATIONS)
+            tried = _crossing(sides, fish, one, two, left, left + width, steps) if width > 0.0 else math.nan
             if not math.isnan(tried):
                 length = min(_by_side(sides, fish, tried))
                 if length > value:
@@ -191,26 +237,11 @@ def _turning_points(sides: Sides, fish: Fish, one: int, two: int, between: float
 
 
 @njit(cache=True, nogil=True)
-def _crossing_of_ellipse(sides: Sides, fish: Fish, one: int, two: int, root: int) -> float:
-    """Rotation at which two pairs of sides let the same ellipse through, one of two; nan where they never do.
-
-    With S = a^2 + b^2, D = a^2 - b^2 and h^2 = (S + D cos 2(nu - theta)) / 2, equal h / d on both is a linear
-    equation in cos(2 theta) and sin(2 theta).
-    """
-    squares, difference = fish.a * fish.a + fish.b * fish.b, fish.a * fish.a - fish.b * fish.b
-    first, second = sides[2 * one + 1] ** -2, -(sides[2 * two + 1] ** -2)
-    cosine = difference * (first * math.cos(2.0 * sides[2 * one]) + second * math.cos(2.0 * sides[2 * two]))
-    sine = difference * (first * math.sin(2.0 * sides[2 * one]) + second * math.sin(2.0 * sides[2 * two]))
-    reach, wanted = math.hypot(cosine, sine), -squares * (first + second)
-    if abs(wanted) > reach or reach == 0.0:
-        return math.nan
-    turn = math.acos(wanted / reach)
-    return 0.5 * (math.atan2(sine, cosine) + (turn if root == 0 else -turn))
-
-
-@njit(cache=True, nogil=True)
 def _crossing(sides: Sides, fish: Fish, one: int, two: int, left: float, right: float, steps: int) -> float:
-    """The same for any section, by bisection in an interval; nan where it holds no crossing or two."""
+    """Rotation at which two pairs of sides let the same section through: by bisection in an interval.
+
+    nan where it holds no crossing or two.
+    """
     at_left, at_right = _by_side(sides, fish, left), _by_side(sides, fish, right)
     rising = at_left[one] < at_left[two]
     if (at_right[one] < at_right[two]) == rising:

@@ -31,16 +31,14 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtri
 
 from catch_models.fish import PARAMETERS
+from codend.selectivity.escape.crowd_kernels import Crowd, Nodes, Trying, ideals_of, tables_of
 from codend.selectivity.escape.penetration import Holes
 from codend.selectivity.escape.retention_kernels import (
-    Crowd,
-    Nodes,
-    Trying,
+    Passages,
     add_terms,
-    ideals_of,
     ln_length_at,
+    passages_of,
     retained_at,
-    tables_of,
 )
 
 Floats = NDArray[np.float64]
@@ -49,7 +47,7 @@ SHAPES, ROTATIONS, STEPS = 5, 12, 14
 """Nodes of the quadratures over shapes and rotations, and steps of refinement of orientation and opening."""
 OF_HOLES = tuple(field.name for field in fields(Holes))
 """What a crowd has of its meshes, in the order of ``Crowd``."""
-_SIZE = PARAMETERS.index("spread.size")
+_SIZE, _ROWS_AHEAD = PARAMETERS.index("spread.size"), PARAMETERS.index("behaviour.rows_ahead")
 
 
 @dataclass(frozen=True)
@@ -142,7 +140,10 @@ def escape_terms(
     ideals = ideals_of(crowd, values, nodes, tables)
     found = []
     for catch, meshes in enumerate(np.diff(crowd.start)):
-        ln_length, escape = np.empty((2, meshes * len(nodes.shape) * len(nodes.rotation)))
-        count = add_terms(crowd, catch, values, nodes, trying, ideals, tables, ln_length, escape)
+        most = (len(nodes.shape), int(meshes) * len(nodes.rotation))
+        passages = Passages(np.empty(most), *np.empty((2, *most), dtype=np.int64))
+        ways = passages_of(crowd, catch, values, nodes, values[_ROWS_AHEAD], trying, ideals, tables, passages)
+        ln_length, escape = np.empty((2, most[0] * most[1]))
+        count = add_terms(crowd, catch, values, nodes, trying, passages, ways, ln_length, escape)
         found.append(EscapeTerms(ln_length[:count], escape[:count], float(values[_SIZE])))
     return found

@@ -3,41 +3,33 @@
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from catch_models.fish_parameters import PARAMETERS
 from codend.compiled import njit
-from codend.selectivity.escape.passage_kernels import (
-    IDEALS,
-    RECTANGLE,
-    Fish,
-    Hole,
-    Turns,
-    best_rotation,
-    ideal_openings,
-    longest_turned,
-    longest_turned_by,
-    sides_of,
+from codend.selectivity.escape.crowd_kernels import (
+    Crowd,
+    Nodes,
+    Trying,
+    fish_of,
+    hole_in,
+    place_weight,
+    tried_shares,
 )
+from codend.selectivity.escape.passage_kernels import RECTANGLE, best_rotation, longest_turned
 from codend.selectivity.escape.yielding_kernels import Effort, Passing, best_opening
 
 Floats = NDArray[np.float64]
 
 MOST_STEPS, PRECISION = 100, 1e-12
 """Of the search for the logarithm of a length."""
-SHUT: Final = 0.1
-OPEN: Final = 0.25
-"""Clear width of a mesh over that of the widest which is tried, up to which it takes no attempts, and from which all
-it would by its place: see ``retention``."""
 _SHORTEST_LN_M = math.log(1e-6)
-(_SIZE, _SHAPE, _CONTACT, _ATTEMPTS, _ROWS_AHEAD, _ROTATION, _PUSH, _EXPONENT, _AT) = (
+(_CONTACT, _ATTEMPTS, _ROWS_AHEAD, _ROTATION, _PUSH, _EXPONENT, _AT) = (
     PARAMETERS.index(name)
     for name in (
-        "spread.size",
-        "spread.shape",
         "behaviour.contact",
         "behaviour.attempts",
         "behaviour.rows_ahead",
@@ -49,104 +41,15 @@ _SHORTEST_LN_M = math.log(1e-6)
 )
 
 
-class Crowd(NamedTuple):
-    """Meshes of several catches in one row of arrays, as the kernels read them."""
+class Passages(NamedTuple):
+    """What the meshes of one catch let through, by shape, the longest first, (shapes, n) each."""
 
-    start: NDArray[np.int64]
-    """First mesh of each catch, and the end of the last, (c + 1,)."""
-    shape: NDArray[np.int64]
-    bar: Floats
-    knot: Floats
-    half_angle: Floats
-    across: Floats
-    load: Floats
-    bending: Floats
-    rest: Floats
-    held_across: Floats
-    held_along: Floats
-    """As in ``Holes``, (k,)."""
-    rows_ahead: Floats
-    """Distance of each mesh from the front, in rows of meshes, (k,)."""
-    share: Floats
-    """Share of each mesh in its row, (k,)."""
-    netting: NDArray[np.int64]
-    """Number of the netting a mesh is of, the same for all with its shape, bar and knot, (k,)."""
-    part: NDArray[np.int64]
-    """Number of the part of the codend that a mesh lies in, (k,)."""
-
-
-class Nodes(NamedTuple):
-    """Quadrature over standard normal shapes and rotations, and steps of refinement."""
-
-    shape: Floats
-    shape_weight: Floats
-    rotation: Floats
-    rotation_weight: Floats
-    steps: int
-    openings: int
-    """Intervals of half opening angles at whose ends lengths are tabled and read off in between; 0: all are exact."""
-
-
-class Trying(NamedTuple):
-    """Where fish try, besides the numbers of ``PARAMETERS``."""
-
-    zone: NDArray[np.int64]
-    """Zone of every part of the codend: 0 where fish try as the species' numbers say, 1 and so on for others, (p,)."""
-    contact: Floats
-    attempts: Floats
-    """In each zone, (z + 1,); those of zone 0 are not read."""
-    rows: Floats
-    weight: Floats
-    """Distribution of attempts over the distance from the front in zone 0; empty: even over ``rows_ahead``."""
-
-
-@njit(cache=True, nogil=True)
-def ideals_of(crowd: Crowd, values: Floats, nodes: Nodes, tables: Floats) -> Floats:
-    """Ideal openings of every netting for every shape, (nettings, shapes, IDEALS); nan where no push needs them.
-
-    Those of ``tables``, where lengths are tabled.
-    """
-    nettings = np.max(crowd.netting) + 1 if len(crowd.netting) else 0
-    ideals = np.full((nettings, len(nodes.shape), IDEALS), np.nan)
-    if values[_PUSH] > 0.0 and nodes.openings > 0:
-        for netting in range(nettings):
-            for node in range(len(nodes.shape)):
-                _peaks(tables[netting, node], ideals[netting, node])
-    elif values[_PUSH] > 0.0:
-        sought = np.ones(len(ideals), dtype=np.bool_)
-        for mesh in range(len(crowd.netting)):
-            netting = crowd.netting[mesh]
-            if sought[netting] and crowd.shape[mesh] != RECTANGLE:
-                for node in range(len(nodes.shape)):
-                    fish = _fish(values, nodes.shape[node])
-                    ideal_openings(_hole(crowd, mesh), fish, math.nan, nodes.steps, ideals[netting, node])
-            sought[netting] = False
-    return ideals
-
-
-@njit(cache=True, nogil=True)
-def _peaks(table: Floats, ideals: Floats) -> None:
-    """Write the half opening angles at which a table's first column is highest into ``ideals``."""
-    count, width = 0, 0.5 * math.pi / (len(table) - 1)
-    for k in range(1, len(table) - 1):
-        if table[k - 1, 0] <= table[k, 0] > table[k + 1, 0] and count < len(ideals):
-            ideals[count] = k * width
-            count += 1
-
-
-@njit(cache=True, nogil=True)
-def _hole(crowd: Crowd, mesh: int) -> Hole:
-    return Hole(
-        crowd.shape[mesh],
-        crowd.bar[mesh],
-        crowd.knot[mesh],
-        crowd.across[mesh],
-        crowd.load[mesh],
-        crowd.bending[mesh],
-        crowd.rest[mesh],
-        crowd.held_across[mesh],
-        crowd.held_along[mesh],
-    )
+    ln_length: Floats
+    """Logarithm of the longest fish, in metres."""
+    mesh: NDArray[np.int64]
+    """Mesh of the catch, from its first."""
+    rotation: NDArray[np.int64]
+    """Node of the rotation."""
 
 
 @njit(cache=True, nogil=True)
@@ -155,74 +58,33 @@ def _effort(values: Floats, nodes: Nodes) -> Effort:
 
 
 @njit(cache=True, nogil=True)
-def _fish(values: Floats, shape: float) -> Fish:
-    """Section of a fish of length 1, mean size and a standard normal shape."""
-    factor = math.exp(0.5 * values[_SHAPE] * shape)
-    half_height, half_width = 0.5 * values[0] * (1.0 - values[3]), 0.5 * values[1] * (1.0 - values[4])
-    return Fish(half_height * factor, half_width / factor, values[2])
-
-
-@njit(cache=True, nogil=True)
-def tables_of(crowd: Crowd, values: Floats, nodes: Nodes) -> Floats:
-    """Longest fish by netting, shape and half opening angle, at the best rotation and those of the nodes, m.
-
-    (nettings, shapes, openings + 1, rotations + 1); nothing where all lengths are exact.
-    """
-    nettings = np.max(crowd.netting) + 1 if nodes.openings and len(crowd.netting) else 0
-    tables = np.zeros((nettings, len(nodes.shape), nodes.openings + 1, len(nodes.rotation) + 1))
-    sought = np.ones(nettings, dtype=np.bool_)
-    angle = math.radians(values[_ROTATION]) * nodes.rotation
-    turns = Turns(angle, np.cos(2.0 * angle), np.sin(2.0 * angle))
-    for mesh in range(len(crowd.netting) if nettings else 0):
-        netting = crowd.netting[mesh]
-        if not sought[netting] or crowd.shape[mesh] == RECTANGLE:
-            continue
-        sought[netting] = False
-        hole = _hole(crowd, mesh)
-        for node in range(len(nodes.shape)):
-            fish = _fish(values, nodes.shape[node])
-            for i in range(1, nodes.openings):
-                phi = 0.5 * math.pi * i / nodes.openings
-                best = best_rotation(hole, phi, fish, nodes.steps)
-                longest_turned_by(hole, phi, fish, best, turns, tables[netting, node, i])
-    return tables
-
-
-@njit(cache=True, nogil=True)
-def add_terms(
+def passages_of(
     crowd: Crowd,
     catch: int,
     values: Floats,
     nodes: Nodes,
+    rows: float,
     trying: Trying,
     ideals: Floats,
     tables: Floats,
-    ln_length: Floats,
-    escape: Floats,
+    passages: Passages,
 ) -> int:
-    """Write the terms of one catch into ``ln_length`` and ``escape``; how many there are.
+    """Write what the meshes of a catch let through where fish try ``rows`` rows or fewer; how many each shape has.
 
     ``ideals`` are those of ``ideals_of`` and ``tables`` those of ``tables_of``.
     """
-    rotations = len(nodes.rotation)
+    rotations, effort = len(nodes.rotation), _effort(values, nodes)
     first, end = crowd.start[catch], crowd.start[catch + 1]
-    tried = tried_shares(crowd, first, end, values[_ROWS_AHEAD], trying)
-    zones = len(trying.contact)
-    contact, attempts = trying.contact.copy(), trying.attempts.copy()
-    contact[0], attempts[0] = values[_CONTACT], values[_ATTEMPTS]
-    weight, ln_g = np.empty((end - first) * rotations), np.empty((end - first) * rotations)
-    zone = np.empty(len(weight), dtype=np.int64)
-    probability, kept = np.empty(zones), np.empty(zones)
-    no_table = np.zeros((0, 0))
-    written = 0
+    ln_g, no_table = np.empty((end - first) * rotations), np.zeros((0, 0))
+    mesh_of, rotation_of = np.empty((2, len(ln_g)), dtype=np.int64)
+    count = 0
     for node in range(len(nodes.shape)):
-        fish = _fish(values, nodes.shape[node])
+        fish = fish_of(values, nodes.shape[node])
         count = 0
         for mesh in range(first, end):
-            if tried[mesh - first] == 0.0:
+            if place_weight(crowd, mesh, rows, trying) == 0.0:
                 continue
-            hole, effort = _hole(crowd, mesh), _effort(values, nodes)
-            netting = crowd.netting[mesh]
+            hole, netting = hole_in(crowd, mesh), crowd.netting[mesh]
             tabled = nodes.openings > 0 and hole.shape != RECTANGLE
             passing = Passing(fish, math.nan, tables[netting, node] if tabled else no_table)
             phi = best_opening(hole, crowd.half_angle[mesh], passing, effort, ideals[netting, node])
@@ -240,63 +102,53 @@ def add_terms(
                 else:
                     turned = best + math.radians(values[_ROTATION]) * nodes.rotation[k]
                     length = longest_turned(hole, phi, fish, turned)
-                ln_g[count] = math.log(length) if length > 0.0 else _SHORTEST_LN_M
-                weight[count] = tried[mesh - first] * nodes.rotation_weight[k]
-                zone[count] = trying.zone[crowd.part[mesh]]
+                ln_g[count] = -math.log(length) if length > 0.0 else -_SHORTEST_LN_M
+                mesh_of[count], rotation_of[count] = mesh - first, k
                 count += 1
+        order = np.argsort(ln_g[:count])
+        for k in range(count):
+            passages.ln_length[node, k] = -ln_g[order[k]]
+            passages.mesh[node, k], passages.rotation[node, k] = mesh_of[order[k]], rotation_of[order[k]]
+    return count
+
+
+@njit(cache=True, nogil=True)
+def add_terms(
+    crowd: Crowd,
+    catch: int,
+    values: Floats,
+    nodes: Nodes,
+    trying: Trying,
+    passages: Passages,
+    count: int,
+    ln_length: Floats,
+    escape: Floats,
+) -> int:
+    """Write the terms of one catch into ``ln_length`` and ``escape``; how many there are.
+
+    ``passages`` are of at least the rows that fish try, ``count`` of each shape, as ``passages_of`` has them.
+    """
+    first, end = crowd.start[catch], crowd.start[catch + 1]
+    tried = tried_shares(crowd, first, end, values[_ROWS_AHEAD], trying)
+    contact, attempts = trying.contact.copy(), trying.attempts.copy()
+    contact[0], attempts[0] = values[_CONTACT], values[_ATTEMPTS]
+    probability, kept = np.empty(len(contact)), np.empty(len(contact))
+    written = 0
+    for node in range(len(nodes.shape)):
         probability[:], kept[:], escaped = 0.0, 1.0, 0.0
-        for k in np.argsort(-ln_g[:count]):
-            z = zone[k]
-            probability[z] = min(probability[z] + weight[k], 1.0)
+        for k in range(count):
+            mesh = passages.mesh[node, k]
+            if tried[mesh] == 0.0:
+                continue
+            z = trying.zone[crowd.part[first + mesh]]
+            probability[z] = min(probability[z] + tried[mesh] * nodes.rotation_weight[passages.rotation[node, k]], 1.0)
             kept[z] = 1.0 - contact[z] * (1.0 - (1.0 - probability[z]) ** attempts[z])
             risen = 1.0 - float(np.prod(kept))
-            ln_length[written] = ln_g[k]
+            ln_length[written] = passages.ln_length[node, k]
             escape[written] = nodes.shape_weight[node] * (risen - escaped)
             escaped = risen
             written += 1
     return written
-
-
-@njit(cache=True, nogil=True)
-def tried_shares(crowd: Crowd, first: int, end: int, rows: float, trying: Trying) -> Floats:
-    """Share that each mesh of a catch has of the attempts in its zone, (end - first,); see ``retention``."""
-    tried, gap = np.empty(end - first), np.empty(end - first)
-    zones = len(trying.contact)
-    widest, total = np.zeros(zones), np.zeros(zones)
-    for mesh in range(first, end):
-        zone = trying.zone[crowd.part[mesh]]
-        tried[mesh - first] = _tried(crowd, mesh, rows, trying)
-        sides = sides_of(_hole(crowd, mesh), crowd.half_angle[mesh])
-        gap[mesh - first] = min(sides[1], sides[3], sides[5])
-        if tried[mesh - first] > 0.0:
-            widest[zone] = max(widest[zone], gap[mesh - first])
-    for mesh in range(first, end):
-        i, zone = mesh - first, trying.zone[crowd.part[mesh]]
-        if widest[zone] > 0.0:
-            tried[i] *= min(max((gap[i] / widest[zone] - SHUT) / (OPEN - SHUT), 0.0), 1.0)
-        total[zone] += tried[i]
-    for mesh in range(first, end):
-        zone = trying.zone[crowd.part[mesh]]
-        tried[mesh - first] /= total[zone] if total[zone] > 0.0 else 1.0
-    return tried
-
-
-@njit(cache=True, nogil=True)
-def _tried(crowd: Crowd, mesh: int, rows: float, trying: Trying) -> float:
-    """Weight of a mesh among those tried, were all open; it rises from nothing over the first row ahead of the front.
-
-    In zone 0 it follows the distribution given, or is full over ``rows`` rows and falls to nothing over one more: as
-    rows are one apart the weights add to the same whole wherever the front stands between two of them.
-    """
-    ahead = crowd.rows_ahead[mesh]
-    weight = crowd.share[mesh] * min(max(ahead, 0.0), 1.0)
-    if trying.zone[crowd.part[mesh]] > 0:
-        return weight
-    if len(trying.rows) == 0:
-        return weight * min(max(rows + 1.0 - ahead, 0.0), 1.0)
-    if ahead > trying.rows[-1]:
-        return 0.0
-    return weight * float(np.interp(ahead, trying.rows, trying.weight))
 
 
 @njit(cache=True, nogil=True)

@@ -84,49 +84,75 @@ def best_opening(hole: Hole, phi: float, passing: Passing, effort: Effort, ideal
         return phi
     best, value = phi, longest_by(hole, phi, passing, effort.steps)
     across = _resting(hole, phi)
+    at_rest = _push_of(value, effort)
     for side in (1.0, -1.0):
-        reached = phi
+        reached, spare, too_much = phi, at_rest, 0.0
         for k in range(len(ideals)):
             ideal = ideals[k] if side > 0.0 else ideals[len(ideals) - 1 - k]
             if not side * (ideal - phi) > 0.0:  # behind, or nan
                 continue
-            if _left_over(hole, phi, across, ideal, passing, effort) >= 0.0:
-                tried = reached = ideal
+            length = longest_by(hole, ideal, passing, effort.steps)
+            push = _push_of(length, effort)
+            if push < too_much:  # the force only rises: nothing from the ideal that was out of reach to this one is not
+                continue
+            force = _force_against(hole, phi, across, ideal)
+            if push >= force:
+                tried, reached, spare = ideal, ideal, push - force
             else:
-                tried = _edge_of_reach(hole, phi, across, reached, ideal, passing, effort)
-            length = longest_by(hole, tried, passing, effort.steps)
+                too_much = force
+                if length <= value * (1.0 + NARROWED):  # nor is a longer one on the way, without an ideal there
+                    continue
+                tried = _edge_of_reach(hole, phi, across, reached, ideal, spare, push - force, passing, effort)
+                length = longest_by(hole, tried, passing, effort.steps)
             if length > value:
                 best, value = tried, length
     return best
 
 
 @njit(cache=True, nogil=True)
-def _left_over(hole: Hole, computed: float, across: float, phi: float, passing: Passing, effort: Effort) -> float:
-    """Push of the longest fish that passes at an opening, less what brings the mesh there, N."""
-    push = effort.push
-    if effort.exponent != 0.0:
-        longer = longest_by(hole, phi, passing, effort.steps) / effort.at
-        push *= longer * longer if effort.exponent == 2.0 else longer**effort.exponent
-    return push - _force_against(hole, computed, across, phi)
+def _push_of(length: float, effort: Effort) -> float:
+    """Push of a fish of a length, N."""
+    if effort.exponent == 0.0:
+        return effort.push
+    longer = length / effort.at
+    return effort.push * (longer * longer if effort.exponent == 2.0 else longer**effort.exponent)
 
 
 @njit(cache=True, nogil=True)
 def _edge_of_reach(
-    hole: Hole, computed: float, across: float, within: float, beyond: float, passing: Passing, effort: Effort
+    hole: Hole,
+    computed: float,
+    across: float,
+    within: float,
+    beyond: float,
+    spare: float,
+    lacking: float,
+    passing: Passing,
+    effort: Effort,
 ) -> float:
-    """The last opening within reach between one that is and one that is not: by bisection, and regula falsi between."""
-    spare, lacking = math.nan, math.nan
+    """The last opening within reach between one that is, with ``spare`` push, N, and one that is not.
+
+    Half-way first, as openings that a small fish reaches may be followed by a gap, and then by those that a larger one
+    does, which pushes harder; then by regula falsi, each time a little aside of the root so that it is enclosed from
+    both sides, and by bisection where that is slow.
+    """
     narrowed = ROUGHLY if len(passing.table) else NARROWED
+    aside = math.copysign(0.4 * narrowed, beyond - within)
     for step in range(MOST_STEPS):
-        if abs(beyond - within) <= narrowed:
+        wide = beyond - within
+        if abs(wide) <= narrowed:
             break
-        if step % 3 and spare - lacking > 0.0:
-            middle = within + min(max(spare / (spare - lacking), 0.01), 0.99) * (beyond - within)
-        else:
-            middle = 0.5 * (within + beyond)
-        left = _left_over(hole, computed, across, middle, passing, effort)
+        middle = within + 0.5 * wide
+        if step % 4 > 0 and spare > lacking:
+            root = within + spare / (spare - lacking) * wide + aside
+            if (root - within) * (beyond - root) > 0.0:
+                middle = root
+        length = longest_by(hole, middle, passing, effort.steps)
+        left = _push_of(length, effort) - _force_against(hole, computed, across, middle)
         if left >= 0.0:
             within, spare = middle, left
+            aside = abs(aside) if wide > 0.0 else -abs(aside)
         else:
             beyond, lacking = middle, left
+            aside = -abs(aside) if wide > 0.0 else abs(aside)
     return within

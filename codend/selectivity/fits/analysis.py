@@ -183,7 +183,7 @@ def _answers(
     pooled: Fit,
     alike: OneStage | None,
 ) -> tuple[Answer, ...]:
-    """What is printed, the answer that simulation shows unbiased first."""
+    """What is printed, the answer that simulation shows unbiased first; two stages of too few hauls last."""
     found, fished = [], data.length_cm[data.test_count + data.other_count > 0.0]
     if one_stage is not None:
         estimates, note = estimates_within(one_stage)
@@ -199,6 +199,8 @@ def _answers(
     if alike is not None and not data.covariate_names:
         estimates, kinds = with_profile_limits(estimates, alike, pooled.dispersion)
     found.append(Answer("pooled", estimates, kinds, pooled.note))
+    if one_stage is None and between is not None and not between.converged and pooled.converged:
+        found = [*(answer for answer in found if answer.group != "between-hauls"), found[0]]
     return tuple(found)
 
 

@@ -232,8 +232,20 @@ def coefficient_table(one: OneStage) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def _one_sided(one: OneStage) -> list[str]:
+    """Gears that caught all of their fish in one of the two columns of counts, so that no curve can be told."""
+    data, found = one.data, []
+    names = DESIGNS[data.design]
+    for level in filter(None, one.levels):
+        of_level = (one.hauls[one.group].to_numpy() == level)[data.haul]
+        for column, counts in zip(names, (data.test_count, data.other_count), strict=True):
+            if not counts[of_level].any():
+                found.append(f"{level} has no fish in {column}, which tells of no curve: leave it out with --only")
+    return found
+
+
 def _notes(one: OneStage, terms: RandomTerms) -> list[str]:
-    notes = [] if one.converged else [one.maximum.outcome.value]
+    notes = [] if one.converged else [*_one_sided(one), one.maximum.outcome.value]
     for level in one.levels:
         said = estimates_within(one, level)[1] if one.converged else ""
         notes += [f"{level}: {said}" if level else said] * bool(said)

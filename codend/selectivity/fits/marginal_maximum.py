@@ -17,6 +17,8 @@ DISTANCE_TOLERANCE: Final = 1e-4  # of a maximum, in standard errors
 NEWTON_STEPS: Final = 12
 SD_DIFFERENCE: Final = 0.1  # of a standard deviation, in its standard errors
 DIFFERENCE: Final = 1e-5  # of the gradient, in units of `_scale`
+MANY_FISH: Final = 1e6  # from which on the search is of the likelihood of so many: its steps fail at huge slopes
+MOST_FISH: Final = 1e8
 MOST_ERROR: Final = 3.0  # of L50 in reaches of the lengths and of ln SR: a plateau without an end is flat to rounding
 LEAST_CURVATURE: Final = 1e-7  # of the information, its diagonal scaled to 1
 STARTS_OF_SD: Final = {"l50": 0.4, "sr": 0.2, "split": 0.3}  # in units of SR for L50, as they are for the others
@@ -31,6 +33,10 @@ class MarginalOutcome(Enum):
     NO_MAXIMUM = (
         "the likelihood has no maximum at a curve within the lengths measured: the counts do not tell its parameters "
         "(L50, SR, shape, an estimated split) apart; try a fixed split, a curve with fewer parameters, or fewer terms"
+    )
+    TOO_MANY = (
+        f"more than {MOST_FISH:g} fish are counted, beside which what tells of differences between hauls is lost to "
+        "round-off; of raised numbers give the count, and the factor in a column _raising, or ask for --random none"
     )
     NO_SELECTION = "the fish of all hauls together tell of no selection"
 
@@ -70,13 +76,15 @@ def maximise_marginal(model: MarginalModel, start: Array, *, again: bool = True)
             found.append(_maximum(model, begin))
             if found[-1].outcome is MarginalOutcome.CONVERGED:
                 break
-    return max(found, key=lambda one: -np.inf if np.isnan(one.log_likelihood) else one.log_likelihood)
+    best = max(found, key=lambda one: -np.inf if np.isnan(one.log_likelihood) else one.log_likelihood)
+    too_many = bool(model.random) and model.test.sum() + model.other.sum() > MOST_FISH
+    return refused(best, MarginalOutcome.TOO_MANY) if too_many else best
 
 
-def refused(found: MarginalMaximum) -> MarginalMaximum:
-    """The maximum without its numbers, where the fish of all hauls together tell of no selection."""
+def refused(found: MarginalMaximum, why: MarginalOutcome = MarginalOutcome.NO_SELECTION) -> MarginalMaximum:
+    """The maximum without its numbers, as where the fish of all hauls together tell of no selection."""
     nothing = {name: getattr(found, name) * np.nan for name in ("theta", "covariance", "covariance_by_sd", "modes")}
-    return found._replace(**nothing, log_likelihood=np.nan, outcome=MarginalOutcome.NO_SELECTION)
+    return found._replace(**nothing, log_likelihood=np.nan, outcome=why)
 
 
 def starting_point(model: MarginalModel, l50_cm: float, sr_cm: float, logit_split: float) -> Array:
@@ -92,6 +100,7 @@ def _maximum(model: MarginalModel, start: Array) -> MarginalMaximum:
     from scipy.optimize import Bounds, minimize
 
     scale, bounds = _scale(model), _bounds(model)
+    many = max(1.0, float(model.test.sum() + model.other.sum()) / MANY_FISH)
     modes = np.zeros((model.first_row.size, len(model.random)))
 
     def objective(scaled: Array) -> tuple[float, Array]:
@@ -99,7 +108,7 @@ def _maximum(model: MarginalModel, start: Array) -> MarginalMaximum:
         theta = scaled * scale
         nodes, modes = place_nodes(model, theta, modes)
         value, gradient = log_likelihood(model, theta, nodes)
-        return -value, -gradient * scale
+        return -value / many, -gradient * scale / many
 
     with np.errstate(all="ignore"):
         begin = np.clip(start, bounds[:, 0], bounds[:, 1]) / scale

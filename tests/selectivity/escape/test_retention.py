@@ -9,7 +9,7 @@ from codend.selectivity.escape.catches import Catch
 from codend.selectivity.escape.haul import hauls_of, many_hauls, terms_of_catches, terms_of_haul
 from codend.selectivity.escape.penetration import Holes, longest_fish
 from codend.selectivity.escape.retention import Crowd, crowd_of, escape_terms, nodes_of
-from codend.selectivity.escape.sensitivity import sensitivity
+from codend.selectivity.escape.sensitivity import COARSE, sensitivity
 from codend.selectivity.escape.species import example_species_path, load_species
 
 SPECIES = load_species(example_species_path())
@@ -160,6 +160,27 @@ def test_many_hauls_agree_with_one_in_l50_sr_and_retention():
 
 
 # --- what numbers do -------------------------------------------------------------------------------------------------
+
+
+def test_hauls_that_share_passages_and_terms_answer_as_each_does_alone():
+    haul = hauls_of([catch(1, 0.2, 20.0), catch(2, 1.0, 35.0)])[0]
+    changed = {
+        "behaviour.contact": 0.6,
+        "behaviour.attempts": 2.5,
+        "behaviour.rows_ahead": 2.2,
+        "spread.size": 0.03,
+        "haul.catch_growth": 1.4,
+        "behaviour.push_force_n": 0.7,
+        "section.height_per_length": 0.19,
+    }
+    sets = np.tile(SPECIES.values, (2 * len(changed) + 1, 1))
+    for i, (name, value) in enumerate(changed.items()):
+        sets[[i, -1 - i], PARAMETERS.index(name)] = value
+    for nodes in (nodes_of(), COARSE):
+        together = many_hauls(haul, sets, nodes, LENGTH_CM)
+        for i, one in enumerate(sets):
+            for all_of_them, alone in zip(together, many_hauls(haul, one[None], nodes, LENGTH_CM), strict=True):
+                np.testing.assert_allclose(all_of_them[i], alone[0], rtol=1e-12)
 
 
 def species_with_ranges(folder: Path, ranged: tuple[str, ...], **changes: float) -> Species:

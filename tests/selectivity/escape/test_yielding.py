@@ -90,6 +90,22 @@ def test_the_longest_fish_is_the_longest_of_all_openings_to_which_its_own_push_r
     assert brute * (1.0 - 1e-9) <= found < brute * 1.003
 
 
+def test_of_openings_that_a_push_reaches_with_a_gap_between_them_the_best_is_found():
+    """A mesh nearly shut lets tiny fish through, which push next to nothing; much longer ones open it as they need."""
+    half = np.radians(np.linspace(0.5, 179.0, 3570)) / 2.0
+    tension = 0.0913
+    given = Holes.of("diamond", BAR_M, 6.3, load_n=load_along(tension, np.radians(3.15), 0.0, 0.0))
+    rigid = longest_fish(Holes.of("diamond", BAR_M, np.degrees(2.0 * half)), SECTION)
+    needed = np.array([force_to(hole_of(given, 0), np.radians(3.15), one) for one in half])
+    gaps = {}
+    for push in np.geomspace(0.05, 20.0, 25):
+        reached = needed <= push * (rigid / 0.3) ** 2.0
+        gaps[push] = np.count_nonzero(np.diff(reached.astype(int)) == 1)
+        found = longest_fish(given, SECTION, push_force_n=push, push_exponent=2.0).item()
+        assert rigid[reached].max() * (1.0 - 1e-9) <= found < rigid[reached].max() * 1.01, push
+    assert 2 in gaps.values(), "some reach two ranges of openings"
+
+
 def test_a_mesh_in_netting_of_stiff_twine_is_held_as_the_root_of_ea_over_tension_says():
     """Where bars hardly stretch the netting gives way along its bars only: a sum whose size is known."""
     tension = np.array([10.0, 10.0])

@@ -259,3 +259,15 @@ def test_a_trial_without_numbers_says_why() -> None:
     for seed in range(8):
         for answer in answers(seed, "paired", 8, 0).values():
             assert np.isfinite(answer.values["l50_cm"][0]) or len(answer.said) > 20
+
+
+def test_raised_totals_of_millions_are_fitted_between_hauls_as_counts_are():
+    """The mean and what differs between hauls hardly move; only errors within hauls become too small."""
+    table = haul_table(8, fish=2000.0, seed=4)
+    one = fit_field_data(table, "covered").answers[0].estimates
+    table[["codend", "cover"]] *= 5000
+    many = fit_field_data(table, "covered").answers[0].estimates
+    for name, within in (("l50_cm", 0.02), ("between_sd_l50_cm", 0.05)):
+        i = one.names.index(name)
+        np.testing.assert_allclose(many.values[i], one.values[i], atol=within)
+        np.testing.assert_allclose(many.standard_errors[i], one.standard_errors[i], rtol=0.05)
