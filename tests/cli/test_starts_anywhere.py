@@ -43,7 +43,7 @@ DROPPED = "codend: damaged or unreadable files of compiled kernels were dropped;
 @pytest.mark.parametrize("damage", DAMAGES)
 @pytest.mark.parametrize("kind", ["nbi", "nbc"])
 def test_a_damaged_cache_file_is_compiled_anew(kind: str, damage: str, home: Path, tmp_path: Path):
-    (file,) = (home / "cache").rglob(f"bars.bar_lengths*.{kind}")
+    (file,) = (home / "cache").rglob(f"newton_state.measure-*.{kind}")
     DAMAGES[damage](file)
     first, second = (run("run", home / "plan.toml", "--out", tmp_path, env=cached(home)) for _ in range(2))
     assert (first.returncode, second.returncode) == (0, 0)
