@@ -20,7 +20,7 @@ SWINGS = 0.1
 """Sideways move of the codline, over the largest of all, from which what grows swings the bag on its hoop."""
 BY_SWINGING = np.array([0.03, 0.01, 0.02, 0.17])
 """Relative change of drag, volume, largest radius and opening ahead where it swings, however weakly that grows: it goes
-as far as the hoop lets it. Bags of diamond and T90 netting changed by up to 0.021, 0.007, 0.012 and 0.115, such as tip
+as far as the hoop lets it. Bags of diamond and T90 netting changed by up to 0.024, 0.008, 0.012 and 0.115, such as tip
 (``Kind.tips``) by what weight tips them (``python -m validation.swinging``)."""
 STRONGEST = 50.0
 BY_STRENGTH = np.array([0.04, 0.35, 0.036, 0.004])
