@@ -21,17 +21,19 @@ from validation.weight_left_out import QUANTITIES, weighed_plan
 
 
 def swinging_plans(plans: int, seed: int) -> Iterator[tuple[int, Plan]]:
-    """Plans whose symmetric shape is not stable, by their numbers."""
+    """Plans of whose symmetric shape harmonic 1 grows, by their numbers."""
     for number in range(plans):
         plan, _ = weighed_plan(seed, number)
         result = solve(with_wrinkles(plan, False)).cases[0]
-        if result.converged and result.stability is not None and result.stability.stable == "no":
+        if result.converged and result.stability is not None and 1 in result.stability.growing:
             yield number, plan
 
 
 def with_wrinkles(plan: Plan, followed: bool) -> Plan:
     """The plan, what grows followed or not."""
-    return plan_from_dict(plan.to_dict() | {"model": plan.to_dict()["model"] | {"wrinkles": followed}})
+    tables = plan.to_dict()
+    tables["model"]["wrinkles"] = followed
+    return plan_from_dict(tables)
 
 
 def row_of(plan: Plan) -> dict[str, object]:

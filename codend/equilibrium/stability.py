@@ -9,7 +9,7 @@ from codend.equilibrium.bag_model import BagModel
 from codend.equilibrium.start_shapes import set_round
 from codend.mechanics.problem import Problem
 from codend.solvers import newton
-from codend.solvers.harmonics import Growth, growing_harmonics, stiffness_under_tension
+from codend.solvers.harmonics import Growth, growing_harmonics, harmonics_of, stiffness_under_tension
 from codend.solvers.newton import TangentAtEquilibrium
 from codend.solvers.outcome import Solution
 from codend.solvers.ring import Ring
@@ -48,14 +48,13 @@ def stability_of(model: BagModel, tangent: TangentAtEquilibrium) -> Stability:
     if len(model.bag.ropes) > 0 and not model.smeared:
         # a sector with real ropes is so wide that its harmonics cost more than the whole net does
         return Stability(stability_of_whole(_tangent_of_whole(model, tangent), FIRST_EIGENVALUES))
-    ring = tangent.ring
-    if ring is None:
-        near = tangent.problem.loading.contact
-        ring = model.ring
-        if len(near.kind):
-            ring = Ring(tangent.problem.structure, tangent.problem.bands, (near.node, near.image))
-        ring.linearise(tangent.problem, tangent.solution)
-    harmonics = growing_harmonics(ring, scale)
+    near = tangent.problem.loading.contact
+    if tangent.ring is not None:
+        harmonics = growing_harmonics(tangent.ring, scale)
+    else:
+        touching = (near.node, near.image)
+        ring = Ring(tangent.problem.structure, tangent.problem.bands, touching) if len(near.kind) else model.ring
+        harmonics = harmonics_of(tangent.problem, tangent.solution, ring)
     growing = tuple(growth.harmonic for growth in harmonics.growing)
     stable = "no" if growing else "unknown" if harmonics.undecided else "yes"
     return Stability(stable, growing, harmonics.growing, scale)

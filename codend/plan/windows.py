@@ -80,9 +80,7 @@ class Hole:
 
     def narrowest(self, part: Netting, globalisation: int = 1) -> float:
         """(Merged) meshes round of its section at the narrower of its ends."""
-        fore, aft = (count / globalisation for count in part.open_meshes)
-        long = part.meshes_long / globalisation
-        return min(fore + (aft - fore) * place / long for place in (self.fore, self.fore + self.deep))
+        return _narrowest(part, (self.fore, self.fore + self.deep), globalisation)
 
     def clear_of_seams(self, part: Netting, seams: int, globalisation: int = 1) -> bool:
         """Whether it lies between the seams, or lines of a tube, along which its section tapers."""
@@ -146,14 +144,19 @@ def _not_within(index: int, window: Window, part: Netting, behind: int) -> Itera
             yield Contradiction(f"window.{index}.meshes_from_codline.{place}", allowed)
     widest, of_these = min(part.open_meshes) // part.panels - (1 if part.panels == 1 else 0), ""
     if part.tapers:
-        long, ends = part.meshes_long, (ahead - round(meshes) for meshes in window.meshes_from_codline)
-        fore, aft = part.open_meshes
-        narrowest = min(fore + (aft - fore) * place / long for place in ends) / part.panels
+        narrowest = _narrowest(part, [ahead - round(meshes) for meshes in window.meshes_from_codline]) / part.panels
         # half a mesh off its middle where it has none in common with the panel
         widest, of_these = math.floor(narrowest - 2 * CLEAR - 1), ", less those beside the seams that it tapers along"
     if window.meshes_across > widest:
         allowed = f"at most {widest}, the open meshes of the panel{of_these}"
         yield Contradiction(f"window.{index}.meshes_across", allowed)
+
+
+def _narrowest(part: Netting, places: Sequence[float], globalisation: int = 1) -> float:
+    """Least (merged) meshes round of a section over places in it, in (merged) meshes from its fore end."""
+    fore, aft = (count / globalisation for count in part.open_meshes)
+    long = part.meshes_long / globalisation
+    return min(fore + (aft - fore) * place / long for place in places)
 
 
 def lines_of_loss(holes: Sequence[Hole], netting: Sequence[Netting], most: int, globalisation: int = 1) -> int | None:

@@ -33,7 +33,6 @@ METHOD = "gentle steps"
 LONGEST = 0.15
 """Longest move of a node in a step, and longest change of a taut bar's vector, over the length of a bar."""
 FIRST_SHIFT, LEAST_SHIFT, MOST_SHIFT = 0.1, 1e-5, 1e4
-LEAST_UNDER_CONTACT = 1e-5
 FALL, RISE = 0.6, 3.0
 """Factors on the shift after a step that was not cut, and where pivots are negative or a step passes through."""
 CALM, CALMER = 1e-6, (1e-6, 1e-6, 1e-7, 1e-9)
@@ -217,7 +216,7 @@ class _Steps:
         if (size < SHORT and not back) or (size == 1.0 and self.there.length_error > max(KINKED * self.moved, SEEN)):
             self.shift *= BOLDER
         elif size == 1.0:
-            self.shift = max(FALL * self.shift, LEAST_UNDER_CONTACT)
+            self.shift = max(FALL * self.shift, LEAST_SHIFT)
         return size
 
     def _try(self, size: float, loading: Loading) -> None:
