@@ -176,8 +176,8 @@ def choose(plan: Plan) -> Choice:
     if plan.window and not by_sector.weight_matters:
         globalisation, error = _largest_globalisation(plan)
         return all_round(globalisation, Reason.WINDOW, error)
-    tips = any(part.kind.tips for part in plan.netting) and by_sector.drag_error > plan.model.accuracy
-    if not by_sector.weight_matters and not tips:
+    near_enough_by_sector = by_sector.drag_error <= plan.model.accuracy
+    if near_enough_by_sector and not by_sector.weight_matters:
         asked_deg = plan.model.opening_accuracy_deg
         if plan.ropes and not plan.tapers and asked_deg is not None and smeared_errors(plan)[3] <= asked_deg:
             return replace(
@@ -185,7 +185,7 @@ def choose(plan: Plan) -> Choice:
             )
         near = near_enough(plan)
         return by_sector if near is None else _in_its_place(by_sector, plan, near, (weight + of_catch) / drag)
-    if tips:
+    if not near_enough_by_sector and any(part.kind.tips for part in plan.netting):
         return all_round(1, Reason.TIPS, 0.0)
     if by_sector.weight_over_drag <= HEAVIEST_GLOBALISED:
         globalisation, error = _largest_globalisation(plan)

@@ -13,7 +13,7 @@ from codend.equilibrium import accuracy, fidelity
 from codend.mechanics.weight import wet_weight
 from codend.net.net import rotate
 from codend.plan.kinds import KINDS
-from codend.plan.plan import load_plan
+from codend.plan.plan import load_plan, plan_from_dict
 from codend.report.choice_words import reason_text
 from codend.solvers import dynamic_relaxation, newton
 from codend.studies.study import solve
@@ -256,6 +256,19 @@ def test_little_weight_that_tips_a_bag_of_square_mesh_is_within_the_errors_and_h
     assert (choice.fidelity, choice.reason) == ("full", fidelity.Reason.TIPS)
     assert "tip the bag" in reason_text(choice)
     assert fidelity.choose(with_density(plan, "auto")).fidelity == "sector"
+
+
+def test_weight_that_a_sector_errs_by_more_than_is_asked_for_has_the_net_modelled_whole():
+    """5e-4 of the drag, under the accuracy asked for; the sway under it is not."""
+    tables = with_density(weighed_plan(53, 20)[0], "auto", twine=1003.0).to_dict()
+    chosen = {accuracy: fidelity.choose(plan_of(tables, accuracy)) for accuracy in (0.01, 0.001)}
+    assert [choice.weight_over_drag < 0.001 for choice in chosen.values()] == [True, True]
+    assert [choice.drag_error <= accuracy for accuracy, choice in chosen.items()] == [True, True]
+    assert (chosen[0.01].fidelity, chosen[0.001].sectors) == ("sector", None)
+
+
+def plan_of(tables, accuracy):
+    return plan_from_dict({**tables, "model": {**tables["model"], "accuracy": accuracy}})
 
 
 def _dense(options, density, **model):
