@@ -54,15 +54,15 @@ class Compared:
 def random_plan(kind: str, rng: np.random.Generator) -> Plan:
     """A plan of a kind, small enough for ropes to be quick."""
     mesh = kind if kind in ("diamond", "t90", "square") else str(rng.choice(["diamond", "t90"]))
-    wide = kind in ("ropes", "panels")
-    if wide:
+    if kind == "panels":
         mesh = "diamond"
-    around, bar_mm = 4 * int(rng.integers(6, 12) if wide else rng.integers(10, 30)), rng.uniform(30.0, 60.0)
+    fewest, most = {"panels": (6, 12), "ropes": (3, 7)}.get(kind, (10, 30))
+    around, bar_mm = 4 * int(rng.integers(fewest, most)), rng.uniform(30.0, 60.0)
     knot_mm = 0.0 if mesh == "square" else float(rng.choice([0.0, 0.15])) * bar_mm
     section = {
         "mesh": mesh,
         "meshes_round": around,
-        "meshes_long": int(rng.integers(20, 40)),
+        "meshes_long": int(rng.integers(12, 24) if kind == "ropes" else rng.integers(20, 40)),
         "bar_mm": bar_mm,
         "knot_mm": knot_mm,
         "twine_mm": float(rng.uniform(0.04, 0.1)) * bar_mm,
