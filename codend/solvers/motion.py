@@ -106,6 +106,8 @@ class Motion:
         self._move = np.zeros((nodes, 3))
         self._point_mass = np.zeros(nodes)
         np.add.at(self._point_mass, net.point_node, net.point_mass)
+        ends = np.concatenate([self.structure.first, self.structure.second])
+        self._bars_there = np.maximum(np.bincount(ends, minlength=nodes), 1)
         self._share = np.zeros(problem.bands)
         self._gradient, self._square = np.zeros((2 * bars, 3)), np.zeros(bars)
         self._masses, self._inverse = np.zeros((nodes, 3, 3)), np.zeros((nodes, 3, 3))
@@ -236,7 +238,8 @@ class Motion:
         bare = blocks.copy() if self.body is not None else blocks
         of_points = blocks[loading.points.node, 0, 0].copy()
         here = self.position, self.velocity
-        motion.add_bar_drag(*here, structure, water, self.mass, self.added, self.density, kick, dt, blocks)
+        of_each = self._point_mass / self._bars_there
+        motion.add_bar_drag(*here, structure, water, self.mass, self.added, of_each, self.density, kick, dt, blocks)
         motion.add_point_drag(*here, loading.points, water, of_points, kick, blocks)
         motion.add_seabed(*here, loading.seabed, kick, dt, self._force, blocks)
         motion.invert(blocks, structure.free, self._inverse)
