@@ -95,7 +95,8 @@ def pulse(plan: Plan, result: CaseResult, period_s: float, progress: StudyProgre
     following = plan.time or Following()
     output = period_s / following.outputs_a_period
     steps = ceil(output / min(following.step_s, _longest_step(_motion(plan, result, period_s), plan.vessel)) - 1e-9)
-    found, failed = None, None
+    found: Pulse | None = None
+    failed: ArithmeticError | None = None
     for number in range(RUNS):
         work = steps * following.periods * following.outputs_a_period * len(result.net.bars)
         if number >= 2 and work > MOST_BAR_STEPS:
@@ -110,7 +111,7 @@ def pulse(plan: Plan, result: CaseResult, period_s: float, progress: StudyProgre
                 return now
         found, steps = now or found, 2 * steps
     if found is None or not found.off:
-        raise ArithmeticError(failed or f"its steps must be shorter than {found.step_s:g} s, which is too much work")
+        raise failed or ArithmeticError("the motion cannot be followed in steps of a length that is not too much work")
     return found
 
 
