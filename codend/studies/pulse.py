@@ -92,9 +92,7 @@ def pulse(plan: Plan, result: CaseResult, period_s: float, progress: StudyProgre
         ArithmeticError: the motion cannot be followed.
     """
     assert plan.vessel is not None
-    following = plan.time or Following()
-    output = period_s / following.outputs_a_period
-    steps = ceil(output / min(following.step_s, _longest_step(_motion(plan, result, period_s), plan.vessel)) - 1e-9)
+    following, steps = plan.time or Following(), first_steps(plan, result, period_s)
     found: Pulse | None = None
     failed: ArithmeticError | None = None
     for number in range(RUNS):
@@ -102,7 +100,7 @@ def pulse(plan: Plan, result: CaseResult, period_s: float, progress: StudyProgre
         if number >= 2 and work > MOST_BAR_STEPS:
             break
         try:
-            now = _followed(plan, result, period_s, steps, progress)
+            now = in_steps(plan, result, period_s, steps, progress)
         except ArithmeticError as error:
             now, failed = None, error
         if found is not None and now is not None:
@@ -113,6 +111,14 @@ def pulse(plan: Plan, result: CaseResult, period_s: float, progress: StudyProgre
     if found is None or not found.off:
         raise failed or ArithmeticError("the motion cannot be followed in steps of a length that is not too much work")
     return found
+
+
+def first_steps(plan: Plan, result: CaseResult, period_s: float) -> int:
+    """Time steps an output that are tried first."""
+    assert plan.vessel is not None
+    following = plan.time or Following()
+    longest = min(following.step_s, _longest_step(_motion(plan, result, period_s), plan.vessel))
+    return ceil(period_s / following.outputs_a_period / longest - 1e-9)
 
 
 def _motion(plan: Plan, result: CaseResult, period_s: float) -> PulsingBag:
@@ -129,10 +135,14 @@ def _motion(plan: Plan, result: CaseResult, period_s: float) -> PulsingBag:
     )
 
 
-def _followed(
+def in_steps(
     plan: Plan, result: CaseResult, period_s: float, steps: int, progress: StudyProgress | None = None
 ) -> Pulse:
-    """The rows, in so many steps each."""
+    """The rows in so many time steps from one to the next, as ``pulse`` has them; nothing is told of their errors.
+
+    Raises:
+        ArithmeticError: the motion cannot be followed.
+    """
     following, motion = plan.time or Following(), _motion(plan, result, period_s)
     case, solution, water = result.case, result.solution, plan.tow.water_density_kg_m3
     output = period_s / following.outputs_a_period
@@ -184,7 +194,7 @@ def _longest_step(motion: PulsingBag, vessel: Heave) -> float:
     bound, loading = np.zeros(len(motion.position)), motion.problem.loading
     motion._set_loads(1e-3, 1e-3)  # fills the shares
     add_bound(motion.position, motion.structure, loading, motion.share, bound)
-    mass = motion._bare_masses()[:, 0, 0]
+    mass = motion.bare_masses()[:, 0, 0]
     stiff = bound > 0.0
     free = motion.structure.free[:, 0] > 0.0
     fastest = 1.0 + vessel.fastest_m_s / motion.tow_m_s
