@@ -1,7 +1,7 @@
 """Codends of many kinds under heave: ranges of openings and drag, and what halving the time step still changes.
 
-``python -m validation.pulsing [NAME ...]`` prints a row a codend. Told besides: the range of the period before the last,
-which is the same where the bag has come to its period.
+``python -m validation.pulsing [NAME ...]`` prints a row a codend. Told besides: the range of the second period, which
+is that of the third and last where the bag has come to its period.
 """
 
 import sys
@@ -34,12 +34,13 @@ def plans() -> dict[str, Plan]:
     turned = KNOTTED | {"mesh": "t90", "meshes_round": 20, "meshes_long": 15}
     strap = {"meshes_from_codline": 6, "circumference_share": 0.5}
     rope = {"number": 2, "shortening": 0.15, "diameter_mm": 24.0}
+    dense = {"filled_meshes": 7, "density_kg_m3": 1060}
     cover = DIAMOND | {"meshes_round": 24, "bar_mm": 100.0, "meshes_from_codline": [0, 20]}
     return {
         "knotted T0": plan([KNOTTED], 7, 0.5, 4),
         "small catch": plan([DIAMOND], 1.5, 1.0, 8, model=SECTOR),
         "large catch": plan([DIAMOND], 20, 1.0, 12, model=SECTOR),
-        "catch denser than water": plan([DIAMOND], 7, 0.5, 6, model=SECTOR, catch={"filled_meshes": 7, "density_kg_m3": 1060}),
+        "dense catch": plan([DIAMOND], 7, 0.5, 6, model=SECTOR, catch=dense),
         "T90": plan([KNOTTED | {"mesh": "t90"}], 4, 0.5, 4),
         "square": plan([square], 6, 0.5, 6, 0.2, model=SECTOR),
         "square, full net": plan([small_square], 4, 0.3, 4, 0.08, model=FULL),
