@@ -2,7 +2,7 @@
 
 import zlib
 from collections.abc import Sequence
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 COMPRESSION: Final = 1
 """Level of zlib: its own default takes three times as long, for files 3 % smaller."""
+REMEMBERED: Final = 512
+"""Blocks of 32 kB that are not compressed again: those of some hundred thousand bars and meshes."""
 CELL_OF_CORNERS = {3: "triangle", 4: "quad"}
 """VTK cells of meshes by their number of corners; all others are polygons."""
 
@@ -46,9 +48,10 @@ def _write(mesh: "meshio.Mesh", path: Path) -> None:
 
 
 class _Zlib:
-    """What meshio takes of the module, at a level of our own."""
+    """What meshio takes of the module, at a level of our own, and of what was compressed before a copy."""
 
-    compress = staticmethod(partial(zlib.compress, level=COMPRESSION))
+    # which nodes bars and meshes join is the same in all cases of a run
+    compress = staticmethod(lru_cache(REMEMBERED)(partial(zlib.compress, level=COMPRESSION)))
     decompress = staticmethod(zlib.decompress)
 
 

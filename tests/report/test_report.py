@@ -4,6 +4,7 @@ import shutil
 import subprocess
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from html import unescape
 from pathlib import Path
 from typing import Any
@@ -15,12 +16,14 @@ import pytest
 from codend.bag.measures import Measures
 from codend.io.files import whole_file, write_table
 from codend.plan.plan import plan_from_dict
-from codend.report import page
+from codend.report import drawn_beside, page
 from codend.report.choice_words import reason_text
+from codend.report.drag_plot import drag_plot
 from codend.report.html import notes
+from codend.report.own_look import own_look
 from codend.report.page import PLOTS, files_of, write_report
 from codend.report.page_tables import RESULT_HEADS
-from codend.report.style import column_text, number_text, spread, worth
+from codend.report.style import column_text, number_text, png, spread, worth
 from codend.report.turning_net import TURNING, can_turn, turning_page
 from codend.solvers.outcome import Outcome
 from codend.studies.case_result import CaseResult
@@ -294,6 +297,17 @@ def test_curves_ahead_of_and_on_the_catch_meet_at_a_front_between_two_rows(study
         place = curve.meshes_from_entry
         assert curve.ahead(place)[-1] == curve.behind(place)[0] == pytest.approx(20.0 - filled)
         assert np.all(np.diff(np.concatenate([curve.ahead(place), curve.behind(place)[1:]])) > 0.0)
+
+
+def test_figures_drawn_by_a_copy_of_the_process_are_those_drawn_here(study: Study, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(drawn_beside, "can_draw_beside", lambda: True)
+    draw = partial(drag_plot, study)
+    with drawn_beside.drawn_beside([draw, draw, lambda: 1 / 0, draw]) as next_picture:
+        found = [next_picture() for _ in range(5)]
+    with own_look():
+        assert found == [png(draw()), png(draw()), None, None, None], (
+            "all after a failure are drawn here, where it tells"
+        )
 
 
 def test_numbers_are_rounded_for_readers():
