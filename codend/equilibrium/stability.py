@@ -37,8 +37,11 @@ def tangent_of(model: BagModel, problem: Problem, solution: Solution) -> Tangent
     return newton.tangent_at(problem, solution, model.prepared, ring)
 
 
-def stability_of(model: BagModel, tangent: TangentAtEquilibrium) -> Stability:
-    """Stability of an equilibrium; of a sector every harmonic is asked, of a full net its whole tangent."""
+def stability_of(model: BagModel, tangent: TangentAtEquilibrium, strongest_alone: bool = False) -> Stability:
+    """Stability of an equilibrium; of a sector every harmonic is asked, of a full net its whole tangent.
+
+    Of one of many shapes it is enough which harmonics grow and how strongly, ``strongest_alone``.
+    """
     scale = stiffness_under_tension(tangent.problem, tangent.solution)
     if tangent.problem.net.order == 1:
         growth = None if tangent.singular else _growth_of_whole(tangent, scale)
@@ -50,11 +53,11 @@ def stability_of(model: BagModel, tangent: TangentAtEquilibrium) -> Stability:
         return Stability(stability_of_whole(_tangent_of_whole(model, tangent), FIRST_EIGENVALUES))
     near = tangent.problem.loading.contact
     if tangent.ring is not None:
-        harmonics = growing_harmonics(tangent.ring, scale)
+        harmonics = growing_harmonics(tangent.ring, scale, strongest_alone)
     else:
         touching = (near.node, near.image)
         ring = Ring(tangent.problem.structure, tangent.problem.bands, touching) if len(near.kind) else model.ring
-        harmonics = harmonics_of(tangent.problem, tangent.solution, ring)
+        harmonics = harmonics_of(tangent.problem, tangent.solution, ring, strongest_alone)
     growing = tuple(growth.harmonic for growth in harmonics.growing)
     stable = "no" if growing else "unknown" if harmonics.undecided else "yes"
     return Stability(stable, growing, harmonics.growing, scale)
