@@ -24,7 +24,7 @@ from codend.solvers.solve import find_equilibrium, polished
 
 OF_A_BAR = 0.05
 """Distance at which contact begins, over the shortest bar of netting."""
-PUSH = 0.1
+PUSH = 0.5
 """What sheets press on each other with at half of that distance, over the mean tension of the bars."""
 UNDER_CONTACT: tuple[Solver, ...] = (interior_point.solve, slack.solve)
 APART = 1e-3
