@@ -237,6 +237,12 @@ BAD_PLANS = [
     sewn("part-of-a-mesh-in-the-selvedge", "panels = 2\nselvedge_meshes = 2.5", "selvedge_meshes"),
     # twine and entry
     BadPlan("unknown-material", "twines = 1", 'twines = 1\nmaterial = "nylon"', "netting.0.material"),
+    BadPlan(
+        "more-fibre-than-the-twine-holds",
+        "twines = 1",
+        'twines = 1\nmaterial = "PE"\nrunnage_m_kg = 0.1',
+        "netting.0.runnage_m_kg",
+    ),
     BadPlan("twine-number-of-no-yarns", "twines = 1", 'twines = 1\ntwine_number = "thick"', "netting.0.twine_number"),
     BadPlan("rtex-and-runnage", "twines = 1", "twines = 1\nrtex = 4000\nrunnage_m_kg = 250", "netting.0.runnage_m_kg"),
     BadPlan("thickness-of-no-material", "twine_mm = 3.0", "rtex = 4000", "netting.0.twine_mm"),

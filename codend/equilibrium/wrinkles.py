@@ -54,7 +54,7 @@ def changed_by_wrinkles(
     if not stability.growths and not touching:
         return np.zeros(4)
     strength, reach = CONTACT if touching else (0.0, 0.0)
-    swings = False
+    swings, own = False, 0.0
     ahead = _knots_ahead(bag, solution.share)
     for growth in stability.growths:
         own = min(-float(growth.eigenvalues[0].real) / stability.scale, STRONGEST)
@@ -62,6 +62,9 @@ def changed_by_wrinkles(
         strength = max(strength, own)
         swings |= bool(np.linalg.norm(growth.shape[-1, 1:]) >= SWINGS * moved.max())
         reach = max(reach, float(np.sqrt(own) * moved[ahead].max(initial=0.0) / moved.max()))
+    if not stability.complete:
+        # what was not found grows less than all that was, but may swing the bag, and reach any row
+        swings, reach = True, max(reach, float(np.sqrt(own)))
     sizes = measures.estimated
     changed = sizes * BY_STRENGTH * np.sqrt(strength) * max(1.0, FEW_MESHES / measures.filled_meshes)
     changed[:3] += sizes[:3] * BY_REACH * reach

@@ -244,6 +244,10 @@ class Netting(Table):
             allowed = f"one of {', '.join(DENSITY_KG_M3)}, or twine_density_kg_m3, beside {titres[0]}"
             raise Contradiction("material", allowed, "is missing")
         if self.twine_mm is not None:
+            heaviest = 1e6 * math.pi / 4 * self.twine_m**2 * (self.density_kg_m3 or math.inf)
+            if titres and self.rtex_g_km is not None and self.rtex_g_km > heaviest * (1 + 1e-9):
+                allowed = f"of at most R{heaviest:.4g} tex, at least {1e6 / heaviest:.4g} m/kg: fibre that fits into it"
+                raise Contradiction(titres[0], f"a twine of {1000 * self.twine_m:g} mm {allowed}")
             return
         if not titres:
             allowed = f"twine_mm, or one of {', '.join(TITRES)} with a material"

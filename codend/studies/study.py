@@ -179,7 +179,7 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     """The result with its stability and errors, or that of the shape to which following what grows led."""
     plan, case, problem, solution = model.plan, result.case, result.problem, result.solution
     tangent = tangent_of(model, problem, solution)
-    stability = stability_of(model, tangent)
+    stability = stability_of(model, tangent, thorough=True)
     # sectors of diamond netting that are stable lie on themselves nowhere
     turned = any(part.knot_across_m > 0.0 for part in plan.netting)
     may_touch = stability.stable != "yes" or turned or result.net.order == 1
