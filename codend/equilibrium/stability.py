@@ -18,6 +18,10 @@ from codend.solvers.outcome import Solution
 from codend.solvers.ring import Ring
 from codend.solvers.whole_tangent import FIRST_EIGENVALUES, MOST_EIGENVALUES, WholeTangent
 
+ASKED_CLOSELY = 6000
+"""Unknowns of a net with ropes up to which as many eigenvalues are found as it takes, mostly: slack netting between
+ropes has many that are hardly none. Of larger ones the first tell, or it is not known."""
+
 
 @dataclass(frozen=True)
 class Stability:
@@ -56,7 +60,9 @@ def stability_of(
         return _of_whole(tangent, scale, thorough) if as_sector is None else as_sector
     if len(model.bag.ropes) > 0 and not model.smeared:
         # a sector with real ropes is so wide that its harmonics cost more than the whole net does
-        found = _of_whole(_tangent_of_whole(model, tangent), scale, thorough, FIRST_EIGENVALUES)
+        whole = _tangent_of_whole(model, tangent)
+        small = np.count_nonzero(whole.problem.structure.free) <= ASKED_CLOSELY
+        found = _of_whole(whole, scale, thorough, MOST_EIGENVALUES if small else FIRST_EIGENVALUES)
         return replace(found, growths=tuple(_in_one_sector(growth, model.bag) for growth in found.growths))
     near = tangent.problem.loading.contact
     if tangent.ring is not None:
