@@ -104,9 +104,9 @@ def files_of(plan: Plan) -> list[str]:
     """Every file that ``write_report`` may write of a plan, relative to its folder."""
     nets = [f"net_{case.number}.vtu" for case in plan.cases()]
     plots = [f"plots/{plot.name}.png" for plot in PLOTS]
-    left_out = {"ropes.csv": not plan.ropes, "layers.csv": not plan.layer}
-    tables = [name for name in TABLES if not left_out.get(name, False)]
-    return ["plan.toml", *tables, RECORD, *plots, *nets, SERIES, *([TURNING] if can_turn() else []), "report.html"]
+    left_out = {"ropes.csv": not plan.ropes, "layers.csv": not plan.layer, "plots/layers.png": not plan.layer}
+    some = [name for name in (*TABLES, RECORD, *plots) if not left_out.get(name, False)]
+    return ["plan.toml", *some, *nets, SERIES, *([TURNING] if can_turn() else []), "report.html"]
 
 
 def write_report(study: Study, folder: Path, progress: StudyProgress | None = None) -> list[Path]:

@@ -13,6 +13,8 @@ from codend.mechanics.tangent import pattern_of
 from codend.plan.plan import Plan, plan_from_dict
 from codend.report.choice_words import reason_text
 from codend.report.layer_lines import layer_lines
+from codend.report.page import files_of
+from codend.report.plots import layers_plot
 from codend.report.vtk import net_mesh
 from codend.studies.study import solve
 from tests.mechanics.test_tangent import dense
@@ -146,6 +148,15 @@ def test_bars_of_a_layer_are_drawn_on_the_netting_below_about_as_long_as_they_ar
     length = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1)
     assert length.max() < 1.05 * (own.bar_m + own.knot_m)
     assert np.hypot(*lines[..., 1:].T).max() <= result.measures.max_radius_m + 1e-9
+
+
+def test_a_study_with_layers_has_a_plot_of_them_and_one_without_promises_none():
+    plan = plan_with(SNUG)
+    assert "plots/layers.png" in files_of(plan)
+    assert "plots/layers.png" not in files_of(plan_with(None))
+    opening, share = layers_plot(solve(plan)).axes
+    assert [len(axes.lines) for axes in (opening, share)] == [1, 1]
+    assert np.max(share.lines[0].get_ydata()) <= 1.0
 
 
 def test_files_for_paraview_tell_what_a_layer_does_over_each_mesh():
