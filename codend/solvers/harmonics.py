@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
-from codend.mechanics.harmonics import Complex, negative_pivots_side_by_side
+from codend.mechanics.harmonics import Complex, negative_pivots_side_by_side, solve_band_of_numbers
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
 from codend.solvers.harmonic_tangent import FIRST_STEPS, HarmonicTangent, Nearest
@@ -82,14 +82,14 @@ class Harmonics:
         return sum(len(g.eigenvalues) * (1 if 2 * g.harmonic % self.order == 0 else 2) for g in self.growing)
 
 
-def harmonics_of(problem: Problem, solution: Solution, ring: Ring, strongest_alone: bool = False) -> Harmonics:
+def harmonics_of(problem: Problem, solution: Solution, ring: Ring) -> Harmonics:
     """Ask every harmonic, 0 .. n / 2, of an equilibrium of a sector.
 
     Those whose Hermitian part is positive definite, by its pivots, are stable. Of the others the eigenvalues in the
-    left half-plane are found, or, ``strongest_alone``, one of each.
+    left half-plane are found.
     """
     ring.linearise(problem, solution)
-    return growing_harmonics(ring, stiffness_under_tension(problem, solution), strongest_alone)
+    return growing_harmonics(ring, stiffness_under_tension(problem, solution))
 
 
 def stiffness_under_tension(problem: Problem, solution: Solution) -> float:
@@ -144,6 +144,27 @@ def growing_harmonics(ring: Ring, scale: float, strongest_alone: bool = False) -
             grows = grows[np.argsort(eigenvalues[grows].real)]
             growing.append(Growth(k, eigenvalues[grows], ring.shape_of(vectors[:, grows[0]], k)))
     return Harmonics(ring.order, tuple(growing), tuple(undecided))
+
+
+def sway_stiffness(ring: Ring) -> float:
+    """The force across the flow that moves the codline aside, the whole net following, over its move, N/m, at least.
+
+    By the tangent that was gathered last: harmonics 1 and n - 1 make up the force and its move.
+    """
+    tangent = ring.tangent(1)
+    factors = tangent.factors(0.0)
+    ways = tangent.size - ring.size
+    moves = np.zeros((ways, tangent.size), dtype=factors.dtype)
+    moves[:, ring.size :] = np.eye(ways)
+    for side in moves:
+        solve_band_of_numbers(factors, side)
+    return softest(moves[:, ring.size :])
+
+
+def softest(moves: NDArray[np.inexact]) -> float:
+    """Least stiffness, by the moves by unit forces: what moves of its own accord has a negative one."""
+    stiffness = np.linalg.eigvals(np.linalg.inv(moves)).real
+    return float(stiffness.min())
 
 
 @cache
