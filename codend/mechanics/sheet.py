@@ -48,7 +48,7 @@ def sheet_of(net: Net) -> Sheet:
     # a sector holds across the axis what it shares with all others
     on_axis = net.fixed[:, 1:].all(axis=1) & (net.positions[:, 1:] == 0.0).all(axis=1) & (sectors > 1)
     faces, images = _once_covered(net)
-    bars = ~laced(net.bar_is_rope, *net.bars.T, net.facets)
+    bars = ~laced(net.bar_is_rope, net.bars[:, 0], net.bars[:, 1], net.facets)
     sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]], net.bars[bars]])
     turns = np.concatenate([images[:, [0, 1]], images[:, [1, 2]], images[:, [2, 0]], _bar_images(net)[bars]])
     edge, image, place = _unique_edges(sides, turns, on_axis, sectors)
