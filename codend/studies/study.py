@@ -20,7 +20,7 @@ from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
 from codend.equilibrium.folds import in_contact_share
 from codend.equilibrium.followed import LYING_ON_ITSELF, NOT_FOLLOWED, as_it_lies
-from codend.equilibrium.following import follow
+from codend.equilibrium.following import by_contact, follow
 from codend.equilibrium.other_shapes import apart_from_other_shapes
 from codend.equilibrium.room import check_room, explained
 from codend.equilibrium.stability import Stability, stability_of, tangent_of
@@ -185,7 +185,11 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     may_touch = stability.stable != "yes" or turned or result.net.order == 1
     touching = may_touch and layers_touch(problem, solution.positions)
     pressed = in_contact_share(problem, solution) > 0.0
-    changed = changed_by_wrinkles(result.bag, case, solution, stability, result.measures, touching or pressed)
+    if pressed and model.near is not None and stability.stable == "yes":
+        # what others of nearly the ratio differ by is in the estimates
+        changed = by_contact(result.measures)
+    else:
+        changed = changed_by_wrinkles(result.bag, case, solution, stability, result.measures, touching or pressed)
     changed = changed + apart_from_other_shapes(model, case, tangent, stability, result.measures)
     errors = accuracy.estimate(model, case, tangent, result.measures, unseen_weight_n, changed)
     followed = replace(NOT_FOLLOWED, folds=True, reason=LYING_ON_ITSELF) if touching else NOT_FOLLOWED
