@@ -5,8 +5,8 @@ from pathlib import Path
 
 FACTORS_BYTES, EXPONENT = 550.0, 1.25
 """Bytes of the factors of a wide net over its unknowns to that power. SuperLU's factors of full nets of 2 800 to 60 000
-unknowns, of every kind of netting, had 11 to 16 n^1.25 entries, at up to 25 bytes each with what it allots to grow. A net
-of 86 000 unknowns took 0.95 GB at most, where its stability is asked with factors of its own beside those."""
+unknowns, of every kind of netting, had 11 to 16 n^1.25 entries, at up to 25 bytes each with what it allots to grow. One
+of 86 000 took 0.95 GB at most, where its stability is asked with factors of its own beside those."""
 RESERVED, PROGRAM_BYTES = 2.0, 0.7e9
 """Addresses that SuperLU reserves, at the least, over what it fills, and those that the program takes besides once a
 case is solved: of a process limited to 1.1 GB of them a small net was solved, of 1.0 GB its tables were not written.
