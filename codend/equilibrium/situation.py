@@ -14,6 +14,7 @@ from codend.plan.plan import Case, Plan
 from codend.solvers import dynamic_relaxation, gentle, interior_point, newton
 from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.gentle import GentleSettings
+from codend.solvers.interior_point import InteriorPointSettings
 from codend.solvers.mirror import ALIKE
 from codend.solvers.newton import DIRECT, NewtonSettings
 from codend.solvers.outcome import Progress, Solution
@@ -22,6 +23,8 @@ from codend.solvers.refusal import passage
 
 BRIEF = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=10)
 """Newton's method from a start for no longer than a good one needs."""
+
+FROM_AFAR = InteriorPointSettings()
 
 FARTHEST_PREDICTION = 1.5
 """How far beyond the last catch the next one is predicted, over the distance between the last two."""
@@ -224,10 +227,15 @@ class Situation:
         start, prepared = self._halved(start)
         return newton.solve(problem, self.tolerance, start, settings, self.progress, prepared)
 
-    def through_the_interior(self, problem: Problem, start: Solution | None = None) -> Solution:
+    def through_the_interior(
+        self,
+        problem: Problem,
+        start: Solution | None = None,
+        settings: InteriorPointSettings = FROM_AFAR,
+    ) -> Solution:
         """The interior-point method to the plan's tolerance, from a start or the crude bag the net was built as."""
         start, prepared = self._halved(start)
-        return interior_point.solve(problem, self.tolerance, start, progress=self.progress, prepared=prepared)
+        return interior_point.solve(problem, self.tolerance, start, settings, self.progress, prepared)
 
     def _halved(self, start: Solution | None) -> tuple[Solution | None, Prepared]:
         """A start, and room to work in: with half of the net where that mirrors the other, and the start does.
