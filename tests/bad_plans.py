@@ -237,15 +237,18 @@ BAD_PLANS = [
     sewn("part-of-a-mesh-in-the-selvedge", "panels = 2\nselvedge_meshes = 2.5", "selvedge_meshes"),
     # twine and entry
     BadPlan("unknown-material", "twines = 1", 'twines = 1\nmaterial = "nylon"', "netting.0.material"),
+    BadPlan(
+        "more-fibre-than-the-twine-holds",
+        "twines = 1",
+        'twines = 1\nmaterial = "PE"\nrunnage_m_kg = 0.1',
+        "netting.0.runnage_m_kg",
+    ),
     BadPlan("twine-number-of-no-yarns", "twines = 1", 'twines = 1\ntwine_number = "thick"', "netting.0.twine_number"),
     BadPlan(
         "twine-number-of-too-many-yarns",
         "twines = 1",
         f'twines = 1\nmaterial = "PA"\ntwine_number = "210/{"9" * 400}"',
         "netting.0.twine_number",
-    ),
-    BadPlan(
-        "twine-thinner-than-its-fibres", "twines = 1", 'twines = 1\nmaterial = "PE"\nrtex = 40000', "netting.0.twine_mm"
     ),
     BadPlan("twine-of-nothing", "twines = 1", 'twines = 1\nmaterial = "PE"\nrtex = 1e-9', "netting.0.rtex"),
     BadPlan("rtex-and-runnage", "twines = 1", "twines = 1\nrtex = 4000\nrunnage_m_kg = 250", "netting.0.runnage_m_kg"),

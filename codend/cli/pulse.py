@@ -64,5 +64,10 @@ def pulse_codend(file: str, folder: Path, changes: tuple[str, ...], species_file
         write_bytes(png(pulse_plot(table)), folder / "pulse.png")
     heads = {**TABLE, **{str(name): str(name) for name in found if str(name).endswith("_cm")}}
     click.echo(text_table(list(heads.values()), found[list(heads)].itertuples(index=False, name=None)))
+    for one in pulsing:
+        if not one.settled:
+            of = f"case {one.least.case.number}, period {one.table['period_s'].iloc[0]:g} s"
+            by = f"{one.off['opening_ahead_deg']:.2g} degrees and drag by {one.off['drag_n']:.2g} N"
+            click.echo(f"Of {of}, steps half as long still changed the range of openings by {by}.")
     click.echo(ASSUMED)
     return 0 if study.converged else NOT_CONVERGED

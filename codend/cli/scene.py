@@ -17,6 +17,8 @@ TABLES = ("results.csv", "ropes.csv", "netting.csv", "points.csv", "frame.csv", 
 FILES = (*TABLES, "scene.png", "report.html", "motion.png", "motion.gif", "net.pvd")
 GOES_ON = "motion_state.npz"
 """What a motion goes on from; there until it has ended."""
+JUMP_M_S = 0.05
+"""Jump of a vessel's speed that is told."""
 TABLE = {
     "name": "rope",
     "tension_from_n": "tension at its first end N",
@@ -171,7 +173,7 @@ def _move(built: "BuiltScene", start: "Floats", folder: Path):  # type: ignore[n
 
     from codend.io.files import whole_file
     from codend.report.vtk import write_bars
-    from codend.scenes.follow import follow, motion_rows, outputs
+    from codend.scenes.follow import follow, largest_jump, motion_rows, outputs
     from codend.scenes.measures import lies_in_zigzag
     from codend.scenes.step_check import TOLD, by_half_steps, largest_difference, worth_a_check
 
@@ -207,6 +209,9 @@ def _move(built: "BuiltScene", start: "Floats", folder: Path):  # type: ignore[n
             raise Stopped(f"{scene.source}: {error}; a smaller time.step_s may help", NOT_CONVERGED) from error
     assert frame is not None
     notes = []
+    if (path := scene.vessel_path()) is not None and (jump := largest_jump(path, time.end_s))[0] > JUMP_M_S:
+        said = "the pulls there are of that jump, and of ropes that do not stretch of the step"
+        notes.append(f"The vessel's speed jumps by {jump[0]:.3g} m/s at {jump[1]:g} s: {said}.")
     if unsettled := int(frame.state["clock"][2]):
         notes.append(f"In {unsettled} steps it was not settled which bars are slack: take a smaller time.step_s.")
     if (worst := float(frame.state["clock"][3])) > 1e-3:

@@ -67,6 +67,7 @@ def add_bar_drag(
     water: Water,
     mass: Floats,
     added: Floats,
+    of_points: Floats,
     density: Floats,
     step: float,
     drift: float,
@@ -74,7 +75,8 @@ def add_bar_drag(
 ) -> None:
     """Add h D of the bars' drag, and the mass wanting under tension.
 
-    ``mass`` and ``added`` are kg a bar, ``density`` the force densities of the last step, N/m, each (m,).
+    ``mass`` and ``added`` are kg a bar, ``density`` the force densities of the last step, N/m, each (m,);
+    ``of_points`` is the mass of a node's points for each bar there, kg, (n,).
     """
     n, t, u = np.empty(3), np.empty(3), np.empty(3)
     for bar in range(len(structure.first)):
@@ -113,19 +115,16 @@ def add_bar_drag(
         beside = weighted(scale * a, heavy, step)
         across_it = weighted(scale * (a + a_across * across), heavy, step) - beside
         along_it = weighted(scale * (c + c_along * abs(along)), light, step) - beside
-        wanting = SAFE * step * drift * density[bar] - heavy - beside
-        if wanting > 0.0:
-            beside += wanting
-            along_it -= wanting
         for end in range(2):
             node = first if end == 0 else second
             if end == 1:
                 n[1], n[2] = turned(n[1], n[2], -image, structure.rotations)
                 t[1], t[2] = turned(t[1], t[2], -image, structure.rotations)
+            wanting = max(SAFE * step * drift * density[bar] - heavy - beside - of_points[node], 0.0)
             for i in range(3):
                 for j in range(3):
-                    blocks[node, i, j] += across_it * n[i] * n[j] + along_it * t[i] * t[j]
-                blocks[node, i, i] += beside
+                    blocks[node, i, j] += across_it * n[i] * n[j] + (along_it - wanting) * t[i] * t[j]
+                blocks[node, i, i] += beside + wanting
 
 
 @njit(cache=True, error_model="numpy")

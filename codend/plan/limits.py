@@ -3,7 +3,7 @@
 A file holds ``[[limit]]`` tables, each with a quantity, its least or most, and where the limit comes from.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Final, Literal, Self
@@ -31,6 +31,8 @@ MEASURED: Final[dict[str, Callable[[Netting], tuple[float, float]]]] = {
     "twines": lambda part: (part.twines,) * 2,
 }
 """What is held to a limit, at the fore and at the aft end of a section."""
+OF_PIECES: Final = ("inside_mesh_mm", "full_mesh_mm", "twine_mm", "twines")
+"""What windows and layers are held to as well: fish meet their meshes too."""
 _BY_ROUNDING: Final = 1e-9
 
 
@@ -46,14 +48,14 @@ class Limit(Table):
     most: Annotated[Number, Ge(0)] | None = None
     """No more is allowed."""
     section: Text | None = None
-    """The section that it is for, by name or number; left out: all of them."""
+    """The section, window or layer that it is for, by name or number; left out: all of them."""
 
     @model_validator(mode="after")
     def _can_be_kept(self) -> Self:
         if self.least is None and self.most is None:
             raise Contradiction("least", "least or most, or both", "is missing")
         if self.least is not None and self.most is not None and self.least > self.most:
-            raise Contradiction("least", f"at most {self.most:g}", f"contradicts most = {self.most:g}")
+            raise Contradiction("least", f"at most {self.most:g}, the most")
         if not (self.source.isprintable() and self.source.strip()):
             raise Contradiction("source", "a text of one line")
         return self
@@ -68,7 +70,7 @@ class Limits(Table):
 
 @dataclass(frozen=True)
 class Finding:
-    """How a section stands to a limit."""
+    """How a section, window or layer stands to a limit."""
 
     section: str
     limit: Limit
@@ -77,38 +79,39 @@ class Finding:
 
     @property
     def words(self) -> str:
-        """In one line."""
+        """In one line; what breaks a limit in as many digits as tell it from the limit."""
         limit = self.limit
-        bounds = [
-            f"{word} {value:g}" for word, value in (("least", limit.least), ("most", limit.most)) if value is not None
-        ]
+        bounds = {
+            word: f"{value:.10g}" for word, value in (("least", limit.least), ("most", limit.most)) if value is not None
+        }
         verdict = "kept" if self.kept else "NOT KEPT"
-        return (
-            f"{verdict}: {limit.quantity} of {self.section} is {self.found:.4g}, {', '.join(bounds)} ({limit.source})"
-        )
+        texts = [f"{self.found:.{digits}g}" for digits in (4, 6, 12)]
+        found = next((text for text in texts if self.kept or text not in bounds.values()), texts[-1])
+        allowed = ", ".join(f"{word} {bound}" for word, bound in bounds.items())
+        return f"{verdict}: {limit.quantity} of {self.section} is {found}, {allowed} ({limit.source})"
 
 
 def held_to(plan: Plan, path: str | Path) -> list[Finding]:
-    """Every section of a plan beside every limit of a file that is for it.
+    """Every section, window and layer of a plan beside every limit of a file that is for it.
 
     Raises:
         InputError: no such file, or it says what limits cannot be.
     """
     limits = checked(Limits, read_toml(path, "TOML file of limits"), path)
+    sections = list(zip(plan.section_names, plan.netting, strict=True))
+    pieces = [*zip(plan.window_names, plan.window, strict=True), *zip(plan.layer_names, plan.layer, strict=True)]
     found: list[Finding] = []
     for number, limit in enumerate(limits.limit):
-        if limit.section is not None and limit.section not in plan.section_names:
-            raise InputError(path, f"limit.{number}.section", limit.section, ", ".join(plan.section_names))
-        found += _findings(plan.section_names, plan.netting, limit)
+        netting = sections + pieces if limit.quantity in OF_PIECES else sections
+        named = [name for name, _ in netting]
+        if limit.section is not None and limit.section not in named:
+            raise InputError(path, f"limit.{number}.section", limit.section, ", ".join(named))
+        found += [_finding(name, part, limit) for name, part in netting if limit.section in (None, name)]
     return found
 
 
-def _findings(names: Sequence[str], netting: Sequence[Netting], limit: Limit) -> list[Finding]:
-    found = []
-    for name, part in zip(names, netting, strict=True):
-        if limit.section in (None, name):
-            low, high = sorted(MEASURED[limit.quantity](part))
-            short = limit.least is not None and low < limit.least * (1 - _BY_ROUNDING)
-            over = limit.most is not None and high > limit.most * (1 + _BY_ROUNDING)
-            found.append(Finding(name, limit, low if short or limit.most is None else high, not (short or over)))
-    return found
+def _finding(name: str, part: Netting, limit: Limit) -> Finding:
+    low, high = sorted(MEASURED[limit.quantity](part))
+    short = limit.least is not None and low < limit.least * (1 - _BY_ROUNDING)
+    over = limit.most is not None and high > limit.most * (1 + _BY_ROUNDING)
+    return Finding(name, limit, low if short or limit.most is None else high, not (short or over))

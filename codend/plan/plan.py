@@ -193,6 +193,11 @@ class Plan(Table):
         """What tables call the windows: their names, or "window" and their numbers, from 1."""
         return tuple(window.name or f"window {number}" for number, window in enumerate(self.window, start=1))
 
+    @property
+    def layer_names(self) -> tuple[str, ...]:
+        """Of the layers: their names, or "layer" and their numbers, from 1."""
+        return tuple(layer.name or f"layer {number}" for number, layer in enumerate(self.layer, start=1))
+
     def _other_panels(self) -> Iterator[Contradiction]:
         """Sections of other panels than the first that has any: their seams would not meet."""
         first = next((part.panels for part in self.netting if part.panels > 1), 1)

@@ -32,4 +32,4 @@ class Following(Table):
     outputs_a_period: Annotated[Whole, Ge(8), Le(1000)] = 40
     """Rows a period."""
     step_s: Annotated[Number, Gt(0), Le(0.1)] = 0.01
-    """Longest time step."""
+    """Longest time step; it is halved until the ranges of openings and drag change by little with it."""

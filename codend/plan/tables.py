@@ -15,15 +15,7 @@ from codend.plan.cuts import Cut, cut_of, cut_that_loses
 from codend.plan.kinds import KINDS, Kind, MeshName
 from codend.plan.messages import Contradiction
 from codend.plan.overrides import CATCH_QUANTITIES, ENTRY_SIZES, MESH_SIZES, STRAP_LENGTHS, TITRES, CatchKind
-from codend.plan.twines import (
-    DENSITY_KG_M3,
-    MOST_RTEX,
-    THICKNESS_MM,
-    MaterialName,
-    rtex_of_number,
-    solid_diameter_m,
-    thickness_mm,
-)
+from codend.plan.twines import DENSITY_KG_M3, THICKNESS_MM, MaterialName, rtex_of_number, solid_diameter_m, thickness_mm
 
 Number = Annotated[float, Strict(), AllowInfNan(False)]
 Whole = Annotated[int, Strict()]
@@ -33,8 +25,6 @@ Several = (MinLen(1), BeforeValidator(lambda found: found if isinstance(found, l
 PanelName = Literal["upper", "port", "lower", "starboard"]
 PANELS: dict[int, tuple[PanelName, ...]] = {2: ("upper", "lower"), 4: ("upper", "port", "lower", "starboard")}
 """Panels sewn together round, from the seam on the starboard side on over the top."""
-THICKER_BY_ROUNDING = 1.1
-"""Of a twine's diameter, which is measured under tension and rounded, that its fibres pressed solid may have."""
 TUBE = "tube"
 """What tables call the netting of a section that is no panel."""
 
@@ -99,7 +89,7 @@ class Netting(Table):
     """0: knots are points, and the knot that a gauge does not measure is taken as two twines wide."""
     twine_mm: Annotated[Number, Gt(0), Le(100)] | None = None
     """None: by Rtex and material."""
-    rtex: Annotated[Number, Ge(1), Le(MOST_RTEX)] | None = None
+    rtex: Annotated[Number, Ge(1), Le(1e6)] | None = None
     """Of one twine, g/km."""
     runnage_m_kg: Annotated[Number, Ge(1), Le(1e6)] | None = None
     """Length of a kilogram of one twine."""
@@ -255,11 +245,10 @@ class Netting(Table):
             allowed = f"one of {', '.join(DENSITY_KG_M3)}, or twine_density_kg_m3, beside {titres[0]}"
             raise Contradiction("material", allowed, "is missing")
         if self.twine_mm is not None:
-            if titres and self.density_kg_m3 is not None and self.rtex_g_km is not None:
-                fibres_mm = 1000 * solid_diameter_m(1e-6 * self.rtex_g_km, self.density_kg_m3)
-                if fibres_mm > THICKER_BY_ROUNDING * self.twine_mm:
-                    allowed = f"twine no thinner than its fibres pressed solid, {fibres_mm:.3g} mm"
-                    raise Contradiction("twine_mm", allowed, f"contradicts {titres[0]}")
+            heaviest = 1e6 * math.pi / 4 * self.twine_m**2 * (self.density_kg_m3 or math.inf)
+            if titres and self.rtex_g_km is not None and self.rtex_g_km > heaviest * (1 + 1e-9):
+                allowed = f"of at most R{heaviest:.4g} tex, at least {1e6 / heaviest:.4g} m/kg: fibre that fits into it"
+                raise Contradiction(titres[0], f"a twine of {1000 * self.twine_m:g} mm {allowed}")
             return
         if not titres:
             allowed = f"twine_mm, or one of {', '.join(TITRES)} with a material"

@@ -88,7 +88,11 @@ def results_tables(study: Study) -> tuple[PageTable, ...]:
         "What follows ± is the estimated error, where it shows in four digits; all digits are in results.csv."
     ]
     if study.plan.strap:
-        remarks.append("Straps: a slack one keeps the drag of its whole length; their weight is not counted.")
+        weightless = any(strap.density_kg_m3 is None for strap in study.plan.strap)
+        weight = "; those without density_kg_m3 weigh nothing in water" if weightless else ""
+        remarks.append(f"Straps: a slack one keeps the drag of its whole length{weight}.")
+    if study.plan.window:
+        remarks.append("Windows: openings ahead are of the netting around them; their own meshes are in meshes.csv.")
     missing = [RESULT_HEADS[name].name.lower() for name in told if name not in shown]
     if missing:
         remarks.append(f"Not computed: {'; '.join(missing)}.")

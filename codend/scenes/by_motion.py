@@ -39,7 +39,7 @@ def calm_shapes(touching: Problem, progress: Progress | None = None) -> Iterator
     motion, built = Motion(touching, net.positions, length_error=LENGTH_ERROR), as_built(touching)
     rest, length, as_long = motion.structure.length, np.empty(len(net.bars)), np.empty(len(net.bars))
     bar_lengths(net.positions, touching.structure, as_long)
-    motion.strain[:] = 0.0  # drawn in, not pulled
+    motion.stretching.strain[:] = 0.0  # drawn in, not pulled
     for number in range(1, ROUNDS * STEPS + 1):
         motion.structure = motion.structure._replace(length=np.maximum(rest, DRAWN_IN**number * as_long))
         try:

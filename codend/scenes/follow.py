@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from math import ceil, pi, sin
 
 import numpy as np
+from scipy.interpolate import CubicSpline, make_interp_spline
 
 from codend.errors import InputError
 from codend.mechanics.body import attitude_deg, pose_of
@@ -21,6 +22,8 @@ from codend.solvers.refusal import passage
 
 State = dict[str, Floats | Ints]
 ATTITUDE = ("heel_deg", "trim_deg", "yaw_deg")
+RECORD_ROWS, UNEVEN = 8, 2.0
+"""Rows from which on a table of motion is a record, if the longest time between two is no more times the shortest."""
 _EARLY = 1e-9
 """Seconds by which a step may begin before what happens at its start."""
 
@@ -67,17 +70,40 @@ def path_of(vessel: VesselTable | None, table: Floats | None) -> Path | None:
     return lambda t: np.array([0.0, 0.0, height * heave(t, period)])
 
 
+def is_record(table: Floats) -> bool:
+    """Whether rows of ``time_s, x_m, y_m, z_m`` are many and even enough to run smoothly through."""
+    steps = np.diff(table[:, 0])
+    return len(table) >= RECORD_ROWS and bool(steps.max() <= UNEVEN * steps.min())
+
+
 def _path_through(table: Floats) -> Path:
-    """Path through the rows of ``time_s, x_m, y_m, z_m``, from where it is at time 0, and on beyond the last."""
-    onward = (table[-1, 1:] - table[-2, 1:]) / (table[-1, 0] - table[-2, 0])
+    """Path through the rows of ``time_s, x_m, y_m, z_m``, from where it is at time 0, and straight on beyond the last.
 
-    def place(time_s: float) -> Floats:
-        at = np.array([np.interp(time_s, table[:, 0], table[:, i]) for i in (1, 2, 3)])
+    A record is followed by a cubic spline, for a rope that does not stretch answers a jump in speed by a pull as large
+    as the step is short; between few or uneven rows the path is straight, and ``largest_jump`` tells.
+    """
+    time, places = table[:, 0], table[:, 1:]
+    place = CubicSpline(time, places) if is_record(table) else make_interp_spline(time, places, k=1)
+    onward = place(time[-1], 1)
+
+    def at(time_s: float) -> Floats:
         # the tension of the last output is that of the step from there on
-        return np.asarray(at + max(time_s - table[-1, 0], 0.0) * onward)
+        return np.asarray(place(min(time_s, time[-1])) + max(time_s - time[-1], 0.0) * onward)
 
-    start = place(0.0)
-    return lambda time_s: place(time_s) - start
+    start = at(0.0)
+    return lambda time_s: at(time_s) - start
+
+
+def largest_jump(table: Floats, end_s: float) -> tuple[float, float]:
+    """Largest jump of a path's speed, from rest at time 0 and at rows, m/s, and when it is, s."""
+    path = _path_through(table)
+    jumps = [(float(np.linalg.norm(path(_EARLY)) / _EARLY), 0.0)]
+    if not is_record(table):
+        slopes = np.diff(table[:, 1:], axis=0) / np.diff(table[:, 0])[:, None]
+        change = np.linalg.norm(np.diff(slopes, axis=0), axis=1)
+        inside = (table[1:-1, 0] > 0.0) & (table[1:-1, 0] < end_s)
+        jumps += zip(change[inside].tolist(), table[1:-1, 0][inside].tolist(), strict=True)
+    return max(jumps)
 
 
 def heave(time_s: float, period_s: float) -> float:

@@ -21,6 +21,7 @@ from codend.scenes.frame_tables import FRAME, BallastTable, FloatTable, FrameTab
 from codend.scenes.netting_checks import carried, links_of, netting_contradictions
 from codend.scenes.netting_tables import SeamTable, SheetTable
 from codend.scenes.tables import (
+    FASTEST_M_S,
     VESSEL,
     PointTable,
     RopeTable,
@@ -232,6 +233,11 @@ class Scene(Table):
         table = read_table(self.source.parent / as_name(self.vessel.motion), names=names)
         path: Floats = np.stack([table.numbers(name) for name in names], axis=1)
         _rising(table.where, "time_s", path[:, 0])
+        speed = np.linalg.norm(np.diff(path[:, 1:], axis=0), axis=1) / np.diff(path[:, 0])
+        if np.any(too_fast := speed > FASTEST_M_S):
+            row = int(np.argmax(too_fast))
+            said = f"go at {speed[row]:.3g} m/s from {path[row, 0]:g} s on"
+            raise InputError(table.where, "x_m, y_m, z_m", None, f"at most {FASTEST_M_S:g} m/s", said)
         if path[0, 0] > 0.0 or path[-1, 0] < self.time.end_s:
             allowed = f"times from 0 to time.end_s, {self.time.end_s:g}"
             raise InputError(table.where, "time_s", None, allowed, "does not run over the whole motion")
@@ -249,6 +255,8 @@ def _door_table(path: Path) -> Floats:
 
 
 def _rising(where: str, column: str, values: Floats) -> None:
+    if len(values) < 2:
+        raise InputError(where, column, None, "two rows or more", f"has {len(values)}")
     falling = np.flatnonzero(np.diff(values) <= 0.0)
     if len(falling):
         raise InputError(where, column, float(values[falling[0] + 1]), "numbers that rise from row to row")

@@ -169,15 +169,21 @@ class PointTable(Table):
             yield Contradiction("lift_towards", "a direction: three numbers that are not all 0")
 
 
+FASTEST_M_S = 20.0
+"""Of a vessel."""
+
+
 class VesselTable(Table):
     """What tows: its towing point, called "vessel", and how that moves."""
 
     at: Vector = (0.0, 0.0, 0.0)
     """Where its towing point is, or starts."""
-    speed_m_s: Annotated[Number, Ge(0), Le(20)] = 0.0
+    speed_m_s: Annotated[Number, Ge(0), Le(FASTEST_M_S)] = 0.0
     """Towards -x; places are then told as seen from the vessel, which the water passes by."""
     motion: Text | None = None
-    """CSV of ``time_s, x_m, y_m, z_m``, by which its points move over the ground from where they start."""
+    """CSV of ``time_s, x_m, y_m, z_m``, by which its points move over the ground from where they start: along
+    a cubic spline through eight rows or more at about even times, of which ten a period of heave give its accelerations
+    to a few hundredths, else straight from row to row."""
     heave_m: Annotated[Number, Ge(0), Le(50)] = 0.0
     """Amplitude, upward first."""
     period_s: Annotated[Number, Gt(0), Le(1e5)] | None = None

@@ -4,13 +4,7 @@ The scheme of Bessonneau and Marichal (1997, equations 10 to 16): every step sol
 tensions that bring the bars to their lengths at its end. Beyond the papers (see ``mechanics.motion``) the added mass is
 part of the nodes' masses, drag is linearised, and the tensions are corrected with the same matrix until the lengths are
 met, not only to the first order. Velocities stand half a step behind the places, so a step is of the second order.
-
-A bar that stretches has at the end of a step the length that its tension T gives it over the step: with its strains
-e', e, e" after it, before it and a step earlier,
-
-    T / EA = b e' + (1/2 - 2 b + c) e + (1/2 + b - c) e",   c = 1/2 + s,  b = (1 + s)^2 / 4
-
-(Newmark's method in terms of places), stable for any step; s damps what swings faster than the steps.
+A bar that stretches has at the end of a step the length that its tension gives it over the step (``Stretching``).
 """
 
 from collections.abc import Callable
@@ -19,17 +13,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from codend.mechanics import motion, rigid
-from codend.mechanics.bars import bar_lengths, carried
+from codend.mechanics.bars import bar_lengths
 from codend.mechanics.contact_rows import add_pushes
 from codend.mechanics.loads import add_moving_force
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Ints
 from codend.solvers.body_motion import BodyMotion
 from codend.solvers.meeting import COMPLIANCE, NO_TOUCH, Meeting, Rows
+from codend.solvers.moving_masses import MovingMasses
 from codend.solvers.one_sided import NO_PUSH, OneSided
+from codend.solvers.stretching import Stretching
 
-DAMPING = 0.1
-"""s: it takes 2 s x (frequency x step) / 4 of a swing's amplitude a radian, and all from steps far longer on."""
 LENGTHS_MET = 1e-11
 LOOSE, ENOUGH = 1e-3, 0.2
 """From which allowed departure on, and below which part of it, lengths are corrected twice only."""
@@ -70,14 +64,10 @@ class Motion:
             length_error: departure of a bar from its length, relative, that a step may leave to the next one to mend;
                 from ``LOOSE`` on they are met no better than need be, which large nets that flap are followed by.
         """
-        net, water = problem.net, problem.loading.water.density
+        net = problem.net
         self.problem, self.loading = problem, problem.loading
         self.structure = problem.structure._replace(free=problem.structure.free.copy())
-        volume = 0.25 * np.pi * net.bar_solid_diameter**2 * net.bar_length
-        self.mass = np.where(np.isnan(net.bar_density), water, net.bar_density) * volume
-        self.added = np.broadcast_to(added_mass, volume.shape) * water * volume
-        if not np.all(self.mass > 0.0):
-            raise ValueError("bars in motion need a mass: give their diameter")
+        self.masses = MovingMasses(net, problem.loading.water.density, added_mass)
         bars, nodes = len(net.bars), len(net.positions)
         self.pattern = rigid.rigid_pattern(self.structure, None if problem.body is None else problem.body.nodes)
         self.tensions = OneSided(self.pattern, self.structure.is_strut)
@@ -95,8 +85,6 @@ class Motion:
         self.length_error, self._corrections = length_error, 2 if length_error >= LOOSE else CORRECTIONS
         self.worst_length = 0.0
         """Largest departure of a bar from its length that a step has left, relative."""
-        self.strain = np.zeros((2, bars))
-        """Of the bars now and a step earlier, 0 in slack ones."""
         self.density = np.zeros(bars)
         """Force densities of the last step, N/m, (m,)."""
         self.tension = np.zeros(bars)
@@ -104,17 +92,13 @@ class Motion:
         self.support = np.zeros((nodes, 3))
         """What held the nodes then, N, (n, 3): of free nodes what is left out of balance, round-off."""
         self._move = np.zeros((nodes, 3))
-        self._point_mass = np.zeros(nodes)
-        np.add.at(self._point_mass, net.point_node, net.point_mass)
         self._share = np.zeros(problem.bands)
         self._gradient, self._square = np.zeros((2 * bars, 3)), np.zeros(bars)
-        self._masses, self._inverse = np.zeros((nodes, 3, 3)), np.zeros((nodes, 3, 3))
+        self._inverse = np.zeros((nodes, 3, 3))
         self._force, self._acceleration = np.zeros((nodes, 3)), np.zeros((nodes, 3))
         self._rate, self._length = np.zeros(bars), np.zeros(bars)
         bar_lengths(self.position, self.structure, self._length)
-        stretches = self.structure.flexibility > 0.0
-        strain = np.where(stretches, self._length / self.structure.length - 1.0, 0.0)
-        self.strain[:] = carried(self.structure.is_strut, strain)
+        self.stretching = Stretching(self.structure, self._length)
         # a crumpled bar that was asked to be as long as it is would tear its neighbours along
         self.tensions.taut[:] = self.structure.is_strut | (self._length >= (1.0 - NEARLY_TAUT) * self.structure.length)
 
@@ -125,7 +109,7 @@ class Motion:
             "position": self.position.copy(),
             "velocity": self.velocity.copy(),
             "taut": self.tensions.taut.copy(),
-            "strain": self.strain.copy(),
+            "strain": self.stretching.strain.copy(),
             "density": self.density.copy(),
             "free": self.structure.free.copy(),
             "clock": clock,
@@ -139,7 +123,7 @@ class Motion:
         if self.meeting is not None:
             self.meeting.set_state(state)
             self._set_rows(self.meeting.nodes)
-        self.tensions.taut[:], self.strain[:] = state["taut"], state["strain"]
+        self.tensions.taut[:], self.stretching.strain[:] = state["taut"], state["strain"]
         self.structure.free[:], self.density = state["free"], np.array(state["density"])
         self.time, self.last_step, unsettled, self.worst_length = map(float, state["clock"])
         self.tensions.unsettled = int(unsettled)
@@ -164,8 +148,7 @@ class Motion:
     @property
     def kinetic_energy_j(self) -> float:
         """Of bars, points and the water that goes with them, half a step before the places."""
-        self._measure()
-        blocks = self._bare_masses()
+        blocks = self.bare_masses()
         own = 0.0 if self.body is None else self.body.energy_j
         return own + 0.5 * float(np.einsum("ni,nij,nj", self.velocity, blocks, self.velocity))
 
@@ -210,33 +193,32 @@ class Motion:
             self.body.advance(twist, dt, self.position)
         if not np.isfinite(self.position).all():
             return False
-        felt = np.einsum("nij,nj->ni", self._masses, self.velocity - last_velocity) / kick
+        felt = np.einsum("nij,nj->ni", self.masses.blocks, self.velocity - last_velocity) / kick
         self.support = felt - pulls
         self.tension, self.density = density * np.sqrt(self._square), density
-        self._note_strains()
+        bar_lengths(self.position, self.structure, self._length)
+        self.stretching.note(self.structure, self._length)
         self.time, self.last_step = self.time + dt, dt
         return True
 
     def _measure(self) -> None:
         rigid.length_gradients(self.position, self.structure, self._gradient, self._square)
 
-    def _bare_masses(self) -> Floats:
-        blocks = self._masses
-        blocks[:] = 0.0
-        for i in range(3):
-            blocks[:, i, i] = self._point_mass
-        motion.add_masses(self.pattern, self._gradient, self._square, self.mass, self.added, blocks)
-        return blocks
+    def bare_masses(self) -> Floats:
+        """Masses of the nodes where they are, kg, (n, 3, 3), until the next step."""
+        self._measure()
+        return self.masses.set_bare(self.pattern, self._gradient, self._square)
 
     def _set_loads(self, kick: float, dt: float) -> None:
-        structure, loading, water = self.structure, self.loading, self.loading.water
+        structure, loading, water, masses = self.structure, self.loading, self.loading.water, self.masses
         self._force[:] = 0.0
         add_moving_force(self.position, self.velocity, structure, loading, self._share, self._force)
-        blocks = self._bare_masses()
+        blocks = masses.set_bare(self.pattern, self._gradient, self._square)
         bare = blocks.copy() if self.body is not None else blocks
         of_points = blocks[loading.points.node, 0, 0].copy()
         here = self.position, self.velocity
-        motion.add_bar_drag(*here, structure, water, self.mass, self.added, self.density, kick, dt, blocks)
+        own = masses.of_bars, masses.of_water, masses.of_points_a_bar
+        motion.add_bar_drag(*here, structure, water, *own, self.density, kick, dt, blocks)
         motion.add_point_drag(*here, loading.points, water, of_points, kick, blocks)
         motion.add_seabed(*here, loading.seabed, kick, dt, self._force, blocks)
         motion.invert(blocks, structure.free, self._inverse)
@@ -286,12 +268,9 @@ class Motion:
         Newton's method on the lengths at the end of the step, all its systems with the matrix of the start; in each
         one bars are taut that then pull, and all others no longer than they may be.
         """
-        structure, rest, squared = self.structure, self.structure.length, kick * dt
-        bars, system = len(rest), self.tensions
-        weights = _weights(DAMPING)
-        known = (weights[1] * self.strain[0] + weights[2] * self.strain[1]) / weights[0]
-        # a step's strain by its force density
-        give = structure.flexibility * np.sqrt(self._square) / weights[0]
+        structure, stretching, squared = self.structure, self.stretching, kick * dt
+        bars, system = len(structure.length), self.tensions
+        stretching.begin(structure, self._square)
         rigid.accelerations(self._inverse, self._force, self._acceleration)
         free_move = dt * (self.velocity + kick * self._acceleration)
         self._moved(free_move, kick, dt, None)
@@ -301,12 +280,12 @@ class Motion:
         if self.body is not None:
             self.body.couple(system.entries)
         diagonal = system.pattern.diagonal
-        system.entries[diagonal[:bars]] += rest**2 * give / squared
+        system.entries[diagonal[:bars]] += structure.length**2 * stretching.give / squared
         system.entries[diagonal[bars:]] *= 1.0 + COMPLIANCE
         system.renewed()
         # the first time without the term in dt^2, which is what the papers solve
         rigid.lengthening(structure, self._gradient, free_move, self._rate)
-        aim = np.maximum(rest * (1.0 - known), 0.5 * rest)
+        aim = stretching.aims(0.0)
         right = np.zeros(len(system.taut))
         right[:bars] = (self._rate + 0.5 * (self._square - aim**2)) / squared
         if rows is not None:
@@ -324,7 +303,7 @@ class Motion:
             self._move = move = free_move + squared * self._acceleration
             self._moved(move, kick, dt, pulls)
             bar_lengths(self.position + move, structure, self._length)
-            aim = np.maximum(rest * (1.0 + give * density - known), 0.5 * rest)
+            aim = stretching.aims(density)
             error = self._length / aim - 1.0
             last, worst = worst, float(np.max(np.where(self.taut, np.abs(error), error), initial=0.0))
             if worst <= LENGTHS_MET or not worst < 0.7 * last:
@@ -344,15 +323,3 @@ class Motion:
         """Write those of a body's nodes into the moves of a step, (n, 3): under its loads, and pulls (n, 3) besides."""
         if self.body is not None:
             self.body.moves(self.body.pulled(np.zeros_like(move) if pulls is None else pulls, kick), dt, move)
-
-    def _note_strains(self) -> None:
-        bar_lengths(self.position, self.structure, self._length)
-        stretches = self.structure.flexibility > 0.0
-        self.strain[1] = self.strain[0]
-        strain = np.where(stretches, self._length / self.structure.length - 1.0, 0.0)
-        self.strain[0] = carried(self.structure.is_strut, strain)
-
-
-def _weights(damping: float) -> tuple[float, float, float]:
-    c, b = 0.5 + damping, 0.25 * (1.0 + damping) ** 2
-    return b, 0.5 - 2.0 * b + c, 0.5 + b - c

@@ -56,7 +56,7 @@ class PulsingBag(Motion):
         held = np.asarray(problem.net.fixed.all(axis=1))
         super().__init__(problem, positions, towed=held, path=path, added_mass=added_mass)
         self.tow_m_s, self.bag = speed_m_s, bag
-        self._point_mass += bag.mass
+        self.masses.of_points += bag.mass
         self.speed_m_s = speed_m_s
         """At which the water passes the bag."""
 

@@ -1,7 +1,7 @@
 """A pulsing codend: what a heaving vessel does to its openings and its drag, period by period."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import ceil, pi, sin
 from typing import Any
 
@@ -13,7 +13,7 @@ from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
 from codend.mechanics.loads import add_bound
 from codend.plan.plan import Plan
-from codend.plan.pulse import Following
+from codend.plan.pulse import Following, Heave
 from codend.selectivity.escape.catches import run_of
 from codend.selectivity.escape.haul import terms_of_catches
 from codend.selectivity.escape.predict import hauls_for
@@ -25,7 +25,12 @@ from codend.studies.study import Study, StudyProgress
 SHAPE = ("opening_ahead_deg", "front_radius_m", "max_radius_m", "filled_meshes")
 """Measures that stand in every row."""
 STABLE = 0.5
-"""Of the longest step that loads taken at its start allow, by a bound on their stiffness."""
+"""Of the longest step that loads taken at its start allow, by a bound on their stiffness at the fastest flow."""
+OPENING_MET_DEG, DRAG_MET = 0.3, 0.02
+"""By how much the least and the most open, and the least and the most drag over its mean, may change with steps half as
+long: of a method of the second order three times what is left."""
+RUNS, MOST_BAR_STEPS = 8, 100_000_000
+"""Most runs in steps ever half as long, and bars times steps beyond which no run after the second is tried."""
 
 
 def surge(time_s: float, period_s: float) -> float:
@@ -44,13 +49,38 @@ class Pulse:
     least: CaseResult
     """The case as it is in the last period when the meshes ahead of the catch are least open."""
     most: CaseResult
+    step_s: float
+    """Time step."""
+    off: dict[str, float] = field(default_factory=dict)
+    """Of ``opening_ahead_deg`` and ``drag_n``: by how much a bound of the last period's range changed with the last
+    halving of the step."""
+
+    @property
+    def last_period(self) -> pd.DataFrame:
+        """Rows of the last period, both its ends among them."""
+        return self.table[self.table["time_s"] >= self.table["time_s"].max() - self.table["period_s"].iloc[0] - 1e-9]
+
+    def changes_from(self, other: "Pulse") -> dict[str, float]:
+        """Largest change of a bound of the last period's range, of drag and of opening."""
+        here, there = self.last_period, other.last_period
+        return {
+            name: max(abs(here[name].min() - there[name].min()), abs(here[name].max() - there[name].max()))
+            for name in ("drag_n", "opening_ahead_deg")
+        }
+
+    @property
+    def settled(self) -> bool:
+        """Whether steps half as long would change the ranges by little."""
+        mean = abs(float(self.last_period["drag_n"].mean()))
+        return self.off["opening_ahead_deg"] <= OPENING_MET_DEG and self.off["drag_n"] <= DRAG_MET * mean
 
 
 def pulse(plan: Plan, result: CaseResult, period_s: float, progress: StudyProgress | None = None) -> Pulse:
     """Rows in time of a case of a plan with ``[vessel]``, from its equilibrium on.
 
     The entry moves to and fro along the tow by the heave that is transmitted. The catch presses by rho V |V| / 2, V the
-    speed at which the water passes the bag; the bag's water goes with it (``BagWater``).
+    speed at which the water passes the bag; the bag's water goes with it (``BagWater``). Steps are halved until the
+    ranges change by little with it (``Pulse.settled``), or the work is too much; ``Pulse.off`` tells.
 
     Args:
         plan: its ``vessel`` is given.
@@ -62,20 +92,61 @@ def pulse(plan: Plan, result: CaseResult, period_s: float, progress: StudyProgre
         ArithmeticError: the motion cannot be followed.
     """
     assert plan.vessel is not None
+    following, steps = plan.time or Following(), first_steps(plan, result, period_s)
+    found: Pulse | None = None
+    failed: ArithmeticError | None = None
+    for number in range(RUNS):
+        work = steps * following.periods * following.outputs_a_period * len(result.net.bars)
+        if number >= 2 and work > MOST_BAR_STEPS:
+            break
+        try:
+            now = in_steps(plan, result, period_s, steps, progress)
+        except ArithmeticError as error:
+            now, failed = None, error
+        if found is not None and now is not None:
+            now = replace(now, off=now.changes_from(found))
+            if now.settled:
+                return now
+        found, steps = now or found, 2 * steps
+    if found is None or not found.off:
+        raise failed or ArithmeticError("the motion cannot be followed in steps of a length that is not too much work")
+    return found
+
+
+def first_steps(plan: Plan, result: CaseResult, period_s: float) -> int:
+    """Time steps an output that are tried first."""
+    assert plan.vessel is not None
     following = plan.time or Following()
-    case, amplitude = result.case, plan.vessel.heave_m * plan.vessel.transmitted
-    water, density = plan.tow.water_density_kg_m3, plan.catch_density_kg_m3
-    solution, problem = result.solution, problem_of(result.bag, plan, case)
+    longest = min(following.step_s, _longest_step(_motion(plan, result, period_s), plan.vessel))
+    return ceil(period_s / following.outputs_a_period / longest - 1e-9)
+
+
+def _motion(plan: Plan, result: CaseResult, period_s: float) -> PulsingBag:
+    assert plan.vessel is not None
+    amplitude, density = plan.vessel.heave_m * plan.vessel.transmitted, plan.catch_density_kg_m3
+    solution, problem = result.solution, problem_of(result.bag, plan, result.case)
     bag = BagWater.of(problem, solution.positions, solution.share, result.measures.catch_volume_m3, density)
-    motion = PulsingBag(
+    return PulsingBag(
         problem,
         solution.positions,
-        case.speed_m_s,
+        result.case.speed_m_s,
         bag,
         lambda t: np.array([amplitude * surge(t, period_s), 0.0, 0.0]),
     )
+
+
+def in_steps(
+    plan: Plan, result: CaseResult, period_s: float, steps: int, progress: StudyProgress | None = None
+) -> Pulse:
+    """The rows in so many time steps from one to the next, as ``pulse`` has them; nothing is told of their errors.
+
+    Raises:
+        ArithmeticError: the motion cannot be followed.
+    """
+    following, motion = plan.time or Following(), _motion(plan, result, period_s)
+    case, solution, water = result.case, result.solution, plan.tow.water_density_kg_m3
     output = period_s / following.outputs_a_period
-    dt = output / ceil(output / min(following.step_s, _longest_step(motion)) - 1e-9)
+    dt = output / steps
     entry, order = motion.towed, result.net.order
     rows: list[dict[str, float]] = []
     ends: dict[str, CaseResult] = {}
@@ -105,11 +176,11 @@ def pulse(plan: Plan, result: CaseResult, period_s: float, progress: StudyProgre
                 **{name: getattr(now.measures, name) for name in SHAPE},
             }
         )
-        while motion.time < start + output - 0.5 * dt:
+        for _ in range(steps - 1):
             motion.step(dt)
         if progress is not None:
-            progress(number, count, f"case {case.number}, period {period_s:g} s")
-    return Pulse(pd.DataFrame(rows), ends["least"], ends["most"])
+            progress(number, count, f"case {case.number}, period {period_s:g} s, steps of {1e3 * dt:.3g} ms")
+    return Pulse(pd.DataFrame(rows), ends["least"], ends["most"], dt)
 
 
 def _as_it_is(result: CaseResult, motion: PulsingBag, at: Solution) -> CaseResult:
@@ -118,15 +189,16 @@ def _as_it_is(result: CaseResult, motion: PulsingBag, at: Solution) -> CaseResul
     return replace(result, problem=problem, solution=at, measures=measures, rows=rows, meshes=meshes)
 
 
-def _longest_step(motion: PulsingBag) -> float:
-    """What pressure and bending, taken at the start of a step, allow for."""
+def _longest_step(motion: PulsingBag, vessel: Heave) -> float:
+    """What pressure and bending, taken at the start of a step, allow for at the fastest flow."""
     bound, loading = np.zeros(len(motion.position)), motion.problem.loading
     motion._set_loads(1e-3, 1e-3)  # fills the shares
     add_bound(motion.position, motion.structure, loading, motion.share, bound)
-    mass = motion._bare_masses()[:, 0, 0]
+    mass = motion.bare_masses()[:, 0, 0]
     stiff = bound > 0.0
     free = motion.structure.free[:, 0] > 0.0
-    return STABLE * 2.0 * float(np.sqrt((mass / np.maximum(bound, 1e-300))[stiff & free].min(initial=np.inf)))
+    fastest = 1.0 + vessel.fastest_m_s / motion.tow_m_s
+    return STABLE * 2.0 / fastest * float(np.sqrt((mass / np.maximum(bound, 1e-300))[stiff & free].min(initial=np.inf)))
 
 
 def ranges(study: Study, pulsing: Sequence[Pulse], species: Sequence[Species]) -> pd.DataFrame:
@@ -137,12 +209,12 @@ def ranges(study: Study, pulsing: Sequence[Pulse], species: Sequence[Species]) -
     """
     found = []
     for one in pulsing:
-        period = float(one.table["period_s"].iloc[0])
-        last = one.table[one.table["time_s"] >= one.table["time_s"].max() - period - 1e-9]
-        row: dict[str, Any] = {"case": one.least.case.number, "period_s": period}
+        last = one.last_period
+        row: dict[str, Any] = {"case": one.least.case.number, "period_s": float(last["period_s"].iloc[0])}
         for name in ("speed_m_s", "drag_n", "opening_ahead_deg"):
             row |= {f"mean_{name}": float(last[name].iloc[:-1].mean())}
             row |= {f"least_{name}": float(last[name].min()), f"most_{name}": float(last[name].max())}
+        row |= {f"{name}_by_half_steps": change for name, change in one.off.items()} | {"step_s": one.step_s}
         at_rest = next(result for result in study.cases if result.case.number == one.least.case.number)
         for fish in species:
             for words, result in (("rest", at_rest), ("least", one.least), ("most", one.most)):

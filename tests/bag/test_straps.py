@@ -252,7 +252,7 @@ def test_the_picture_shows_the_near_half_of_every_strap_where_its_knots_are():
         # seen from a little above, a ring of radius r is r cos(rise) high
         height = study.cases[0].rows.radius_m[row] * np.cos(np.radians(RISE_DEG))
         assert np.ptp(drawn[:, 1]) == pytest.approx(2.0 * height, rel=0.05)
-    assert "weight is not counted" in " ".join(results_tables(study)[-1].remarks)
+    assert "weigh nothing in water" in " ".join(results_tables(study)[-1].remarks)
     assert not any("Straps" in remark for remark in results_tables(solve(strapped()))[-1].remarks)
 
 

@@ -12,7 +12,7 @@ from codend.cli.net_plan import TEMPLATES
 from codend.errors import InputError
 from codend.plan.amounts import amounts_of
 from codend.plan.limits import held_to
-from codend.plan.plan import Plan, load_plan
+from codend.plan.plan import Plan, load_plan, plan_from_dict
 from codend.report.net_plan import plan_svg
 from codend.report.net_plan_shapes import HANGING
 
@@ -185,15 +185,45 @@ def test_a_plan_is_held_to_the_limits_of_a_file(panels, tmp_path):
     assert [(one.section, one.kept) for one in held_to(panels, path)] == [
         ("belly", False),
         ("codend", False),
+        ("window 1", False),
         ("codend", True),
     ]
     shown = ["plan", "show", str(panels.source), "--out", str(tmp_path / "p.svg"), "--limits", str(path)]
     assert "NOT KEPT: inside_mesh_mm of belly is 112, least 120 (an example)" in CliRunner().invoke(main, shown).output
 
 
+def test_windows_and_layers_are_held_to_the_limits_of_meshes_and_twine(tmp_path):
+    section = {"mesh": "diamond", "meshes_round": 60, "meshes_long": 40, "bar_mm": 50.0, "twine_mm": 3.0, "name": "bag"}
+    thick = section | {"twine_mm": 6.0, "name": "lifter", "meshes_from_codline": [0, 20]}
+    window = section | {"meshes_round": 20, "bar_mm": 35.0, "netting": "bag", "name": "fine", "meshes_across": 20}
+    plan = plan_from_dict(
+        {
+            "title": "a bag",
+            "tow": {"speed_m_s": 1.5},
+            "entry": {"radius_m": 0.5},
+            "catch": {"filled_meshes": 5},
+            "netting": [section],
+            "window": [window | {"meshes_from_codline": [10, 20]}],
+        }
+    )
+    path = tmp_path / "limits.toml"
+    path.write_text(LIMITS.replace("120", "90").replace('section = "codend"', "") + 'section = "bag"\n')
+    assert [(one.section, one.kept) for one in held_to(plan, path)] == [("bag", True), ("fine", False), ("bag", True)]
+    path.write_text('[[limit]]\nquantity = "twine_mm"\nmost = 4\nsource = "an example"\n')
+    layered = plan_from_dict(plan.model_dump(exclude_unset=True, exclude={"window"}) | {"layer": [thick]})
+    assert [(one.section, one.kept) for one in held_to(layered, path)] == [("bag", True), ("lifter", False)]
+
+
+def test_what_breaks_a_limit_is_told_in_digits_that_show_it(panels, tmp_path):
+    path = tmp_path / "limits.toml"
+    path.write_text(LIMITS.replace("least = 120", "least = 112.0004"))
+    assert held_to(panels, path)[0].words == "NOT KEPT: inside_mesh_mm of belly is 112, least 112.0004 (an example)"
+
+
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
+        ("least = 120", "least = 120\nmost = 100", "limit.0.least"),
         ("most = 100", "", "limit.1.least"),
         ('source = "an example"', "", "limit.0.source"),
         ('"codend"', '"bag"', "limit.1.section"),

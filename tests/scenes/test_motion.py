@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 from scipy.special import jn_zeros
 
+from codend.errors import InputError
 from codend.mechanics.drag_laws import drag
 from codend.mechanics.problem import Problem
 from codend.mechanics.water import uniform_flow
 from codend.mechanics.weight import GRAVITY_M_S2
 from codend.net.net import Net, with_point
 from codend.scenes.build import build
-from codend.scenes.follow import follow, motion_rows, path_of
+from codend.scenes.follow import follow, heave, largest_jump, motion_rows, path_of
 from codend.scenes.measures import lies_in_zigzag, solve_scene
 from codend.scenes.scene import scene_from_dict
 from codend.solvers.motion import Motion
@@ -325,6 +326,46 @@ def test_a_table_of_motion_starts_where_the_vessel_is_at_time_0_and_goes_on_beyo
     np.testing.assert_allclose(path(0.0), 0.0)
     np.testing.assert_allclose(path(5.0), [-10.0, 0.0, 0.0])
     np.testing.assert_allclose(path(10.5), [-21.0, 0.0, 0.0])
+
+
+def test_a_table_of_ten_rows_a_period_heaves_as_the_heave_it_was_taken_from():
+    t, period, h = np.linspace(0.0, 30.0, 51), 6.0, 0.01
+    table = np.stack([t, 0.0 * t, 0.0 * t, [1.5 * heave(at, period) for at in t]], axis=1)
+    path = path_of(None, table)
+    for at in np.linspace(6.6, 29.0, 60):
+        wanted = np.array([1.5 * heave(at + k * h, period) for k in (-1, 0, 1)])
+        found = np.array([path(at + k * h)[2] for k in (-1, 0, 1)])
+        assert found == pytest.approx(wanted, abs=0.002)
+        assert np.diff(found, 2) / h**2 == pytest.approx(np.diff(wanted, 2) / h**2, abs=0.04 * 1.5 * (np.pi / 3.0) ** 2)
+
+
+def test_few_or_uneven_rows_are_straight_and_their_largest_jump_in_speed_is_known():
+    table = np.array([[0, 0, 0, 0], [10, -20, 0, 0], [11, -21, 0, 0], [60, -21, 0, 0]], dtype=float)
+    path = path_of(None, table)
+    for at, x in ((5.0, -10.0), (10.5, -20.5), (11.0, -21.0), (35.0, -21.0), (61.0, -21.0)):
+        assert path(at) == pytest.approx([x, 0.0, 0.0], abs=1e-12)
+    assert largest_jump(table, 60.0) == pytest.approx((2.0, 0.0))
+    assert largest_jump(np.array([[0.0, 0, 0, 0], [4, 0, 0, 0], [9, 0, 5, 0]]), 9.0) == pytest.approx((1.0, 4.0))
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ("", "time_s has 0; allowed: two rows or more"),
+        ("0,0,0,0\n", "time_s has 1; allowed: two rows or more"),
+        ("0,0,0,0\n3,-3,0,0\n2,-2,0,0\n", "time_s = 2.0 .* rise from row to row"),
+        ("0,0,0,0\n2,,0,0\n4,0,0,0\n", r'x_m = "\(empty\)" in line 3'),
+        ("0,0,0,0\n2,nan,0,0\n4,0,0,0\n", 'x_m = "nan" in line 3'),
+        ("0,0,0,0\n2,slow,0,0\n4,0,0,0\n", 'x_m = "slow" in line 3'),
+        ("0,0,0,0\n2,-2,0,0\n2.001,-80,0,0\n4,-80,0,0\n", "go at 7.8e.04 m/s from 2 s on; allowed: at most 20 m/s"),
+        ("1,0,0,0\n4,0,0,0\n", "does not run over the whole motion"),
+    ],
+)
+def test_a_ragged_table_of_motion_is_one_line(tmp_path, rows, message):
+    (tmp_path / "vessel.csv").write_text("time_s,x_m,y_m,z_m\n" + rows)
+    data = {"title": "w", "vessel": {"motion": "vessel.csv"}, "rope": [WARP], "point": [GEAR]}
+    with pytest.raises(InputError, match=message):
+        scene_from_dict({**data, "time": {"end_s": 3.0, "output_s": 1.0}}, tmp_path / "scene.toml")
 
 
 def test_the_peak_and_the_tension_of_an_output_are_told_by_one_rule():

@@ -8,7 +8,7 @@ from click.testing import CliRunner
 import codend
 from codend.cli.main import main
 from codend.errors import InputError
-from codend.studies.pulse import pulse
+from codend.studies.pulse import first_steps, in_steps, pulse
 
 NETTING = {"mesh": "diamond", "meshes_round": 24, "meshes_long": 12, "bar_mm": 60.0, "twine_mm": 4.0}
 PLAN = {
@@ -26,10 +26,15 @@ def heaved(period_s, heave_m, **more):
     return codend.Plan.from_dict({**PLAN, **tables, **more})
 
 
+def in_first_steps(plan, period_s):
+    result = codend.solve(plan).cases[0]
+    return in_steps(plan, result, period_s, first_steps(plan, result, period_s)).table
+
+
 def off_the_equilibria(period_s):
     """Largest departure of drag from that of equilibria at the speed of the moment, for the same swing of speed."""
     plan = heaved(period_s, 0.2 * period_s / (2.0 * np.pi))
-    table = pulse(plan, codend.solve(plan).cases[0], period_s).table
+    table = in_first_steps(plan, period_s)
     last = table[table["time_s"] >= 2.0 * period_s]
     speeds = np.linspace(1.25, 1.75, 6)
     still = codend.solve(codend.Plan.from_dict({**PLAN, "tow": {"speed_m_s": speeds.tolist()}})).table
@@ -48,10 +53,23 @@ def test_a_pulsing_sector_is_the_pulsing_net():
     found = []
     for fidelity in ("sector", "full"):
         plan = heaved(4.0, 0.3, model={"fidelity": fidelity}, time={"periods": 3, "outputs_a_period": 8})
-        found.append(pulse(plan, codend.solve(plan).cases[0], 4.0).table)
+        found.append(in_first_steps(plan, 4.0))
     for column in ("drag_n", "opening_ahead_deg", "speed_m_s"):
         # a full net has no axis to hold its codline to: round-off grows
         assert found[1][column].to_numpy() == pytest.approx(found[0][column].to_numpy(), rel=1e-6)
+
+
+def test_steps_are_halved_until_ranges_stand_and_what_they_change_is_what_is_told():
+    plan = heaved(4.0, 0.4, netting=[NETTING], time={"periods": 3, "outputs_a_period": 16, "step_s": 0.1})
+    result = codend.solve(plan).cases[0]
+    found = pulse(plan, result, 4.0)
+    steps = round(4.0 / 16 / found.step_s)
+    assert found.settled
+    twice_as_long = in_steps(plan, result, 4.0, steps // 2)
+    assert found.off == pytest.approx(found.changes_from(twice_as_long))
+    # of the second order: what is left is a third of that
+    finer = in_steps(plan, result, 4.0, 2 * steps)
+    assert finer.changes_from(found)["opening_ahead_deg"] < 0.6 * found.off["opening_ahead_deg"]
 
 
 def test_a_pulse_starts_in_the_equilibrium_and_ends_in_its_period():
