@@ -13,6 +13,7 @@ from codend.errors import InputError
 
 if TYPE_CHECKING:
     from codend.io.table_form import TableForm
+    from codend.studies.study import Study
 
 NO_MEANS, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 1, 2, 3, 130
 """Exit statuses; 0 is success, 1 want of memory or of an output that can be written."""
@@ -178,3 +179,14 @@ def _refusing(folder: Path) -> Iterator[None]:
 
 def _refuse(path: Path, reason: str, allowed: str = "a folder that can be written") -> NoReturn:
     raise InputError(path, "", None, allowed, f"cannot be written: {reason}") from None
+
+
+def explain_failures(study: "Study") -> None:
+    """Say of each case that was not solved why, and what was tried."""
+    for result in study.cases:
+        if not result.converged:
+            case = result.case
+            asked = f"{case.catch_kind} = {case.catch_value:g} at {case.speed_m_s:g} m/s"
+            click.echo(f"case {case.number} ({asked}) was not solved: {result.report.outcome.value}", err=True)
+            for attempt in result.report.attempts:
+                click.echo(f"  tried {attempt}", err=True)

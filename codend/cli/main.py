@@ -21,6 +21,7 @@ from codend.cli.common import (
     SeveralPairs,
     Stopped,
     check_writable,
+    explain_failures,
     out_option,
     set_option,
     spreadsheet_options,
@@ -43,7 +44,6 @@ from codend.errors import InputError, TooLittleMemory
 
 if TYPE_CHECKING:
     from codend.studies.kept_cases import KeptCases
-    from codend.studies.study import Study
 
 TABLE_COLUMNS = {
     "case": "case",
@@ -185,7 +185,7 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     click.echo(f"{len(written)} files written into {folder}; see {folder / 'report.html'}")
     for caution in cautions(study):
         click.echo(caution, err=True)
-    _explain_failures(study)
+    explain_failures(study)
     return 0 if study.converged else NOT_CONVERGED
 
 
@@ -208,17 +208,6 @@ def _told_what_is_kept(kept: "KeptCases", cases: int, table: Path) -> Iterator[N
                 raise
         say(f"codend: an error of the program; {told}")
         raise
-
-
-def _explain_failures(study: "Study") -> None:
-    """Say of each case that was not solved why, and what was tried."""
-    for result in study.cases:
-        if not result.converged:
-            case = result.case
-            asked = f"{case.catch_kind} = {case.catch_value:g} at {case.speed_m_s:g} m/s"
-            click.echo(f"case {case.number} ({asked}) was not solved: {result.report.outcome.value}", err=True)
-            for attempt in result.report.attempts:
-                click.echo(f"  tried {attempt}", err=True)
 
 
 @main.command()

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from codend.cli.common import NOT_CONVERGED, Stopped, check_writable, written_into
+from codend.cli.common import NOT_CONVERGED, Stopped, check_writable, explain_failures, written_into
 from codend.cli.console import shown_progress, text_table
 from codend.errors import InputError
 
@@ -57,6 +57,7 @@ def pulse_codend(file: str, folder: Path, changes: tuple[str, ...], species_file
                 raise Stopped(f"{file}: {error}; a smaller time.step_s may help", NOT_CONVERGED) from error
         write_table(study.table, folder / "results.csv")
         if not pulsing:
+            explain_failures(study)
             return NOT_CONVERGED
         table, found = pd.concat([one.table for one in pulsing]), ranges(study, pulsing, species)
         write_table(table, folder / "pulse.csv")
@@ -70,4 +71,5 @@ def pulse_codend(file: str, folder: Path, changes: tuple[str, ...], species_file
             by = f"{one.off['opening_ahead_deg']:.2g} degrees and drag by {one.off['drag_n']:.2g} N"
             click.echo(f"Of {of}, steps half as long still changed the range of openings by {by}.")
     click.echo(ASSUMED)
+    explain_failures(study)
     return 0 if study.converged else NOT_CONVERGED

@@ -17,6 +17,8 @@ TABLES = ("results.csv", "ropes.csv", "netting.csv", "points.csv", "frame.csv", 
 FILES = (*TABLES, "scene.png", "report.html", "motion.png", "motion.gif", "net.pvd")
 GOES_ON = "motion_state.npz"
 """What a motion goes on from; there until it has ended."""
+GROWN = 1.05
+"""Largest pull of a rope since the last output, over that since the one before, that is told at the end."""
 JUMP_M_S = 0.05
 """Jump of a vessel's speed that is told."""
 TABLE = {
@@ -188,10 +190,11 @@ def _move(built: "BuiltScene", start: "Floats", folder: Path):  # type: ignore[n
         with table.open("rb+") as stream:
             stream.truncate(int(state["written"][0]))
     first, last = (0 if state is None else int(state["number"][0])), outputs(time)
-    frame = None
+    frame, since = None, [np.zeros(len(built.rope_bars))]
     with shown_progress() as progress:
         try:
             for frame in follow(built, start, state):
+                since = [since[-1], frame.since]
                 if state is None or frame.number > first:
                     net = folder / f"net_{frame.number}.vtu"
                     tension = frame.bar_tension
@@ -216,6 +219,11 @@ def _move(built: "BuiltScene", start: "Floats", folder: Path):  # type: ignore[n
         notes.append(f"In {unsettled} steps it was not settled which bars are slack: take a smaller time.step_s.")
     if (worst := float(frame.state["clock"][3])) > 1e-3:
         notes.append(f"Bars were off their lengths by up to {100.0 * worst:.2g} % in a step: see time.length_error.")
+    grown = (since[-1] > GROWN * since[0]) & (since[-1] >= frame.peaks[:, 0])
+    if len(since) > 1 and (
+        growing := [name for name, grows in zip(built.scene.rope_names, grown, strict=True) if grows]
+    ):
+        notes.append(f"Pulls still grow at the end, so their peaks are not seen: {', '.join(growing)}.")
     for name, nodes, bars in zip(built.scene.rope_names, built.rope_nodes, built.rope_bars, strict=True):
         if lies_in_zigzag(frame.positions[nodes], frame.bar_tension[bars]):
             notes.append(f"{name} ends in a zigzag of its bars, which comes of long steps: take a smaller time.step_s.")

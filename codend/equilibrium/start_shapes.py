@@ -13,6 +13,7 @@ from codend.bag.meridian.plan_case import tensions_on
 from codend.bag.meridian.problem import MeridianShape
 from codend.equilibrium.bag_model import BagModel
 from codend.net.net import Floats, Net, rotate
+from codend.solvers.mirror import ALIKE
 from codend.solvers.outcome import START, Solution
 
 
@@ -99,6 +100,22 @@ def set_round(sector: Bag, whole: Bag, solution: Solution) -> Solution:
     codline = solution.positions[anchors - 1 : anchors]
     positions = np.concatenate([turned, codline, held])
     return replace(solution, positions=positions, bar_tension=np.concatenate(pulls))
+
+
+def narrowed(sector: Bag, whole: Bag, solution: Solution) -> Solution | None:
+    """The equilibrium of a whole bag as one of its sector, neither with ropes; None if it is not the same all round."""
+    order, abreast = sector.net.sectors, sector.abreast
+    alike = len(sector.net.positions) - 1, len(sector.net.bars)
+    if alike[0] * order != len(whole.net.positions) - 1 or alike[1] * order != len(whole.net.bars):
+        return None
+    places = solution.positions[:-1].reshape(-1, order, abreast, 3)[:, 0].reshape(-1, 3)
+    pulls = solution.bar_tension.reshape(-1, order, abreast)[:, 0].ravel()
+    codline = solution.positions[-1:] * [1.0, 0.0, 0.0]
+    found = replace(solution, positions=np.concatenate([places, codline]), bar_tension=pulls)
+    round_again = set_round(sector, whole, found)
+    off = np.abs(round_again.positions - solution.positions).max() / whole.net.bar_length.min()
+    uneven = np.abs(round_again.bar_tension - solution.bar_tension).max() / solution.mean_tension
+    return found if off <= ALIKE and uneven <= ALIKE else None
 
 
 def _band_means(bag: Bag, tension: Floats, twine: bool) -> Floats:

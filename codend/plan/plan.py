@@ -115,6 +115,9 @@ class Plan(Table):
             if (fastest := self.vessel.fastest_m_s) >= min(self.tow.speed_m_s):
                 allowed = f"so little that the codend never stops: it goes to and fro at {fastest:.3g} m/s"
                 yield Contradiction("vessel.heave_m", allowed)
+            if self.model.fidelity == "meridian":
+                allowed = "any other beside [vessel]: a codend pulses as a net of bars"
+                yield Contradiction("model.fidelity", allowed)
         elif self.time is not None:
             yield Contradiction("vessel", "a table [vessel] with heave_m and period_s beside [time]", "is missing")
         yield from self._catches_that_do_not_fit()

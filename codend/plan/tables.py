@@ -142,7 +142,8 @@ class Netting(Table):
         if self.drag_width_m >= self.bar_m:
             side_by_side = ", both twines together" if self.twines == 2 else ""
             key = next(key for key in ("twine_mm", *TITRES) if getattr(self, key) is not None)
-            raise Contradiction(key, f"twine thinner than a bar is long, {1000 * self.bar_m:g} mm{side_by_side}")
+            a_twine = "" if self.twine_mm is not None else "a twine "
+            raise Contradiction(key, f"{a_twine}thinner than a bar is long, {1000 * self.bar_m:g} mm{side_by_side}")
         return self
 
     def _counts_that_do_not_fit(self) -> Iterator[Contradiction]:

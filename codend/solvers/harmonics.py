@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
-from codend.mechanics.harmonics import Complex, negative_pivots_side_by_side
+from codend.mechanics.harmonics import Complex, negative_pivots_side_by_side, solve_band_of_numbers
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
 from codend.solvers.harmonic_tangent import FIRST_STEPS, HarmonicTangent, Nearest
@@ -129,6 +129,27 @@ def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
             grows = grows[np.argsort(eigenvalues[grows].real)]
             growing.append(Growth(k, eigenvalues[grows], ring.shape_of(vectors[:, grows[0]], k)))
     return Harmonics(ring.order, tuple(growing), tuple(undecided))
+
+
+def sway_stiffness(ring: Ring) -> float:
+    """The force across the flow that moves the codline aside, the whole net following, over its move, N/m, at least.
+
+    By the tangent that was gathered last: harmonics 1 and n - 1 make up the force and its move.
+    """
+    tangent = ring.tangent(1)
+    factors = tangent.factors(0.0)
+    ways = tangent.size - ring.size
+    moves = np.zeros((ways, tangent.size), dtype=factors.dtype)
+    moves[:, ring.size :] = np.eye(ways)
+    for side in moves:
+        solve_band_of_numbers(factors, side)
+    return softest(moves[:, ring.size :])
+
+
+def softest(moves: NDArray[np.inexact]) -> float:
+    """Least stiffness, by the moves by unit forces: what moves of its own accord has a negative one."""
+    stiffness = np.linalg.eigvals(np.linalg.inv(moves)).real
+    return float(stiffness.min())
 
 
 @cache

@@ -259,8 +259,11 @@ class Motion:
         strut = np.concatenate([self.structure.is_strut, np.zeros(len(met), dtype=bool)])
         no_push = np.concatenate([np.full(bars, NO_PUSH), np.full(len(met), NO_TOUCH)])
         self.tensions = OneSided(rigid.rigid_pattern(self.structure, None, met), strut, no_push)
-        self.tensions.taut[:bars], self.tensions.unsettled = before.taut[:bars], before.unsettled
-        self._met = met
+        # a pair that had a row presses as it did; one that had none, not before it is asked
+        pressed = {tuple(pair): push for pair, push in zip(self._met.tolist(), before.taut[bars:], strict=True)}
+        self.tensions.taut[:bars] = before.taut[:bars]
+        self.tensions.taut[bars:] = [pressed.get(tuple(pair), 0) for pair in met.tolist()]
+        self.tensions.unsettled, self._met = before.unsettled, met
 
     def _with_rows(self, kick: float, dt: float, rows: Rows | None) -> tuple[Floats, Floats] | None:
         """The same with the rows of some parts that meet.

@@ -5,6 +5,7 @@ more. A change grows where an eigenvalue of it has a negative real part; where i
 whose pivots do tell, none has.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,18 @@ MOST_EIGENVALUES = 60
 """Found at a time, before the answer is that it is not known."""
 DENSE = 600
 """Unknowns up to which all eigenvalues are found at once."""
+
+
+@dataclass(frozen=True)
+class Growing:
+    """What grows by a tangent."""
+
+    eigenvalues: Complex
+    """With negative real parts, the most negative first, N/m, (k,)."""
+    vectors: Complex
+    """Theirs, (unknowns, k)."""
+    complete: bool
+    """Whether no others have any."""
 
 
 class WholeTangent:
@@ -64,18 +77,18 @@ class WholeTangent:
         whole: Floats = self.matrix.toarray() - self.load.T @ self.gradient
         return whole
 
-    def growing(self, scale: float, most: int = MOST_EIGENVALUES) -> tuple[Complex, Complex] | None:
-        """Eigenvalues of K with negative real parts, those that were met first, and their vectors, (unknowns, k).
+    def growing(self, scale: float, most: int = MOST_EIGENVALUES, thorough: bool = False) -> Growing | None:
+        """Eigenvalues of K with negative real parts, and their vectors; None if it was not found out whether any has.
 
-        None of either where none has; None if that was not found out. Those nearest to a lower bound of the symmetric
-        part's are found, more and more until one of them grows or what they leave is positive definite (as in
-        ``harmonics``).
+        Those nearest to a lower bound of the symmetric part's are found, more and more until one of them grows, or all
+        that do if it is to be ``thorough``: until what they leave is positive definite (as in ``harmonics``).
 
         Args:
             scale: a stiffness of the net's order of size, N/m.
-            most: eigenvalues found at a time before the answer is None.
+            most: eigenvalues found at a time before the answer is None, or not complete.
+            thorough: whether all that grow are wanted.
         """
-        stable = np.zeros(0, dtype=complex), np.zeros((self.size, 0), dtype=complex)
+        stable = Growing(np.zeros(0, dtype=complex), np.zeros((self.size, 0), dtype=complex), True)
         if not np.isfinite(self.matrix.data).all():
             return None
         factors = self._factors(0.0)
@@ -86,18 +99,23 @@ class WholeTangent:
         if expected == 0:
             return stable
         if self.size <= DENSE:
-            return _with_negative_real_parts(*np.linalg.eig(self.dense()))
+            return _with_negative_real_parts(*np.linalg.eig(self.dense()), complete=True)
         centre, wanted = self._lower_bound(scale), min(expected, FIRST_EIGENVALUES)
+        growing = None
         while centre is not None and wanted <= most:
             found = self._nearest(centre, wanted)
             if found is None:
-                return None
-            if found[0].real.min() < 0.0:
-                return _with_negative_real_parts(*found)
-            if self._negative_eigenvalues(factors, negative, np.linalg.qr(found[1])[0]) == 0:
-                return stable
-            wanted = max(expected, 2 * wanted + 2)
-        return None
+                break
+            grows = found[0].real.min() < 0.0
+            if grows and not thorough:
+                return _with_negative_real_parts(*found, complete=False)
+            proved = self._negative_eigenvalues(factors, negative, np.linalg.qr(found[1])[0]) == 0
+            if grows:
+                growing = _with_negative_real_parts(*found, complete=proved)
+            if proved:
+                return growing or stable
+            wanted = most if wanted < most < 2 * wanted + 2 else max(expected, 2 * wanted + 2)
+        return growing
 
     def _factors(self, shift: float) -> Any:
         """LU of the symmetric part and ``shift`` on its diagonal, without pivoting; None where that has no pivots."""
@@ -147,11 +165,10 @@ class WholeTangent:
         return centre + 1.0 / found, vectors
 
 
-def _with_negative_real_parts(eigenvalues: Complex, vectors: Complex) -> tuple[Complex, Complex]:
-    """Those of some eigenvalues, the most negative first, and their vectors."""
+def _with_negative_real_parts(eigenvalues: Complex, vectors: Complex, complete: bool) -> Growing:
     order = np.argsort(eigenvalues.real)
     order = order[eigenvalues.real[order] < 0.0]
-    return eigenvalues[order], vectors[:, order]
+    return Growing(eigenvalues[order], vectors[:, order], complete)
 
 
 def _unpivoted(matrix: Any, shift: float) -> Any:

@@ -83,6 +83,18 @@ def test_equal_ropes_in_a_sector_are_those_of_the_full_net(number, netting):
     assert measures.entry_reaction_n == pytest.approx(measures.drag_n, rel=1e-7)
 
 
+def test_a_short_bag_with_slack_netting_between_its_ropes_is_known_to_last_and_has_errors():
+    """Much of it moves for hardly anything: with few eigenvalues nothing was known, and no error was told."""
+    tables = roped({"number": 2, "shortening": 0.13}).to_dict()
+    section = {"mesh": "diamond", "meshes_round": 14, "meshes_long": 8, "bar_mm": 32.0, "knot_mm": 6.5, "twine_mm": 3.0}
+    tables |= {"entry": {"radius_m": 0.066}, "catch": {"filled_meshes": 2.0}, "netting": [section]}
+    result = case_of(plan_from_dict(tables))
+    whole = case_of(plan_from_dict(tables | {"model": {"fidelity": "full", "tolerance": 1e-9}}))
+    assert (result.net.order, whole.net.order) == (2, 1)
+    assert result.stability.stable == whole.stability.stable == "yes"
+    assert result.errors.drag_error_n <= 1e-6 * result.measures.drag_n
+
+
 def test_the_load_in_ropes_and_netting_across_any_cut_is_the_drag_behind_it():
     result = case_of(roped({"number": 4, "shortening": 0.15, "axial_stiffness_n": 5000.0, "diameter_mm": 20.0}))
     net, solution = result.net, result.solution

@@ -103,3 +103,12 @@ def test_a_motion_in_steps_too_long_for_its_bars_says_so(scene, tmp_path, step_s
     done = CliRunner().invoke(main, ["scene", str(path), "--set", "rope.0.bars=40", "--out", str(tmp_path / "out")])
     assert done.exit_code == 0, done.output
     assert ("warp ends in a zigzag of its bars" in done.output) == told
+
+
+@pytest.mark.parametrize(("held", "told"), [("held_from_s = 1.0\n", True), ("", False)])
+def test_pulls_that_still_grow_at_the_end_are_told(scene, tmp_path, held, told):
+    path = scene(held + "[time]\nend_s = 3.0\noutput_s = 0.5\n")
+    stretch = ["--set", "rope.0.axial_stiffness_n=1e6"]
+    done = CliRunner().invoke(main, ["scene", str(path), *stretch, "--out", str(tmp_path / "out")])
+    assert done.exit_code == 0, done.output
+    assert ("Pulls still grow at the end, so their peaks are not seen: warp." in done.output) == told

@@ -91,6 +91,7 @@ def test_a_pulse_starts_in_the_equilibrium_and_ends_in_its_period():
     ("tables", "message"),
     [
         ({"vessel": {"heave_m": 1.0, "period_s": 4.0}}, r"vessel\.heave_m = 1\.0 .* never stops"),
+        ({"vessel": {"heave_m": 0.2, "period_s": 4.0}, "model": {"fidelity": "meridian"}}, r"pulses as a net of bars"),
         ({"time": {"periods": 4}}, r"vessel is missing"),
         ({"vessel": {"period_s": 4.0}}, r"vessel\.heave_m is missing"),
     ],

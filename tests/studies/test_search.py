@@ -96,7 +96,20 @@ def test_a_plan_that_meets_the_target_stays_as_it_is():
     found = found_of(change=[BAR], target={"drag_n": {"most": 1e4}})
     assert found.best is not None
     assert found.best.change == 0.0
-    assert ended(found) == ["The plan as it is has drag_n at most 10000."]
+    first, second = ended(found)
+    assert first == "The plan as it is has drag_n at most 10000."
+    assert second.startswith("As codend run tells it: drag_n 71.95 +- ")
+
+
+def test_what_was_reached_stands_with_its_error_and_says_where_the_net_wrinkles():
+    stiff = {"bending_stiffness_n_m2": 1e-3, "knot_mm": 5.0, "twine_mm": 1.0}
+    plan = make_plan(bar_mm=25.0, entry=0.37, filled=6.0, netting=stiff, model={"wrinkles": False})
+    found = found_of(plan, change=["netting.0.twine_mm"], target={"drag_n": {"most": 1e3}})
+    (case,) = found.cases
+    assert case.unstable
+    _, known, wrinkles = ended(found)
+    assert f"+- {case.errors.drag_error_n:.2g}" in known
+    assert wrinkles == "The shape is not stable (case 1): the errors cover what wrinkles change."
 
 
 def test_a_target_that_no_design_meets_is_said(tmp_path):

@@ -20,10 +20,12 @@ from codend.errors import InputError
 from codend.net.net import Floats
 from codend.plan.numbers import alone
 from codend.plan.plan import Plan
+from codend.studies.case_result import CaseResult
 from codend.studies.designs import Base, Run
 from codend.studies.search.asked import Asked, Condition, Variable
 from codend.studies.sensitivity.derivatives import Told, derivatives_at
 from codend.studies.sensitivity.solved_case import SolvedCase, quantities, solved_case
+from codend.studies.study import solve
 
 REACHED: Final = 1e-4
 """By how much, relative, a bound may be missed."""
@@ -75,6 +77,8 @@ class Found:
     """Of counts and steps, of which ..."""
     tried: int
     """... so many were tried, and the others left out for their change."""
+    cases: tuple[CaseResult, ...] = ()
+    """Of that plan, as ``codend run`` solves them: with errors and stability, which designs on the way go without."""
 
 
 def search(asked: Asked, progress: Progress | None = None) -> Found:
@@ -132,6 +136,7 @@ class _Search:
             looked_at=tuple(self.looked_at.values()),
             combinations=combinations,
             tried=tried,
+            cases=() if plan is None else solve(plan).cases,
         )
 
     def _reaching(self, start: Design) -> Iterator[Condition]:

@@ -1,11 +1,20 @@
 """``search.csv``: every design that a search looked at; and how it ended, in words."""
 
 import math
+from typing import Final
 
 import pandas as pd
 
 from codend.io.columns import REASON
-from codend.studies.search.search import MOST_DESIGNS, Design, Found
+from codend.studies.search.asked import Condition
+from codend.studies.search.search import MOST_DESIGNS, REACHED, Design, Found
+
+ERRORS: Final = {
+    "drag_n": "drag_error_n",
+    "catch_volume_m3": "catch_volume_error_m3",
+    "opening_ahead_deg": "opening_ahead_error_deg",
+}
+"""Of what a run tells, the column of its error."""
 
 
 def search_table(found: Found) -> pd.DataFrame:
@@ -26,9 +35,9 @@ def ended(found: Found) -> list[str]:
     wanted = " and ".join(one.words for one in found.conditions)
     count = f"{len(found.looked_at)} designs were looked at"
     if found.best is found.start:
-        return [f"The plan as it is has {wanted}."]
+        return [f"The plan as it is has {wanted}.", *_as_run(found)]
     if found.best is not None:
-        return [f"Reached: {wanted}, by {_changes(found, found.best)}. {count}."]
+        return [f"Reached: {wanted}, by {_changes(found, found.best)}. {count}.", *_as_run(found)]
     stopped = (
         f" The search ended there, with more designs to look at: at most {MOST_DESIGNS} are." if _stopped(found) else ""
     )
@@ -39,6 +48,35 @@ def ended(found: Found) -> list[str]:
         values = [told[worst.quantity] for told in cases]
         value = min(values, key=worst.margin)
         sentences.append(f"The nearest has {worst.quantity} {value:.4g}, by {_changes(found, found.nearest)}.")
+    return sentences
+
+
+def _as_run(found: Found) -> list[str]:
+    """How well what was reached is known: by the errors and the stability that a run of the plan found tells."""
+    if not all(case.converged for case in found.cases):
+        return ["As codend run solves this plan, not every case of it is solved."]
+    told, missed = [], []
+    bounds = {one.quantity: one for one in found.conditions if one.quantity in ERRORS}
+    # L50 hangs on the opening
+    bounds.setdefault("opening_ahead_deg", Condition("opening_ahead_deg", 0.0, 1.0))
+    for quantity, bound in bounds.items():
+        values = [(getattr(one.measures, quantity), getattr(one.errors, ERRORS[quantity])) for one in found.cases]
+        value, error = min(values, key=lambda pair: bound.margin(pair[0]))
+        if math.isnan(value):
+            continue
+        told.append(
+            f"{quantity} {value:.4g} +- {error:.2g}" if error >= 0.0 else f"{quantity} {value:.4g}, error unknown"
+        )
+        if bound.margin(value) < -REACHED - (error / abs(bound.bound) if error >= 0.0 and bound.bound else 0.0):
+            missed.append(bound.words)
+    sentences = [f"As codend run tells it: {', '.join(told)}."] if told else []
+    if missed:
+        sentences.append(f"That misses {' and '.join(missed)}: followed as it wrinkles, the net has another shape.")
+    unstable = [str(one.case.number) for one in found.cases if one.unstable]
+    if unstable:
+        sentences.append(
+            f"The shape is not stable (case {', '.join(unstable)}): the errors cover what wrinkles change."
+        )
     return sentences
 
 
