@@ -175,7 +175,7 @@ class _Following:
             model,
             problem,
             motion.solution,
-            stability_of(model, tangent),
+            stability_of(model, tangent, strongest_alone=True),
             measure_all(model.bag, problem, motion.solution)[2],
             meshes_wide(model.bag, max(max(part.open_meshes) for part in model.plan.netting)),
             growth.harmonic,
