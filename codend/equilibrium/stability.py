@@ -49,10 +49,13 @@ def tangent_of(model: BagModel, problem: Problem, solution: Solution) -> Tangent
     return newton.tangent_at(problem, solution, model.prepared, ring)
 
 
-def stability_of(model: BagModel, tangent: TangentAtEquilibrium, thorough: bool = False) -> Stability:
+def stability_of(
+    model: BagModel, tangent: TangentAtEquilibrium, thorough: bool = False, strongest_alone: bool = False
+) -> Stability:
     """Stability of an equilibrium; of a sector every harmonic is asked, of a full net its whole tangent.
 
     That is enough to know whether anything grows; ``thorough`` finds all that does of a full net, as far as it can be.
+    Of one of many shapes it is enough which harmonics of a sector grow, and about how strongly: ``strongest_alone``.
     """
     scale = stiffness_under_tension(tangent.problem, tangent.solution)
     if tangent.problem.net.order == 1:
@@ -75,16 +78,17 @@ def stability_of(model: BagModel, tangent: TangentAtEquilibrium, thorough: bool 
         touching = (near.node, near.image)
         ring = Ring(tangent.problem.structure, tangent.problem.bands, touching) if len(near.kind) else model.ring
         ring.linearise(tangent.problem, tangent.solution)
-    return _by_harmonics(model.bag, ring, scale)
+    return _by_harmonics(model.bag, ring, scale, strongest_alone)
 
 
-def _by_harmonics(bag: Bag, ring: Ring, scale: float) -> Stability:
+def _by_harmonics(bag: Bag, ring: Ring, scale: float, strongest_alone: bool = False) -> Stability:
     """By the tangent that the ring took over last."""
-    harmonics = growing_harmonics(ring, scale)
+    harmonics = growing_harmonics(ring, scale, strongest_alone)
     growing = tuple(growth.harmonic for growth in harmonics.growing)
     stable = "no" if growing else "unknown" if harmonics.undecided else "yes"
     sway_n_m = sway_stiffness(ring) if stable != "unknown" and bag.tips else float("nan")
-    return Stability(stable, growing, harmonics.growing, scale, sway_n_m, not harmonics.undecided)
+    complete = not harmonics.undecided and not strongest_alone
+    return Stability(stable, growing, harmonics.growing, scale, sway_n_m, complete)
 
 
 def _by_harmonics_of_whole(model: BagModel, tangent: TangentAtEquilibrium, scale: float) -> Stability | None:

@@ -16,7 +16,15 @@ from codend.report.drawn_beside import drawn_beside
 from codend.report.html import PageFigure, page_html
 from codend.report.own_look import own_look
 from codend.report.picture import net_picture
-from codend.report.plots import catch_text, opening_force_plot, opening_plot, profiles_plot, solved, tension_plot
+from codend.report.plots import (
+    catch_text,
+    layers_plot,
+    opening_force_plot,
+    opening_plot,
+    profiles_plot,
+    solved,
+    tension_plot,
+)
 from codend.report.style import number_text, png
 from codend.report.turning_net import TURNING, can_turn, turning_page
 from codend.report.vtk import write_series, write_vtu
@@ -50,9 +58,10 @@ def _net_caption(study: Study) -> str:
     catch = catch_text(shown.measures.catch_volume_m3, study.plan.catch_density_kg_m3)
     globalisation = shown.bag.globalisation
     merged = f" One mesh drawn stands for {globalisation} x {globalisation} real ones." if globalisation > 1 else ""
+    layers = " Dark lines are the bars of second layers." if shown.bag.layer_bands else ""
     return (
         f"The net with {catch} of catch at {number_text(shown.case.speed_m_s)} m/s (case {shown.case.number}), "
-        f"every mesh coloured by its opening angle.{merged}"
+        f"every mesh coloured by its opening angle.{merged}{layers}"
     )
 
 
@@ -79,6 +88,15 @@ PLOTS = (
         tension_plot,
         lambda _: "Tension of the bars along the codend, mean of each row; single bars at a joint may carry more.",
     ),
+    Plot(
+        "layers",
+        layers_plot,
+        lambda _: (
+            "Second layers: opening angle of their own meshes, and the share of the hoop load that they carry beside "
+            "the netting below; both along that netting."
+        ),
+        lambda study: bool(study.plan.layer),
+    ),
     Plot("drag", drag_plot, lambda _: "Drag of the codend, and the parts that the catch and the twine have in it."),
 )
 
@@ -87,9 +105,9 @@ def files_of(plan: Plan) -> list[str]:
     """Every file that ``write_report`` may write of a plan, relative to its folder."""
     nets = [f"net_{case.number}.vtu" for case in plan.cases()]
     plots = [f"plots/{plot.name}.png" for plot in PLOTS]
-    left_out = {"ropes.csv": not plan.ropes, "layers.csv": not plan.layer}
-    tables = [name for name in TABLES if not left_out.get(name, False)]
-    return ["plan.toml", *tables, RECORD, *plots, *nets, SERIES, *([TURNING] if can_turn() else []), "report.html"]
+    left_out = {"ropes.csv": not plan.ropes, "layers.csv": not plan.layer, "plots/layers.png": not plan.layer}
+    some = [name for name in (*TABLES, RECORD, *plots) if not left_out.get(name, False)]
+    return ["plan.toml", *some, *nets, SERIES, *([TURNING] if can_turn() else []), "report.html"]
 
 
 def write_report(study: Study, folder: Path, progress: StudyProgress | None = None, copied: bool = False) -> list[Path]:
