@@ -74,7 +74,8 @@ def row(name: str, of: Plan) -> str:
         f"{name:24s} {of.vessel.heave_m:g} m, {period_s:2g} s: opening {ranges[0]} ({ranges[1]} before, "
         f"{result.measures.opening_ahead_deg:.2f} at rest), drag {last['drag_n'].min():.0f} to "
         f"{last['drag_n'].max():.0f} N ({result.measures.drag_n:.0f}); halving to {1e3 * found.step_s:.2f} ms changed "
-        f"{found.off['opening_ahead_deg']:.2f} degrees, {found.off['drag_n']:.1f} N{stands}; {process_time() - began:.1f} s"
+        f"{found.off['opening_ahead_deg']:.2f} degrees, {found.off['drag_n']:.1f} N{stands}; "
+        f"{process_time() - began:.1f} s"
     )
 
 
