@@ -14,7 +14,7 @@ import shutil
 import stat
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
 from io import BytesIO
@@ -23,6 +23,8 @@ from typing import Any, Final
 
 import numba
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
+
+from catch_models.kernel_loading import UnknownFormError, quick_loading
 
 say = logging.getLogger("codend").warning
 """One line on standard error, where the user has not arranged for logging otherwise."""
@@ -128,6 +130,8 @@ class _Cache(FunctionCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         try:
+            with suppress(UnknownFormError), quick_loading(target_context), self._guard_against_spurious_io_errors():
+                return self._load_overload(sig, target_context)
             return super().load_overload(sig, target_context)
         except MemoryError:
             raise

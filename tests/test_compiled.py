@@ -51,11 +51,45 @@ def test_a_change_in_a_called_kernels_file_changes_the_answer_of_the_next_run(tm
     assert len(list(caches.glob("bars.bar_vector*"))) == 2, "an index and one compiled function: nothing is left behind"
 
 
+TAKEN_OVER_BY_A_NEW_KERNEL = """
+import sys
+import numpy as np
+from catch_models import kernel_loading
+if len(sys.argv) > 1:
+    kernel_loading.JITCodeLibrary = object
+from codend.mechanics.bars import bar_vector
+
+here = np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+rotations = np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
+bar_vector(here, 0, 1, 1, rotations)
+print(sum(bar_vector.stats.cache_hits.values()), "numba.np.linalg" in sys.modules)
+import numba
+
+@numba.njit
+def doubled(places):
+    x, y, z = bar_vector(places, 0, 1, 1, rotations)
+    return 2.0 * x, 2.0 * y, 2.0 * z
+
+print(*doubled(here))
+"""
+
+
+@pytest.mark.parametrize("arguments", [[], ["as if numba were another"]])
+def test_a_kernel_read_from_its_cache_is_taken_over_by_one_compiled_later(arguments: list[str]):
+    run = [sys.executable, "-c", TAKEN_OVER_BY_A_NEW_KERNEL, *arguments]
+    for _ in range(2):
+        result = subprocess.run(run, cwd=ROOT, capture_output=True, text=True, check=True)
+        if result.stdout.startswith("1"):
+            break
+    assert result.stdout.splitlines() == [f"1 {bool(arguments)}", "0.0 0.0 2.0"]
+    assert not result.stderr
+
+
 def test_all_cached_kernels_but_those_that_take_from_no_other_file_are_compiled_in_the_one_way():
     for room in ("codend", "catch_models"):
         for path in (ROOT / room).rglob("*.py"):
             source = path.read_text(encoding="utf-8")
-            if path.name != "compiled.py" and re.search(
+            if path.name not in ("compiled.py", "kernel_cache.py") and re.search(
                 r"^from numba import .*njit|^import numba", source, re.MULTILINE
             ):
                 assert not re.search(r"^(from|import) +\.*(codend|catch_models)", source, re.MULTILINE), path

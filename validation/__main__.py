@@ -25,6 +25,7 @@ SECTIONS = {
     "stability": "validation.stability",
     "wrinkles": "validation.wrinkles",
     "folds": "validation.folds",
+    "contact": "validation.contact",
     "motion": "validation.motion_map",
 }
 """Name and module, with a function ``section(quick)``, of every section, in the report's order."""

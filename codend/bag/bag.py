@@ -91,6 +91,11 @@ class Bag:
         rings = self.node_row[self.node_row >= 0]
         return np.bincount(rings, minlength=self.bands + 1).astype(np.float64)
 
+    @property
+    def tips(self) -> bool:
+        """Whether any of its netting lets it tip at its hoop (``Kind.tips``)."""
+        return any(kind.tips for kind in self.band_kind)
+
     @cached_property
     def band_is_staggered(self) -> NDArray[np.bool_]:
         """Whether the rows at either end of a band are half a mesh apart, a whole one otherwise, (bands,)."""

@@ -155,6 +155,7 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     from codend.bag.loads import pressure_law_of
     from codend.equilibrium.fidelity import choose
     from codend.report.choice_words import reason_text
+    from codend.report.drawn_beside import can_draw_beside
     from codend.report.html import cautions, sea_water
     from codend.report.own_look import load_quickly
     from codend.report.page import files_of, write_report
@@ -179,8 +180,9 @@ def run(plan: str, folder: Path, changes: tuple[str, ...]) -> int:
     with shown_progress() as progress, written_into(folder), KeptCases(checked, choice, folder) as kept:
         with _told_what_is_kept(kept, len(checked.cases()), folder / "results.csv"):
             study = solve(checked, progress, choice, kept.add)
-        load_quickly()
-        written = write_report(study, folder, progress)
+        if not can_draw_beside():
+            load_quickly()
+        written = write_report(study, folder, progress, copied=True)
     click.echo(text_table(list(TABLE_COLUMNS.values()), study.table[list(TABLE_COLUMNS)].itertuples(index=False)))
     click.echo(f"{len(written)} files written into {folder}; see {folder / 'report.html'}")
     for caution in cautions(study):

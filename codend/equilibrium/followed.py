@@ -63,6 +63,7 @@ class Followed:
 
 
 LYING_ON_ITSELF = "netting lies on netting in this shape: contact is not modelled"
+HANGS_ASIDE = "not followed: a bag of this netting that sways so easily may hang aside of its hoop as well"
 NOT_FOLLOWED = Followed(None, "", float("nan"), float("nan"), False, np.zeros(4), 0.0)
 
 

@@ -21,6 +21,8 @@ or shut in more than one way: behind a hoop it was bent to, both twines of a mes
 meshes of EI 2e-3 N m2 has 1.31 N in one shape and 2.05 N in another, at 650; commercial codends are below 3."""
 ROUGHLY = 1e-5
 """Tolerance of the others."""
+ELSEWHERE = 1e-3
+"""Relative distance from which a stable whole net lies in another shape than the stable symmetric one."""
 MOST_KNOTS = 500
 """Of a sector that is relaxed from a crude bag once more: a second."""
 
@@ -31,7 +33,7 @@ def apart_from_other_shapes(
     """How far other shapes may lie from one that was found, drag, volume, largest radius and opening ahead, (4,).
 
     Of very stiff twine all that starts far apart lead to. Where a whole net lies in a stable shape and the symmetric
-    one is not stable, it is one of many beside that.
+    one is not stable, it is one of many beside that; where that is stable too, one of two.
     """
     found = tangent.problem
     plan, loading = model.plan, found.loading
@@ -55,9 +57,10 @@ def apart_from_other_shapes(
     if not solution.report.outcome.converged:
         return apart
     symmetric_stability = stability_of(sector, tangent_of(sector, problem, solution))
-    if symmetric_stability.stable != "no":
-        return apart
     symmetric = measure_all(sector.bag, problem, solution)[2]
+    if symmetric_stability.stable != "no":
+        off = np.abs(own - symmetric.estimated)
+        return apart + off if (off > ELSEWHERE * symmetric.estimated).any() else apart
     changed = changed_by_wrinkles(sector.bag, case, solution, symmetric_stability, symmetric, touching=False)
     return np.asarray(apart + changed + np.abs(own - symmetric.estimated))
 

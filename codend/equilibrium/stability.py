@@ -12,7 +12,7 @@ from codend.mechanics.pressure import Catch
 from codend.mechanics.problem import Problem
 from codend.net.net import rotate
 from codend.solvers import newton
-from codend.solvers.harmonics import Growth, Harmonics, growing_harmonics, harmonics_of, stiffness_under_tension
+from codend.solvers.harmonics import Growth, growing_harmonics, softest, stiffness_under_tension, sway_stiffness
 from codend.solvers.newton import TangentAtEquilibrium
 from codend.solvers.outcome import Solution
 from codend.solvers.ring import Ring
@@ -35,6 +35,9 @@ class Stability:
     """What grows, harmonic by harmonic; of a full net move by move, each as of harmonic 0, the strongest first."""
     scale: float = float("nan")
     """A bar's stiffness under tension, N/m, beside which growth is weak or strong."""
+    sway_n_m: float = float("nan")
+    """The force that moves the codline aside over its move, at least, N/m: of kinds of netting that tip by one of them;
+    nan of others."""
     complete: bool = True
     """Whether all that grows was found, and not merely what grows most."""
 
@@ -46,15 +49,22 @@ def tangent_of(model: BagModel, problem: Problem, solution: Solution) -> Tangent
     return newton.tangent_at(problem, solution, model.prepared, ring)
 
 
-def stability_of(model: BagModel, tangent: TangentAtEquilibrium, thorough: bool = False) -> Stability:
+def stability_of(
+    model: BagModel, tangent: TangentAtEquilibrium, thorough: bool = False, strongest_alone: bool = False
+) -> Stability:
     """Stability of an equilibrium; of a sector every harmonic is asked, of a full net its whole tangent.
 
     That is enough to know whether anything grows; ``thorough`` finds all that does of a full net, as far as it can be.
+    Of one of many shapes it is enough which harmonics of a sector grow, and about how strongly: ``strongest_alone``.
     """
     scale = stiffness_under_tension(tangent.problem, tangent.solution)
     if tangent.problem.net.order == 1:
         as_sector = _by_harmonics_of_whole(model, tangent, scale) if thorough else None
-        return _of_whole(tangent, scale, thorough) if as_sector is None else as_sector
+        if as_sector is not None:
+            return as_sector
+        found = _of_whole(tangent, scale, thorough)
+        sways = thorough and found.stable != "unknown" and model.bag.tips
+        return replace(found, sway_n_m=_sway_of_whole(model.bag, tangent)) if sways else found
     if len(model.bag.ropes) > 0 and not model.smeared:
         # a sector with real ropes is so wide that its harmonics cost more than the whole net does
         whole = _tangent_of_whole(model, tangent)
@@ -63,18 +73,22 @@ def stability_of(model: BagModel, tangent: TangentAtEquilibrium, thorough: bool 
         return replace(found, growths=tuple(_in_one_sector(growth, model.bag) for growth in found.growths))
     near = tangent.problem.loading.contact
     if tangent.ring is not None:
-        harmonics = growing_harmonics(tangent.ring, scale)
+        ring = tangent.ring
     else:
         touching = (near.node, near.image)
         ring = Ring(tangent.problem.structure, tangent.problem.bands, touching) if len(near.kind) else model.ring
-        harmonics = harmonics_of(tangent.problem, tangent.solution, ring)
-    return _by_harmonics(harmonics, scale)
+        ring.linearise(tangent.problem, tangent.solution)
+    return _by_harmonics(model.bag, ring, scale, strongest_alone)
 
 
-def _by_harmonics(harmonics: Harmonics, scale: float) -> Stability:
+def _by_harmonics(bag: Bag, ring: Ring, scale: float, strongest_alone: bool = False) -> Stability:
+    """By the tangent that the ring took over last."""
+    harmonics = growing_harmonics(ring, scale, strongest_alone)
     growing = tuple(growth.harmonic for growth in harmonics.growing)
     stable = "no" if growing else "unknown" if harmonics.undecided else "yes"
-    return Stability(stable, growing, harmonics.growing, scale, complete=not harmonics.undecided)
+    sway_n_m = sway_stiffness(ring) if stable != "unknown" and bag.tips else float("nan")
+    complete = not harmonics.undecided and not strongest_alone
+    return Stability(stable, growing, harmonics.growing, scale, sway_n_m, complete)
 
 
 def _by_harmonics_of_whole(model: BagModel, tangent: TangentAtEquilibrium, scale: float) -> Stability | None:
@@ -88,7 +102,8 @@ def _by_harmonics_of_whole(model: BagModel, tangent: TangentAtEquilibrium, scale
     if sector.bag.net.order == 1 or solution is None:
         return None
     problem = Problem.of(sector.bag.net, water=loading.water, weight=False, catch=_catch_in(sector.bag, loading.catch))
-    found = _by_harmonics(harmonics_of(problem, solution, sector.ring), scale)
+    sector.ring.linearise(problem, solution)
+    found = _by_harmonics(sector.bag, sector.ring, scale)
     growths = tuple(_set_round(growth, sector.bag, bag) for growth in found.growths)
     return replace(found, growths=growths)
 
@@ -145,7 +160,18 @@ def _of_whole(tangent: TangentAtEquilibrium, scale: float, thorough: bool, most:
         shape = np.zeros(free.shape, dtype=complex)
         shape[free] = vector
         growths.append(Growth(0, np.array([eigenvalue]), shape / shape.reshape(-1)[np.abs(shape).argmax()]))
-    return Stability("no" if growths else "yes", (), tuple(growths), scale, found.complete)
+    return Stability("no" if growths else "yes", (), tuple(growths), scale, complete=found.complete)
+
+
+def _sway_of_whole(bag: Bag, tangent: TangentAtEquilibrium) -> float:
+    """See ``Stability.sway_n_m``: of a full net by its tangent's own factors."""
+    codline = len(bag.net.positions) - 1 - bag.anchors
+    moves = []
+    for way in (1, 2):
+        force = np.zeros_like(bag.net.positions)
+        force[codline, way] = 1.0
+        moves.append(newton.moved_by(tangent, force)[codline, 1:])
+    return softest(np.array(moves))
 
 
 def ranges_text(numbers: tuple[int, ...]) -> str:

@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from codend.bag.bag import Bag
 from codend.bag.bag_kernels import ring_means
@@ -68,6 +67,8 @@ def windows_let_into(wider: BagModel, sector: Bag, found: Solution) -> Solution:
     Knots outside the windows are where they are in the sector set all round, a window's where the netting is that it
     takes the place of. Ropes and netting outside pull as there, a window's twine as a mean of its band.
     """
+    from scipy.spatial import cKDTree
+
     plan, g, rows = wider.plan, wider.globalisation, ring_means(sector.structure, found.positions)
     plain = build_bag(plan, globalisation=g, sectors=sector.net.sectors, rows=rows)
     laid = build_bag(plan, globalisation=g, rows=rows).net

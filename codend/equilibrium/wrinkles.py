@@ -10,7 +10,7 @@ import numpy as np
 
 from codend.bag.bag import Bag
 from codend.bag.measures import Measures, opening_rows_ahead
-from codend.equilibrium.accuracy import TIPPED, Errors
+from codend.equilibrium.accuracy import Errors
 from codend.equilibrium.stability import Stability
 from codend.net.net import Floats
 from codend.plan.plan import Case, Plan
@@ -20,8 +20,16 @@ SWINGS = 0.1
 """Sideways move of the codline, over the largest of all, from which what grows swings the bag on its hoop."""
 BY_SWINGING = np.array([0.03, 0.01, 0.02, 0.17])
 """Relative change of drag, volume, largest radius and opening ahead where it swings, however weakly that grows: it goes
-as far as the hoop lets it. Bags of diamond and T90 netting changed by up to 0.024, 0.008, 0.012 and 0.115, such as tip
-(``Kind.tips``) by what weight tips them (``python -m validation.swinging``)."""
+as far as the hoop lets it. Bags of diamond and T90 netting changed by up to 0.024, 0.008, 0.012 and 0.115
+(``python -m validation.swinging``)."""
+SWAYS = 0.15
+"""Stiffness of the codline against moves aside, over the drag over the length as a pendulum has it, up to which a bag
+that tips (``Kind.tips``) may hang aside though its symmetric shape is stable. Pushed and let go, 15 of some 150 stable
+bags of square mesh hung aside for good, of up to 0.104 (``python -m validation.pushed``, seeds 40 to 47); others came
+back, of diamond and T90 netting all, however easily they swayed."""
+ASIDE = np.array([0.15, 0.07, 0.3, 0.17])
+"""Relative change of drag, volume, largest radius and opening of bags that tip where they swing or may hang aside: up
+to 0.113, 0.035, 0.23 and 0.109."""
 STRONGEST = 50.0
 BY_STRENGTH = np.array([0.04, 0.35, 0.036, 0.004])
 """Relative change of drag, volume, largest radius and opening ahead, over the root of the strength. With 0.2 and 0.03
@@ -47,20 +55,22 @@ def changed_by_wrinkles(
 ) -> Floats:
     """Largest changes of drag, volume, largest radius and opening ahead by wrinkles, N, m3, m and degrees, (4,).
 
-    All 0 where nothing grows and no netting lies on netting (``touching``); nan where it is not known what grows.
+    All 0 where nothing grows, no netting lies on netting (``touching``) and the bag cannot hang aside; nan where it is
+    not known what grows.
     """
     if stability.stable == "unknown":
         return np.full(4, np.nan)
+    aside = may_hang_aside(stability, measures)
     if not stability.growths and not touching:
-        return np.zeros(4)
+        return measures.estimated * ASIDE * aside
     strength, reach = CONTACT if touching else (0.0, 0.0)
     swings, own = False, 0.0
-    ahead = _knots_ahead(bag, solution.share)
+    ahead, codline = _knots_ahead(bag, solution.share), -1 - bag.anchors
     for growth in stability.growths:
         own = min(-float(growth.eigenvalues[0].real) / stability.scale, STRONGEST)
         moved = np.abs(growth.shape).max(axis=1)
         strength = max(strength, own)
-        swings |= bool(np.linalg.norm(growth.shape[-1, 1:]) >= SWINGS * moved.max())
+        swings |= bool(np.linalg.norm(growth.shape[codline, 1:]) >= SWINGS * moved.max())
         reach = max(reach, float(np.sqrt(own) * moved[ahead].max(initial=0.0) / moved.max()))
     if not stability.complete:
         # what was not found grows less than all that was, but may swing the bag, and reach any row
@@ -69,14 +79,18 @@ def changed_by_wrinkles(
     changed = sizes * BY_STRENGTH * np.sqrt(strength) * max(1.0, FEW_MESHES / measures.filled_meshes)
     changed[:3] += sizes[:3] * BY_REACH * reach
     changed[3] += OPENING_BY_REACH_DEG * reach
-    if swings:
-        tips = any(kind.tips for kind in bag.band_kind)
-        changed += sizes * (np.maximum(BY_SWINGING, TIPPED) if tips else BY_SWINGING)
+    if swings or aside:
+        changed += sizes * (ASIDE if bag.tips else BY_SWINGING)
     if touching:
         changed *= MORE_IN_CONTACT
     if case.catch_kind in ("volume_m3", "mass_kg"):
         changed[1] = 0.0
     return changed
+
+
+def may_hang_aside(stability: Stability, measures: Measures) -> bool:
+    """Whether a bag may hang aside of its hoop as well as where it was found, stable there or not."""
+    return bool(stability.sway_n_m * measures.length_m < SWAYS * measures.drag_n)
 
 
 def within_accuracy(plan: Plan, measures: Measures, errors: Errors) -> bool:

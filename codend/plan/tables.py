@@ -89,9 +89,9 @@ class Netting(Table):
     """0: knots are points, and the knot that a gauge does not measure is taken as two twines wide."""
     twine_mm: Annotated[Number, Gt(0), Le(100)] | None = None
     """None: by Rtex and material."""
-    rtex: Annotated[Number, Gt(0), Le(1e6)] | None = None
+    rtex: Annotated[Number, Ge(1), Le(1e6)] | None = None
     """Of one twine, g/km."""
-    runnage_m_kg: Annotated[Number, Gt(0), Le(1e6)] | None = None
+    runnage_m_kg: Annotated[Number, Ge(1), Le(1e6)] | None = None
     """Length of a kilogram of one twine."""
     twine_number: Text | None = None
     """Denier of a yarn and number of yarns, as in 210/24."""
@@ -141,7 +141,9 @@ class Netting(Table):
             raise Contradiction("knot_mm", f"at most the length of a bar, {1000 * self.bar_m:g} mm")
         if self.drag_width_m >= self.bar_m:
             side_by_side = ", both twines together" if self.twines == 2 else ""
-            raise Contradiction("twine_mm", f"thinner than a bar is long, {1000 * self.bar_m:g} mm{side_by_side}")
+            key = next(key for key in ("twine_mm", *TITRES) if getattr(self, key) is not None)
+            a_twine = "" if self.twine_mm is not None else "a twine "
+            raise Contradiction(key, f"{a_twine}thinner than a bar is long, {1000 * self.bar_m:g} mm{side_by_side}")
         return self
 
     def _counts_that_do_not_fit(self) -> Iterator[Contradiction]:

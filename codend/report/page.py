@@ -1,7 +1,7 @@
 """Everything a study leaves in its folder."""
 
-from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -12,10 +12,19 @@ from codend.plan.copy import plan_toml
 from codend.plan.kinds import kinds_in_words
 from codend.plan.plan import Plan
 from codend.report.drag_plot import drag_plot
+from codend.report.drawn_beside import drawn_beside
 from codend.report.html import PageFigure, page_html
 from codend.report.own_look import own_look
 from codend.report.picture import net_picture
-from codend.report.plots import catch_text, opening_force_plot, opening_plot, profiles_plot, solved, tension_plot
+from codend.report.plots import (
+    catch_text,
+    layers_plot,
+    opening_force_plot,
+    opening_plot,
+    profiles_plot,
+    solved,
+    tension_plot,
+)
 from codend.report.style import number_text, png
 from codend.report.turning_net import TURNING, can_turn, turning_page
 from codend.report.vtk import write_series, write_vtu
@@ -49,9 +58,10 @@ def _net_caption(study: Study) -> str:
     catch = catch_text(shown.measures.catch_volume_m3, study.plan.catch_density_kg_m3)
     globalisation = shown.bag.globalisation
     merged = f" One mesh drawn stands for {globalisation} x {globalisation} real ones." if globalisation > 1 else ""
+    layers = " Dark lines are the bars of second layers." if shown.bag.layer_bands else ""
     return (
         f"The net with {catch} of catch at {number_text(shown.case.speed_m_s)} m/s (case {shown.case.number}), "
-        f"every mesh coloured by its opening angle.{merged}"
+        f"every mesh coloured by its opening angle.{merged}{layers}"
     )
 
 
@@ -78,6 +88,15 @@ PLOTS = (
         tension_plot,
         lambda _: "Tension of the bars along the codend, mean of each row; single bars at a joint may carry more.",
     ),
+    Plot(
+        "layers",
+        layers_plot,
+        lambda _: (
+            "Second layers: opening angle of their own meshes, and the share of the hoop load that they carry beside "
+            "the netting below; both along that netting."
+        ),
+        lambda study: bool(study.plan.layer),
+    ),
     Plot("drag", drag_plot, lambda _: "Drag of the codend, and the parts that the catch and the twine have in it."),
 )
 
@@ -86,12 +105,12 @@ def files_of(plan: Plan) -> list[str]:
     """Every file that ``write_report`` may write of a plan, relative to its folder."""
     nets = [f"net_{case.number}.vtu" for case in plan.cases()]
     plots = [f"plots/{plot.name}.png" for plot in PLOTS]
-    left_out = {"ropes.csv": not plan.ropes, "layers.csv": not plan.layer}
-    tables = [name for name in TABLES if not left_out.get(name, False)]
-    return ["plan.toml", *tables, RECORD, *plots, *nets, SERIES, *([TURNING] if can_turn() else []), "report.html"]
+    left_out = {"ropes.csv": not plan.ropes, "layers.csv": not plan.layer, "plots/layers.png": not plan.layer}
+    some = [name for name in (*TABLES, RECORD, *plots) if not left_out.get(name, False)]
+    return ["plan.toml", *some, *nets, SERIES, *([TURNING] if can_turn() else []), "report.html"]
 
 
-def write_report(study: Study, folder: Path, progress: StudyProgress | None = None) -> list[Path]:
+def write_report(study: Study, folder: Path, progress: StudyProgress | None = None, copied: bool = False) -> list[Path]:
     """Write tables, VTK files, plots and the page of a study into a folder, which is made when it is not there.
 
     ``plan.toml``, the plan as it was solved; ``results.csv`` and ``profile.csv``; ``meshes.csv`` for models more than
@@ -107,6 +126,7 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
         study: what to write; its cases that were not solved are listed as such, without numbers.
         folder: where to write.
         progress: told how many files are done, of how many, and which is being written.
+        copied: let a copy of this process draw, where it can be copied: a program whose threads hold no locks.
 
     Returns:
         The files written.
@@ -114,13 +134,34 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
     Raises:
         OSError: a file cannot be written.
     """
+    drawn = [plot for plot in PLOTS if solved(study) and plot.fits(study)]
+    beside = ThreadPoolExecutor(1)
+    try:
+        with drawn_beside([partial(plot.draw, study) for plot in drawn] if copied else []) as next_picture:
+            return _write_files(study, folder, drawn, next_picture, beside, progress)
+    finally:
+        beside.shutdown(cancel_futures=True)  # of files not yet begun when one cannot be written
+
+
+def _write_files(
+    study: Study,
+    folder: Path,
+    drawn: Sequence[Plot],
+    next_picture: Callable[[], bytes | None],
+    beside: Executor,
+    progress: StudyProgress | None,
+) -> list[Path]:
     figures: dict[str, PageFigure] = {}
     begun: dict[int, Future[None]] = {}
     run = ""
 
     def write_plot(plot: Plot, path: Path) -> None:
-        figures[plot.name] = PageFigure(png(plot.draw(study)), plot.caption(study))
-        write_bytes(figures[plot.name].png, path)
+        picture = next_picture()
+        if picture is None:
+            with own_look():
+                picture = png(plot.draw(study))
+        figures[plot.name] = PageFigure(picture, plot.caption(study))
+        write_bytes(picture, path)
 
     def write_page(path: Path) -> None:
         turning = TURNING if folder / TURNING in writers else ""
@@ -154,7 +195,6 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
         else:
             (folder / name).unlink(missing_ok=True)
     writers[folder / RECORD] = write_run
-    drawn = [plot for plot in PLOTS if solved(study) and plot.fits(study)]
     writers |= {folder / "plots" / f"{plot.name}.png": partial(write_plot, plot) for plot in drawn}
     # the other thread comes from the first
     writers |= {net_path(result): partial(write_net, result) for result in reversed(solved(study))}
@@ -167,14 +207,9 @@ def write_report(study: Study, folder: Path, progress: StudyProgress | None = No
             title = f"{study.plan.title}, case {case.case.number}"
             writers[folder / TURNING] = lambda path: write_text(turning_page(case, title), path)
     writers[folder / "report.html"] = write_page
-    beside = ThreadPoolExecutor(1)
-    try:
-        with own_look():
-            for done, (path, write) in enumerate(writers.items()):
-                if progress is not None:
-                    progress(done, len(writers), f"writing {path.name}")
-                path.parent.mkdir(exist_ok=True)
-                write(path)
-    finally:
-        beside.shutdown(cancel_futures=True)  # of files not yet begun when one cannot be written
+    for done, (path, write) in enumerate(writers.items()):
+        if progress is not None:
+            progress(done, len(writers), f"writing {path.name}")
+        path.parent.mkdir(exist_ok=True)
+        write(path)
     return list(writers)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from codend.bag.bag import Bag, WholeBag, all_round
 from codend.net.net import Floats
+from codend.report.layer_lines import layer_lines
 from codend.report.polygons import joined_on_axis, mesh_polygons
 from codend.report.style import INK, new_figure, number_text
 from codend.studies.case_result import CaseResult
@@ -27,6 +28,8 @@ WIDTH_IN, BAR_IN = 12.0, 0.75
 """Width of the picture, and room below the net for the bar of colours and its numbers."""
 STRAP_WIDTH = 3.2
 """Width of the line of a strap, which is a thick rope; other rings are thinner."""
+LAYER_WIDTH = 0.6
+"""Width of the bars of a second layer."""
 NEAR_OPACITY, FAR_OPACITY = 0.72, 0.38
 """Of netting ahead of the catch, on the near and on the far side; netting on the catch hides what is behind."""
 
@@ -64,6 +67,7 @@ def net_picture(result: CaseResult) -> "Figure":
         _ring(result, sectors, row) @ _screen_axes() for row in (0, round(front), *_strap_rows(result.bag))
     )
     _draw_meshes(axes, whole, flat, colours.to_rgba(opening), in_catch, front_ring)
+    _draw_layers(axes, layer_lines(result.bag, result.positions) @ _screen_axes())
     axes.plot(entry_ring[:, 0], entry_ring[:, 1], color=INK, linewidth=1.8)
     _draw_ring(axes, front_ring, 1.8)
     for ring in straps:
@@ -135,6 +139,16 @@ def _draw_meshes(
         zorder=2,
     )
     axes.add_collection(drawn, autolim=False)
+
+
+def _draw_layers(axes: "Axes", bars: Floats) -> None:
+    """Second layers over the meshes: the bars on the near side, (k, 2, 3)."""
+    from matplotlib.collections import LineCollection
+
+    axis = (np.eye(3) @ _screen_axes())[0]
+    # nearer than the axis at the same distance along it
+    near = bars.mean(axis=1) @ (np.array([0.0, 0.0, 1.0]) - axis[2] * axis) > 0.0
+    axes.add_collection(LineCollection(list(bars[near, :, :2]), colors=INK, linewidths=LAYER_WIDTH, zorder=2.5))
 
 
 def _ring(result: CaseResult, sectors: WholeBag, row: int) -> Floats:

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from codend.bag.layer_measures import measure_layers
 from codend.bag.measures import WANTED_OPENING_DEG, Rows, opening_rows_ahead
 from codend.net.net import Floats
-from codend.report.style import INK, PALE, dress, new_panels, number_text, ordered_colours, spread
+from codend.report.style import INK, PALE, dress, new_figure, new_panels, number_text, ordered_colours, spread
 from codend.studies.case_result import CaseResult
 from codend.studies.study import Study
 
@@ -138,6 +139,32 @@ def opening_force_plot(study: Study) -> "Figure":
 def tension_plot(study: Study) -> "Figure":
     """Bar tension along the codend."""
     return _along(study, "bar tension (N)", lambda c: c.rows.bar_tension_n, from_zero=True)
+
+
+def layers_plot(study: Study) -> "Figure":
+    """Openings of second layers along the netting below, and the share of the hoop load that each carries."""
+    figure = new_figure(WIDTH_IN, 5.6)
+    panels = figure.subplots(2, sharex=True)
+    for axes, label in zip(panels, ("opening of its meshes (degrees)", "share of the hoop load"), strict=True):
+        dress(axes)
+        axes.set_ylabel(label)
+    panels[1].set_xlabel("meshes of the netting below, from the entry")
+    for curve in [curve for curves in curves_by_speed(study).values() for curve in curves]:
+        result, bag = curve.result, curve.result.bag
+        for rows in measure_layers(bag, result.problem, result.solution):
+            band = rows.band.astype(int)
+            place = bag.row_place[band] + 0.5 * bag.band_meshes[band]
+            for axes, values in zip(panels, (rows.opening_deg, rows.hoop_share), strict=True):
+                axes.plot(place, values, color=curve.colour, linewidth=THIN, label=curve.label)
+    for axes in panels:
+        axes.set_ylim(bottom=0.0)
+    handles, labels = panels[1].get_legend_handles_labels()
+    once = dict(zip(labels, handles, strict=True))
+    named = [list(once)[i] for i in spread(len(once), MOST_LEGEND_ENTRIES)]
+    panels[1].legend(
+        [once[name] for name in named], named, title="catch", loc="center left", bbox_to_anchor=(1.01, 0.5)
+    )
+    return figure
 
 
 def _along(

@@ -2,13 +2,14 @@
 
 import zlib
 from collections.abc import Sequence
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from codend.bag.bag import all_round
+from codend.bag.layer_measures import measure_layers
 from codend.equilibrium.folds import contact_pushes
 from codend.io.files import whole_file, write_text
 from codend.net.net import Floats, Ints
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
 COMPRESSION: Final = 1
 """Level of zlib: its own default takes three times as long, for files 3 % smaller."""
+REMEMBERED: Final = 512
+"""Blocks of 32 kB that are not compressed again: those of some hundred thousand bars and meshes."""
 CELL_OF_CORNERS = {3: "triangle", 4: "quad"}
 """VTK cells of meshes by their number of corners; all others are polygons."""
 
@@ -46,9 +49,10 @@ def _write(mesh: "meshio.Mesh", path: Path) -> None:
 
 
 class _Zlib:
-    """What meshio takes of the module, at a level of our own."""
+    """What meshio takes of the module, at a level of our own, and of what was compressed before a copy."""
 
-    compress = staticmethod(partial(zlib.compress, level=COMPRESSION))
+    # which nodes bars and meshes join is the same in all cases of a run
+    compress = staticmethod(lru_cache(REMEMBERED)(partial(zlib.compress, level=COMPRESSION)))
     decompress = staticmethod(zlib.decompress)
 
 
@@ -71,8 +75,10 @@ def net_mesh(result: CaseResult) -> "meshio.Mesh":
     """The whole net of a solved case: bars as lines, then meshes as polygons.
 
     Cell data are those of the real netting: ``tension_n`` (of a bar; of a mesh, the mean of its sides), and of meshes
-    ``opening_deg``, ``opening_force_n`` and ``pressure_pa``, which bars do not have (nan). In a net with contact
-    bars have ``contact_push_n``, the larger push of other netting on their ends, which meshes do not have.
+    ``opening_deg``, ``opening_force_n`` and ``pressure_pa``, which bars do not have (nan). Meshes under a second layer
+    have its ``layer_opening_deg``, ``layer_tension_n`` of its bars and ``layer_hoop_share``, those under several the
+    last one's. In a net with contact bars have ``contact_push_n``, the larger push of other netting on their ends,
+    which meshes do not have.
 
     Raises:
         ValueError: the case was not solved.
@@ -90,6 +96,7 @@ def net_mesh(result: CaseResult) -> "meshio.Mesh":
         "opening_force_n": result.meshes.opening_force_n,
         "pressure_pa": result.meshes.pressure_pa,
     }
+    of_meshes |= _of_layers(result)
     no_value = np.full(len(whole.bars), np.nan)
     cell_data = {
         name: [no_value] + [np.tile(values, net.sectors)[which] for which, _ in polygons]
@@ -102,3 +109,17 @@ def net_mesh(result: CaseResult) -> "meshio.Mesh":
     cells = [("line", whole.bars)]
     cells += [(CELL_OF_CORNERS.get(corners.shape[1], "polygon"), corners) for _, corners in polygons]
     return meshio.Mesh(whole.positions, cells, cell_data=cell_data)
+
+
+def _of_layers(result: CaseResult) -> dict[str, Floats]:
+    """What the layer over every mesh of a sector does; nan where there is none, and nothing without layers."""
+    bag, found = result.bag, dict[str, Floats]()
+    _, band = bag.mesh_bands
+    for rows in measure_layers(bag, result.problem, result.solution):
+        of_layer = {"opening_deg": rows.opening_deg, "tension_n": rows.bar_tension_n, "hoop_share": rows.hoop_share}
+        for name, values in of_layer.items():
+            of_bands = np.full(bag.bands, np.nan)
+            of_bands[rows.band.astype(int)] = values
+            own = found.setdefault(f"layer_{name}", np.full(len(band), np.nan))
+            np.copyto(own, of_bands[band], where=np.isfinite(of_bands[band]))
+    return found

@@ -16,17 +16,20 @@ from codend.mechanics.contact import add_force
 from codend.mechanics.problem import Problem
 from codend.mechanics.surface import ContactLaw
 from codend.scenes.by_motion import calm_shapes
-from codend.solvers import floating, gentle, in_turns, interior_point, slack
+from codend.solvers import floating, gentle, in_turns, interior_point
 from codend.solvers.dynamic_relaxation import as_built, reference_tension
+from codend.solvers.interior_point import InteriorPointSettings
 from codend.solvers.outcome import Progress, Solution, Solver
 from codend.solvers.refusal import passage
 from codend.solvers.solve import find_equilibrium, polished
 
 OF_A_BAR = 0.05
 """Distance at which contact begins, over the shortest bar of netting."""
-PUSH = 0.1
+PUSH = 0.5
 """What sheets press on each other with at half of that distance, over the mean tension of the bars."""
-UNDER_CONTACT: tuple[Solver, ...] = (interior_point.solve, slack.solve)
+UNDER_CONTACT: tuple[Solver, ...] = (interior_point.solve, gentle.solve)
+NEARBY = InteriorPointSettings(first_barrier=1e-3)
+"""Of a net that is followed from an equilibrium near by."""
 APART = 1e-3
 """Least distance of parts in a start for contact, over that at which it begins: nearer ones would leap apart."""
 
@@ -123,7 +126,9 @@ def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tu
         if start is None or net.surface is None:
             return find(net, tolerance, True, progress)
         net = net.touching_at(start.positions)
-        found = slack.solve(net, tolerance, start, progress=progress)
+        found = interior_point.solve(net, tolerance, start, NEARBY, progress)
+        if not found.report.outcome.converged:
+            found = gentle.solve(net, tolerance, start, progress=progress)
         if not found.report.outcome.converged:
             return net, found
         # lengths met to the tolerance leave tensions of taut moorings off by more than the frame may feel
@@ -170,13 +175,7 @@ def _in_still_water(touching: Problem) -> Problem:
 
 def _at_rest(still: Problem, tolerance: float, progress: Progress | None) -> Solution:
     """A net in still water as far as it is found without contact: through the interior, else by gentle steps."""
-    through = interior_point.solve(still, tolerance, progress=progress)
-    if through.report.outcome.converged:
-        return through
-    found = slack.solve(still, tolerance, progress=progress)
-    attempts = (*through.report.attempts, *found.report.attempts)
-    spent_ms = through.report.solve_ms + found.report.solve_ms
-    return replace(found, report=replace(found.report, attempts=attempts, solve_ms=spent_ms))
+    return interior_point.solve(still, tolerance, progress=progress)
 
 
 def apart(touching: Problem, positions: np.ndarray) -> bool:

@@ -89,7 +89,10 @@ class Linearised:
             move, change = self._correction(*self._left(force, gap, positions, density))
             size = self._size(positions, density) or self._size(move, change)
             now = self._size(move, 0.0 * change) / size if size > 0.0 else 0.0
-            if not now < before:
+            if not np.isfinite(now):
+                return None
+            # no better than before: round-off, or a first correction that changed tensions alone
+            if before <= ENOUGH and not now < before:
                 break
             positions, density, before = positions + move, density + change, now
             if now <= REFINED:

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
-from codend.mechanics.harmonics import Complex, negative_pivots_side_by_side
+from codend.mechanics.harmonics import Complex, negative_pivots_side_by_side, solve_band_of_numbers
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
 from codend.solvers.harmonic_tangent import FIRST_STEPS, HarmonicTangent, Nearest
@@ -40,6 +40,8 @@ DENSE = 40
 """Unknowns up to which all eigenvalues of a harmonic are found at once."""
 NEARER, NEARER_BY = 3, 0.2
 """How many numbers between the bound and 0 eigenvalues are sought about, and the factor between them."""
+AS_BEFORE = 1.0, 1.1, 1.2
+"""How many are wanted about 0, over what was enough for the harmonic before."""
 MOST_ABOUT_NONE = 640
 """Steps of Arnoldi's method about 0 in all: four times as many as eigenvalues are asked for there at most."""
 ONE = 1e-5
@@ -95,8 +97,14 @@ def stiffness_under_tension(problem: Problem, solution: Solution) -> float:
     return solution.mean_tension / float(problem.structure.length.mean())
 
 
-def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
-    """What grows by the tangent that was gathered last; ``scale`` is a stiffness, N/m, of the net's order of size."""
+def growing_harmonics(ring: Ring, scale: float, strongest_alone: bool = False) -> Harmonics:
+    """What grows by the tangent that was gathered last.
+
+    Args:
+        ring: with the tangent.
+        scale: a stiffness, N/m, of the net's order of size.
+        strongest_alone: of a harmonic that grows no more is found than some eigenvalue near its lowest, which is quick.
+    """
     asked = np.arange(int(ring.order // 2) + 1)
     if not np.isfinite(ring.step.blocks).all():
         return Harmonics(ring.order, (), tuple(asked.tolist()))
@@ -111,13 +119,20 @@ def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
         found: dict[int, tuple[Complex, Complex] | None] = {}
         led: Complex | None = None
         for k in doubtful.tolist():
+            if strongest_alone:
+                found[k] = None
+                continue
             found[k] = pair = _nearest_to_none(ring.tangent(k), int(negative[k]), int(with_front[k]), led)
             led = None if pair is None else pair[1].sum(axis=1)
         left = np.array([k for k, pair in found.items() if pair is None], dtype=doubtful.dtype)
         enough = 0
         for k, lowest in zip(left.tolist(), _lower_bounds(ring, left, scale), strict=True):
-            pair = _lowest_eigenvalues(ring.tangent(k), lowest, int(negative[k]), int(with_front[k]), enough)
-            found[k], enough = pair, 0 if pair is None else len(pair[0])
+            tangent = ring.tangent(k)
+            first = tangent.nearest(lowest).eigenvalues(1) if strongest_alone and not enough else None
+            if first is not None and first[0].real.min() < 0.0:
+                found[k] = first
+                continue
+            found[k], enough = _lowest_eigenvalues(tangent, lowest, int(negative[k]), int(with_front[k]), enough)
     growing, undecided = [], []
     for k, pair in found.items():
         if pair is None:
@@ -129,6 +144,27 @@ def growing_harmonics(ring: Ring, scale: float) -> Harmonics:
             grows = grows[np.argsort(eigenvalues[grows].real)]
             growing.append(Growth(k, eigenvalues[grows], ring.shape_of(vectors[:, grows[0]], k)))
     return Harmonics(ring.order, tuple(growing), tuple(undecided))
+
+
+def sway_stiffness(ring: Ring) -> float:
+    """The force across the flow that moves the codline aside, the whole net following, over its move, N/m, at least.
+
+    By the tangent that was gathered last: harmonics 1 and n - 1 make up the force and its move.
+    """
+    tangent = ring.tangent(1)
+    factors = tangent.factors(0.0)
+    ways = tangent.size - ring.size
+    moves = np.zeros((ways, tangent.size), dtype=factors.dtype)
+    moves[:, ring.size :] = np.eye(ways)
+    for side in moves:
+        solve_band_of_numbers(factors, side)
+    return softest(moves[:, ring.size :])
+
+
+def softest(moves: NDArray[np.inexact]) -> float:
+    """Least stiffness, by the moves by unit forces: what moves of its own accord has a negative one."""
+    stiffness = np.linalg.eigvals(np.linalg.inv(moves)).real
+    return float(stiffness.min())
 
 
 @cache
@@ -177,19 +213,22 @@ def _nearest_to_none(
 
 def _lowest_eigenvalues(
     tangent: HarmonicTangent, lowest: float, negative: int, expected: int, enough: int
-) -> tuple[Complex, Complex] | None:
+) -> tuple[tuple[Complex, Complex] | None, int]:
     """All eigenvalues of a harmonic with negative real parts, and others; with their vectors. None if they hide.
 
     Those nearest to a lower bound are found, then those nearest to numbers between that and 0, and ever more about 0,
     until on what they leave the Hermitian part is positive definite: that proves the rest to be stable. Some of slack
     netting lie so near to 0 that the Hermitian part is negative among them though none of them is.
 
+    Returns:
+        eigenvalues and vectors, and how many were wanted about 0 if that decided.
+
     Args:
         tangent: the harmonic's.
         lowest: a bound on the eigenvalues of its Hermitian part, the front left out, N/m.
         negative: how many of these are negative.
         expected: how many are with the front: often as many as eigenvalues are needed.
-        enough: how many were needed of the harmonic before.
+        enough: how many were wanted about 0 of the harmonic before, if that decided there: it is tried first.
     """
     found: tuple[Complex, Complex] | None = None
     seekers: dict[float, Nearest] = {}
@@ -201,22 +240,24 @@ def _lowest_eigenvalues(
             continue
         found, basis = _joined(found, part)
         if tangent.negative_eigenvalues(negative, basis) == 0:
-            return found
-    return np.linalg.eig(tangent.dense()) if tangent.size <= DENSE_AT_LAST else None
+            return found, 0 if centre else wanted
+    return np.linalg.eig(tangent.dense()) if tangent.size <= DENSE_AT_LAST else None, 0
 
 
 def _places_to_look(size: int, lowest: float, expected: int, enough: int) -> Iterator[tuple[float, int]]:
     """Numbers about which eigenvalues are sought, and how many there: none where dense matrices are as quick."""
     if size <= DENSE or expected >= size // 4:
         return
+    most = min(size // 8, MOST_ABOUT_NONE // 4)
+    for share in AS_BEFORE if enough else ():
+        yield 0.0, min(int(share * enough), most)
     yield lowest, expected
     for fall in range(1, NEARER + 1):
         yield lowest * NEARER_BY**fall, expected + 2
-    most = min(size // 8, MOST_ABOUT_NONE // 4)
     wanted = max(expected + 2, min(enough, most))
     while wanted <= most:
         yield 0.0, wanted
-        wanted += wanted // 2
+        wanted += wanted // 3
 
 
 def _joined(

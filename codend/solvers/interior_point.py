@@ -179,7 +179,7 @@ def _lower_the_barrier(
         measure(structure, watched.loading, tension, 1.0, KEPT_TAUT, new)
         state, new = new, state
         back = watched.goes_back(step.move)
-        if min(of_turn, free) < BOLD or back:
+        if of_turn < BOLD or back:
             shift = min(max(2.0 * shift, LEAST_SHIFT), LARGEST_SHIFT)
         elif of_turn > EASY:
             shift = 0.25 * shift if shift > LEAST_SHIFT else 0.0

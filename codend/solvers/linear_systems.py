@@ -56,8 +56,14 @@ class LinearSystem(Protocol):
         """Number of negative pivots of the last factorisation: of a symmetric tangent, of its negative eigenvalues."""
 
 
-def linear_system(structure: Structure, pattern: Pattern) -> LinearSystem:
-    """The system that suits a net's tangent."""
+def linear_system(structure: Structure, pattern: Pattern, fewer: LinearSystem | None = None) -> LinearSystem:
+    """The system that suits a net's tangent.
+
+    ``fewer`` is that of the same net with fewer blocks: one that orders its unknowns for itself need not be numbered
+    for a narrow band again.
+    """
+    if isinstance(fewer, SparseSystem):
+        return type(fewer)(fewer.unknown, *_scalar_places(pattern, fewer.unknown))
     unknown = _band_numbering(structure, pattern)
     return fitting_system(unknown, *_scalar_places(pattern, unknown), WIDEST_BAND)
 

@@ -38,6 +38,8 @@ class SparseSystem:
 
     def __init__(self, unknown: Ints, row: Ints, column: Ints) -> None:
         self.size = int(unknown.max(initial=-1)) + 1
+        self.unknown = unknown
+        """Number of the unknown of every coordinate, -1 for held ones, (n, coordinates)."""
         self._free = unknown >= 0
         self._number = unknown[self._free]
         used = np.flatnonzero(((row >= 0) & (column >= 0)).ravel())

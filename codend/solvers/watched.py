@@ -71,9 +71,8 @@ class Watched:
     def _made(self) -> Prepared:
         structure, near = self.problem.structure, self.loading.contact
         pattern = pattern_of(structure, near=(near.node, near.image))
-        return Prepared(
-            pattern, linear_system(structure, pattern), self._without.states, empty_step(structure, pattern)
-        )
+        system = linear_system(structure, pattern, self._without.system)
+        return Prepared(pattern, system, self._without.states, empty_step(structure, pattern))
 
     def free_share(self, position: Floats, move: Floats) -> float:
         """Share of a move after which nothing has passed through anything, 1 without contact."""

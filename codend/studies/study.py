@@ -19,13 +19,13 @@ from codend.equilibrium.accuracy import Errors
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
 from codend.equilibrium.folds import in_contact_share
-from codend.equilibrium.followed import LYING_ON_ITSELF, NOT_FOLLOWED, as_it_lies
-from codend.equilibrium.following import follow
+from codend.equilibrium.followed import HANGS_ASIDE, LYING_ON_ITSELF, NOT_FOLLOWED, as_it_lies
+from codend.equilibrium.following import by_contact, follow
 from codend.equilibrium.other_shapes import apart_from_other_shapes
 from codend.equilibrium.room import check_room, explained
 from codend.equilibrium.stability import Stability, stability_of, tangent_of
 from codend.equilibrium.start_shapes import carried_over
-from codend.equilibrium.wrinkles import changed_by_wrinkles, within_accuracy
+from codend.equilibrium.wrinkles import changed_by_wrinkles, may_hang_aside, within_accuracy
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Net
 from codend.plan.plan import Case, Plan
@@ -185,10 +185,15 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     may_touch = stability.stable != "yes" or turned or result.net.order == 1
     touching = may_touch and layers_touch(problem, solution.positions)
     pressed = in_contact_share(problem, solution) > 0.0
-    changed = changed_by_wrinkles(result.bag, case, solution, stability, result.measures, touching or pressed)
+    # what others of nearly the ratio, in folds likewise, differ by is in the estimates
+    compared = pressed and model.near is not None and stability.stable == "yes"
+    lying = touching or (pressed and not compared)
+    changed = changed_by_wrinkles(result.bag, case, solution, stability, result.measures, lying)
+    changed = changed + by_contact(result.measures) if compared else changed
     changed = changed + apart_from_other_shapes(model, case, tangent, stability, result.measures)
     errors = accuracy.estimate(model, case, tangent, result.measures, unseen_weight_n, changed)
-    followed = replace(NOT_FOLLOWED, folds=True, reason=LYING_ON_ITSELF) if touching else NOT_FOLLOWED
+    aside = replace(NOT_FOLLOWED, reason=HANGS_ASIDE) if may_hang_aside(stability, result.measures) else NOT_FOLLOWED
+    followed = replace(NOT_FOLLOWED, folds=True, reason=LYING_ON_ITSELF) if touching else aside
     followed = as_it_lies(result.bag, problem, solution) if pressed else followed
     result = replace(result, errors=errors, stability=stability, followed=followed)
     if stability.stable != "no" or plan.model.wrinkles is False or plan.model.bars_per_side > 1 or plan.ropes:

@@ -40,6 +40,8 @@ class StudyPlan:
     """Relative standard deviations of numbers of the plans, by their keys."""
     search: Mapping[str, Any] | None = None
     """The table that ``codend search`` reads, as it stands."""
+    species_of_files: Mapping[str, str] = field(default_factory=dict)
+    """Names of species by those of their files, without ending."""
 
 
 def load_study(path: str | Path) -> StudyPlan:
@@ -74,7 +76,7 @@ def study_from_dict(data: Mapping[str, Any], source: str | Path = "study") -> St
     designs = Designs(tuple(bases), tuple(axes), keep, sample, size, seed)
     if len(designs) > MOST_DESIGNS:
         raise InputError(source, "vary", None, f"at most {MOST_DESIGNS} designs", f"makes {len(designs)} designs")
-    return StudyPlan(str(source), designs, tuple(species), uncertain, search)
+    return StudyPlan(str(source), designs, tuple(species), uncertain, search, reader.species_of_files)
 
 
 def looks_like_a_plan(data: Mapping[str, Any]) -> bool:
@@ -88,6 +90,7 @@ class _Reader:
     def __init__(self, data: Mapping[str, Any], source: Path) -> None:
         self.data, self.source = data, source
         self.errors: list[InputError] = []
+        self.species_of_files: dict[str, str] = {}
         self._known("", data, KEYS)
 
     def _refuse(self, key: str, value: object, allowed: str, problem: str = "is not allowed") -> None:
@@ -295,6 +298,8 @@ class _Reader:
             if one.name in {other.name for other in species}:
                 self._refuse(f"species.{number}", item, "each species once", "is named twice")
             species.append(one)
+            if isinstance(item, str):
+                self.species_of_files[Path(item).stem] = one.name
         return species
 
     def uncertain(self, bases: Sequence[Base]) -> dict[str, float]:

@@ -12,6 +12,10 @@ from codend.mechanics.structure import structure_of
 from codend.mechanics.tangent import pattern_of
 from codend.plan.plan import Plan, plan_from_dict
 from codend.report.choice_words import reason_text
+from codend.report.layer_lines import layer_lines
+from codend.report.page import files_of
+from codend.report.plots import layers_plot
+from codend.report.vtk import net_mesh
 from codend.studies.study import solve
 from tests.mechanics.test_tangent import dense
 
@@ -132,3 +136,34 @@ def test_weight_that_a_layer_leaves_out_is_told_where_it_matters():
     assert choice.weight_matters
     assert choice.reason is Reason.LAYER
     assert "leaves out the wet weight, which here matters" in reason_text(choice)
+
+
+@pytest.mark.parametrize("layer", [SNUG, TIGHT, {"mesh": "t90", "meshes_round": 20, "meshes_long": 20}])
+def test_bars_of_a_layer_are_drawn_on_the_netting_below_about_as_long_as_they_are(layer):
+    plan = plan_with(layer)
+    result = solve(plan).cases[0]
+    lines = layer_lines(result.bag, result.positions)
+    own = plan.layer[0]
+    assert len(lines) == 2 * own.meshes_round * own.rows_per_mesh * own.meshes_long
+    length = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1)
+    assert length.max() < 1.05 * (own.bar_m + own.knot_m)
+    assert np.hypot(*lines[..., 1:].T).max() <= result.measures.max_radius_m + 1e-9
+
+
+def test_a_study_with_layers_has_a_plot_of_them_and_one_without_promises_none():
+    plan = plan_with(SNUG)
+    assert "plots/layers.png" in files_of(plan)
+    assert "plots/layers.png" not in files_of(plan_with(None))
+    opening, share = layers_plot(solve(plan)).axes
+    assert [len(axes.lines) for axes in (opening, share)] == [1, 1]
+    assert np.max(share.lines[0].get_ydata()) <= 1.0
+
+
+def test_files_for_paraview_tell_what_a_layer_does_over_each_mesh():
+    result = solve(plan_with(TIGHT)).cases[0]
+    (rows,) = measure_layers(result.bag, result.problem, result.solution)
+    told = net_mesh(result).cell_data
+    for name, values in (("opening_deg", rows.opening_deg), ("hoop_share", rows.hoop_share)):
+        over = told[f"layer_{name}"][1]
+        assert np.isnan(over).any()
+        assert (np.nanmin(over), np.nanmax(over)) == pytest.approx((values.min(), values.max()))

@@ -9,9 +9,11 @@ from click.testing import CliRunner
 
 from codend.cli.main import main
 from codend.equilibrium import solve as equilibrium
+from codend.equilibrium import stability
 from codend.equilibrium.bag_model import model_of
+from codend.equilibrium.followed import HANGS_ASIDE
 from codend.equilibrium.stability import Stability, stability_of_whole
-from codend.equilibrium.wrinkles import BY_SWINGING, changed_by_wrinkles
+from codend.equilibrium.wrinkles import BY_SWINGING, changed_by_wrinkles, may_hang_aside
 from codend.plan.plan import plan_from_dict
 from codend.report.html import cautions, notes
 from codend.report.page_tables import solving_table
@@ -21,8 +23,10 @@ from codend.solvers.whole_tangent import WholeTangent
 from codend.studies.case_result import CaseResult
 from codend.studies.study import solve
 from tests.plans import make_plan
+from validation import pushed
 from validation.shaken import QUANTITIES, wrinkling_plan
 from validation.stability.linear import tangent_of
+from validation.weight_left_out import weighed_plan
 
 FOLDING = """
 title = "Square netting whose slack rings would fold"
@@ -132,6 +136,33 @@ def test_what_was_not_found_may_swing_the_bag_and_reach_any_row():
         for known in (True, False)
     ]  # fmt: skip
     assert (changed[1] > changed[0] + 0.9 * BY_SWINGING * whole.measures.estimated).all()
+
+
+def test_errors_of_square_mesh_that_sways_easily_cover_the_stable_shape_beside_its_stable_one():
+    """A small part of ``python -m validation.pushed``."""
+    row = pushed.row_of(weighed_plan(46, 13)[0])
+    assert row["sway"] == pytest.approx(0.036, abs=1e-3)
+    assert (row["ends"], row["stable"]) == ("settled", "yes")
+    assert row["hangs aside"] > 0.4
+    assert row["drag_n"] > 0.07
+    assert max(row[f"{name} over its error"] for name in QUANTITIES) <= 0.6
+
+
+def test_a_whole_net_sways_as_its_sector_does_and_says_that_it_may_hang_aside():
+    for tables in (weighed_plan(46, 13)[0].to_dict(), weighed_plan(46, 9)[0].to_dict()):
+        whole, sector = (
+            solve(plan_from_dict(tables | {"model": {"fidelity": name, "wrinkles": False}})).cases[0]
+            for name in ("full", "sector")
+        )
+        tangent = newton.tangent_at(whole.problem, whole.solution, model_of(whole_plan(tables), 1, None).prepared)
+        assert stability._sway_of_whole(whole.bag, tangent) == pytest.approx(sector.stability.sway_n_m, rel=1e-4)
+        aside = may_hang_aside(sector.stability, sector.measures)
+        assert (HANGS_ASIDE in (whole.followed.reason, sector.followed.reason)) == aside
+        assert whole.errors.drag_error_n == pytest.approx(sector.errors.drag_error_n, rel=0.01, abs=1e-5)
+
+
+def whole_plan(tables):
+    return plan_from_dict(tables | {"model": {"fidelity": "full"}})
 
 
 def test_a_run_says_on_its_page_and_in_the_end_which_net_in_balance_is_not_stable(tmp_path):

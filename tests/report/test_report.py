@@ -4,6 +4,7 @@ import shutil
 import subprocess
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from html import unescape
 from pathlib import Path
 from typing import Any
@@ -15,12 +16,14 @@ import pytest
 from codend.bag.measures import Measures
 from codend.io.files import whole_file, write_table
 from codend.plan.plan import plan_from_dict
-from codend.report import page
+from codend.report import drawn_beside, page
 from codend.report.choice_words import reason_text
+from codend.report.drag_plot import drag_plot
 from codend.report.html import notes
+from codend.report.own_look import own_look
 from codend.report.page import PLOTS, files_of, write_report
 from codend.report.page_tables import RESULT_HEADS
-from codend.report.style import column_text, number_text, spread, worth
+from codend.report.style import column_text, number_text, png, spread, worth
 from codend.report.turning_net import TURNING, can_turn, turning_page
 from codend.solvers.outcome import Outcome
 from codend.studies.case_result import CaseResult
@@ -96,7 +99,7 @@ def cells_of(folder: Path) -> Iterator[str]:
 
 def test_a_study_leaves_every_file_that_is_promised_and_tells_of_each(study: Study, written: Path):
     names = {str(path.relative_to(written)) for path in written.rglob("*") if path.is_file()}
-    plots = {f"plots/{plot.name}.png" for plot in PLOTS}
+    plots = {f"plots/{plot.name}.png" for plot in PLOTS if plot.fits(study)}
     tables = {"plan.toml", "results.csv", "profile.csv", "run.json"}
     turning = {TURNING} if can_turn() else set()
     assert names == {*tables, "net_1.vtu", "net_2.vtu", "net.pvd", "report.html"} | plots | turning
@@ -118,10 +121,10 @@ def test_meshes_of_a_full_net_are_written_too(tmp_path: Path):
     assert len(read) == len(full.cases[0].bag.mesh_row)
 
 
-def test_plots_are_pictures_with_something_drawn_in_them(written: Path):
+def test_plots_are_pictures_with_something_drawn_in_them(study: Study, written: Path):
     from matplotlib.image import imread
 
-    for plot in PLOTS:
+    for plot in (plot for plot in PLOTS if plot.fits(study)):
         path = written / "plots" / f"{plot.name}.png"
         assert path.read_bytes().startswith(PNG_START)
         picture = imread(path)
@@ -129,14 +132,14 @@ def test_plots_are_pictures_with_something_drawn_in_them(written: Path):
         assert len(np.unique(picture[..., :3].sum(axis=2))) > 50
 
 
-def test_the_page_carries_its_pictures_and_asks_for_nothing_from_elsewhere(written: Path):
+def test_the_page_carries_its_pictures_and_asks_for_nothing_from_elsewhere(study: Study, written: Path):
     html = (written / "report.html").read_text(encoding="utf-8")
     sources = re.findall(r'(?:src|srcset|action)\s*=\s*"([^"]*)"', html)
     drawings = [source for source in sources if source.startswith("data:image/svg+xml")]
     for drawing in drawings:
         assert base64.b64decode(drawing.removeprefix("data:image/svg+xml;base64,"), validate=True).startswith(b"<svg ")
     pictures = [source for source in sources if source not in drawings]
-    assert len(pictures) == len(PLOTS)
+    assert len(pictures) == sum(plot.fits(study) for plot in PLOTS)
     places = set(re.findall(r'id="([^"]*)"', html))
     for link in re.findall(r'href="([^"]*)"', html):
         assert link[1:] in places if link.startswith("#") else (written / link).is_file()
@@ -294,6 +297,17 @@ def test_curves_ahead_of_and_on_the_catch_meet_at_a_front_between_two_rows(study
         place = curve.meshes_from_entry
         assert curve.ahead(place)[-1] == curve.behind(place)[0] == pytest.approx(20.0 - filled)
         assert np.all(np.diff(np.concatenate([curve.ahead(place), curve.behind(place)[1:]])) > 0.0)
+
+
+def test_figures_drawn_by_a_copy_of_the_process_are_those_drawn_here(study: Study, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(drawn_beside, "can_draw_beside", lambda: True)
+    draw = partial(drag_plot, study)
+    with drawn_beside.drawn_beside([draw, draw, lambda: 1 / 0, draw]) as next_picture:
+        found = [next_picture() for _ in range(5)]
+    with own_look():
+        assert found == [png(draw()), png(draw()), None, None, None], (
+            "all after a failure are drawn here, where it tells"
+        )
 
 
 def test_numbers_are_rounded_for_readers():

@@ -18,6 +18,7 @@ from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.motion import Motion
 from codend.solvers.solve import find_equilibrium
 from tests.plans import make_plan
+from validation.contact import chain_on_a_floor
 
 SETTINGS = RelaxationSettings(steps_allowed=60_000, restarts=0)
 
@@ -27,28 +28,6 @@ def pushes(problem: Problem, positions: np.ndarray) -> np.ndarray:
     force = np.zeros_like(positions)
     add_force(positions, problem.touching_at(positions).loading.contact, force)
     return force
-
-
-def chain_on_a_floor(bars: int, z0: float, gap: float) -> Problem:
-    """A chain of 10 m and 20 N/m that hangs from ``z0`` above a floor and is pulled along it with 30 N at its end."""
-    length, weight, pull = 10.0 / bars, 20.0, 30.0
-    along = np.arange(bars + 1) * length
-    slope = np.hypot(z0, 5.0)
-    down = np.minimum(along / slope, 1.0)
-    chain = np.stack([5.0 * down + np.maximum(along - slope, 0.0), 0 * along, z0 * (1.0 - down) + 2.0 * gap], axis=1)
-    chain[0, 2] = z0
-    floor = np.array([[-30.0, -9.0, 0.0], [60.0, -9.0, 0.0], [10.0, 40.0, 0.0]])
-    nodes = np.concatenate([chain, floor])
-    held = np.zeros((len(nodes), 3), dtype=bool)
-    held[0] = held[-3:] = held[:, 1] = True
-    ends = np.stack([np.arange(bars), np.arange(1, bars + 1)], axis=1)
-    facets = [[bars + 1, bars + 2, bars + 3]]
-    net = Net.from_bars(nodes, ends, held, length_m=length, diameter_m=0.01, density_kg_m3=27000.0, facets=facets)
-    force = np.zeros_like(nodes)
-    force[: bars + 1, 2] = -weight * length
-    force[[0, bars], 2] *= 0.5
-    force[bars, 0] = pull
-    return Problem.of(net, nodal_force_n=force, weight=False, contact=ContactLaw(gap, 3.0 * weight * length / gap))
 
 
 def suspended(z: float, pull: float = 30.0, weight: float = 20.0) -> float:

@@ -165,6 +165,13 @@ def test_mistakes_are_one_line_each(table, said):
         found_of(**table)
 
 
+@pytest.mark.parametrize("name", ["Example round fish (assumed)", "species_example"])
+def test_a_species_is_named_as_it_or_its_file_is_called(name):
+    table = {"change": [BAR], "target": {"l50_cm": 10.0, "species": name}}
+    study = study_from_dict({"plan": PLAN.to_dict(), "species": [str(example_species_path())], "search": table})
+    assert asked_of(study).species == study.species
+
+
 def test_a_study_without_a_search_is_refused(tmp_path):
     (tmp_path / "plan.toml").write_text(plan_toml(PLAN), encoding="utf-8")
     (tmp_path / "study.toml").write_text('plan = "plan.toml"\n', encoding="utf-8")

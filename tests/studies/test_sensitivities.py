@@ -1,5 +1,6 @@
 """Derivatives by the tangent are those of full solves and of dimensions; kinks are told; intervals follow from them."""
 
+import numpy as np
 import pandas as pd
 import pytest
 from scipy.stats import norm, qmc
@@ -18,6 +19,7 @@ from codend.studies.study import solve
 from codend.studies.study_file import study_from_dict
 from tests.cli.test_cli import codend_cli
 from tests.plans import joined_plan, make_plan
+from validation.derivatives import KINDS, compared, random_plan
 
 STIFF = {"knot_mm": 6.0, "bending_stiffness_n_m2": 5e-5}
 PLANS = {
@@ -55,6 +57,25 @@ def test_derivatives_are_differences_of_full_solves(name):
             difference = (first - last + 8.0 * (third - second)) / (12.0 * step)
             allowed = 1e-5 * max(abs(difference), 1e-2 * value / number.value)
             assert one.slope[quantity] == pytest.approx(difference, abs=allowed), (number.key, quantity)
+
+
+@pytest.mark.parametrize("kind", ["ropes", "windows", "layers"])
+def test_derivatives_of_nets_with_more_than_their_netting_are_differences_of_full_solves(kind):
+    plan = random_plan(
+        kind, np.random.default_rng([0, KINDS.index(kind), {"ropes": 5, "windows": 0, "layers": 3}[kind]])
+    )
+    rows = [row for row in compared(kind, plan, load_species(example_species_path())) if not row.kink]
+    assert {row.key.split(".")[0] for row in rows} >= {"netting", kind[:-1], "tow", "catch"}
+    assert max(row.error for row in rows if row.quantity != "sr_cm") < 1e-5
+
+
+def test_tensions_that_change_alone_have_a_derivative():
+    # limp twine that does not stretch: the speed moves no knot
+    plan = random_plan("windows", np.random.default_rng([0, KINDS.index("windows"), 3]))
+    found = of_one_case(plan, keys=["tow.speed_m_s"])
+    assert found.numbers[0].slope["drag_n"] == pytest.approx(
+        2.0 * found.told["drag_n"] / plan.tow.speed_m_s[0], rel=1e-8
+    )
 
 
 @pytest.mark.parametrize("mesh", ["diamond", "t90", "square"])

@@ -2,6 +2,7 @@
 
 import math
 import re
+from threading import Thread
 
 import numpy as np
 import pandas as pd
@@ -165,6 +166,18 @@ def test_two_processes_and_a_cluster_find_what_one_does(home, monkeypatch):
     options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "scheduler_port": 0}
     with distributed.LocalCluster(**options) as cluster:
         same(one, codend.sweep(home / "study.toml", scheduler=cluster.scheduler_address))
+
+
+def test_threads_that_solve_at_the_same_time_find_what_one_does(home):
+    one, found = codend.sweep(home / "study.toml"), {}
+    threads = [Thread(target=lambda i=i: found.update({i: codend.sweep(home / "study.toml")})) for i in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for table in found.values():
+        same(one, table)
+    assert len(found) == 3
 
 
 def cut(path):

@@ -146,7 +146,7 @@ class _Reader:
                 allowed = f"one of {', '.join((*OF_NETS, *OF_FISH, *names))}"
                 self._refuse(f"search.limits.{key}", None, allowed, "is neither told of a case nor among search.change")
         wanted = {one.quantity for one in conditions} | set(reach)
-        if not species and (fish := sorted(wanted & set(OF_FISH))):
+        if not self.study.species and (fish := sorted(wanted & set(OF_FISH))):
             self._refuse("species", None, f"a species, whose {fish[0]} is asked", "is missing")
         if self.study.designs.keep and any(one.step is None for one in variables):
             free = next(one.number.key for one in variables if one.step is None)
@@ -201,10 +201,11 @@ class _Reader:
             if len(known) > 1:
                 self._refuse("search.target.species", None, f"one of {', '.join(known)}", "is missing")
             return tuple(known.values())[:1]
-        if name not in known:
+        one = known.get(str(name)) or known.get(self.study.species_of_files.get(str(name), ""))
+        if one is None:
             self._refuse("search.target.species", name, f"one of {', '.join(known) or 'the species of the study'}")
             return ()
-        return (known[name],)
+        return (one,)
 
     def _variables(self, plan: Plan, limits: Mapping[str, Mapping[str, Any]]) -> list[Variable]:
         keys = self.table.get("change")
