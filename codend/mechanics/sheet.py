@@ -58,8 +58,9 @@ def sheet_of(net: Net) -> Sheet:
     # a sector holds across the axis what it shares with all others
     on_axis = net.fixed[:, 1:].all(axis=1) & (net.positions[:, 1:] == 0.0).all(axis=1) & (sectors > 1)
     faces, images = _once_covered(net)
-    sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]], net.bars])
-    turns = np.concatenate([images[:, [0, 1]], images[:, [1, 2]], images[:, [2, 0]], _bar_images(net)])
+    bars = ~laced(net.bar_is_rope, net.bars[:, 0], net.bars[:, 1], net.facets)
+    sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]], net.bars[bars]])
+    turns = np.concatenate([images[:, [0, 1]], images[:, [1, 2]], images[:, [2, 0]], _bar_images(net)[bars]])
     edge, image, place = _unique_edges(sides, turns, on_axis, period)
     of_faces = np.unique(place[: 3 * len(faces)])
     bare = np.setdiff1d(np.arange(len(edge)), of_faces)
@@ -83,6 +84,17 @@ def sheet_of(net: Net) -> Sheet:
         cell=float(np.median(net.bar_length)) if len(net.bars) else 1.0,
         rotations=np.ascontiguousarray(np.stack([np.cos(angle), np.sin(angle)], axis=1)),
     )
+
+
+def laced(is_rope: NDArray[np.bool_], first: Ints, second: Ints, facets: Ints) -> NDArray[np.bool_]:
+    """Ropes with an end on netting, (m,): laced to it, they run through the meshes between their knots, or beside them.
+
+    Where netting bulges between two knots the straight rope lies behind it, and has not passed through anything.
+    """
+    found = is_rope.copy()
+    if found.any():
+        found[found] = np.isin(np.stack([first[found], second[found]]), facets).any(axis=0)
+    return found
 
 
 def _bar_images(net: Net) -> Ints:
