@@ -188,8 +188,24 @@ class Situation:
     @property
     def may_hang(self) -> bool:
         """Whether layers of the net may lie on each other under its weight, and it can be followed until they do."""
-        small = len(self.model.bag.net.positions) <= MOST_HUNG
-        return self.heavy and small and self.plan.model.contact is not False and not self.plan.layer
+        return (
+            self.heavy
+            and not self.geared
+            and self._small
+            and self.plan.model.contact is not False
+            and not self.plan.layer
+        )
+
+    @property
+    def may_fold_at_gear(self) -> bool:
+        """Whether netting between ropes and beside windows can be followed until it lies in folds."""
+        followed = self.geared and self._small and self.plan.model.contact is not False and not self.plan.layer
+        start = self.sector_all_round if followed else None
+        return start is not None and passage(self.touching, start.positions) is None
+
+    @property
+    def _small(self) -> bool:
+        return len(self.model.bag.net.positions) <= MOST_HUNG
 
     @property
     def may_fold(self) -> bool:
@@ -204,7 +220,7 @@ class Situation:
     @cached_property
     def _drawn_out(self) -> Solution:
         """A shape in which no netting lies on any, every bar with a tension of the size that it will have."""
-        laid = self.along_the_rows if self.may_fold else None
+        laid = self.sector_all_round if self.geared else self.along_the_rows if self.may_fold else None
         return under_weight(self.problem) if laid is None else laid
 
     @cached_property

@@ -206,6 +206,13 @@ IN_FOLDS = Start(
 """Spare netting behind a joint lies in folds, and without contact has no equilibrium but such as pass through
 themselves: 81 meshes to 74 of T90 were found so in sectors from 9 and 8 to 12 and 11 meshes wide, drag within 0.03 %
 of each other and of the full net's, in 2 s each where that takes 30."""
+IN_FOLDS_AT_GEAR = Start(
+    "the equilibrium of a sector, gently under contact",
+    lambda s: s.may_fold_at_gear,
+    lambda s: s.hung(),
+    in_contact=True,
+)
+"""Short ropes draw stiff and turned netting into folds, and windows that are wider than their place lie in some."""
 CRUDE_RELAXED = Start(
     "a crude bag, relaxed",
     lambda s: not s.draws_in,
@@ -239,7 +246,20 @@ RIGID_SLACK = Start(
 )
 """Led to bags of square mesh, whose rings go slack, where bars that push had not."""
 
-_BY_NEWTON = (LED, A_SECTOR, THROUGH, ROWS, STIFF, CRUDE, MERIDIAN, STEPS, HUNG, CRUDE_RELAXED, HALF_A_BAG)
+_BY_NEWTON = (
+    LED,
+    A_SECTOR,
+    THROUGH,
+    ROWS,
+    STIFF,
+    CRUDE,
+    MERIDIAN,
+    STEPS,
+    HUNG,
+    IN_FOLDS_AT_GEAR,
+    CRUDE_RELAXED,
+    HALF_A_BAG,
+)
 _BY_RELAXATION = (A_SECTOR_RELAXED, RELAXED_TO_THE_END)
 
 STARTS: Final[dict[str, tuple[Start, ...]]] = {

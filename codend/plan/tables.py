@@ -31,6 +31,9 @@ TUBE = "tube"
 SEA_WATER_KG_M3 = 1025.0
 """Assumed where a plan says nothing of its water: sea water, as it is commonly reckoned."""
 
+HAIR_MM = 1e-3
+"""Thinner is no twine; thickness that is missing has a stand-in below it while other mistakes are looked for."""
+
 DRAG_COEFFICIENTS = {"le-bris-1999": (1.36, 0.07), "bessonneau-1997": (1.2, 0.1), "choo-casarella-1971": (1.0, 1.0)}
 """Normal and tangential coefficients each drag law takes when the plan names none (LB99 4.2; BM97 2.1.2)."""
 
@@ -247,7 +250,8 @@ class Netting(Table):
             raise Contradiction("material", allowed, "is missing")
         if self.twine_mm is not None:
             heaviest = 1e6 * math.pi / 4 * self.twine_m**2 * (self.density_kg_m3 or math.inf)
-            if titres and self.rtex_g_km is not None and self.rtex_g_km > heaviest * (1 + 1e-9):
+            twine = self.twine_mm >= HAIR_MM
+            if titres and twine and self.rtex_g_km is not None and self.rtex_g_km > heaviest * (1 + 1e-9):
                 allowed = f"of at most R{heaviest:.4g} tex, at least {1e6 / heaviest:.4g} m/kg: fibre that fits into it"
                 raise Contradiction(titres[0], f"a twine of {1000 * self.twine_m:g} mm {allowed}")
             return
