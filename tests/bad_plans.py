@@ -244,6 +244,13 @@ BAD_PLANS = [
         "netting.0.runnage_m_kg",
     ),
     BadPlan("twine-number-of-no-yarns", "twines = 1", 'twines = 1\ntwine_number = "thick"', "netting.0.twine_number"),
+    BadPlan(
+        "twine-number-of-too-many-yarns",
+        "twines = 1",
+        f'twines = 1\nmaterial = "PA"\ntwine_number = "210/{"9" * 400}"',
+        "netting.0.twine_number",
+    ),
+    BadPlan("twine-of-nothing", "twines = 1", 'twines = 1\nmaterial = "PE"\nrtex = 1e-9', "netting.0.rtex"),
     BadPlan("rtex-and-runnage", "twines = 1", "twines = 1\nrtex = 4000\nrunnage_m_kg = 250", "netting.0.runnage_m_kg"),
     BadPlan("thickness-of-no-material", "twine_mm = 3.0", "rtex = 4000", "netting.0.twine_mm"),
     BadPlan(

@@ -68,12 +68,14 @@ def row(name: str, of: Plan) -> str:
         return f"{name:24s} {error}"
     time, last = found.table["time_s"], found.last_period
     before = found.table[(time >= period_s * (1.0 - 1e-9)) & (time <= 2.0 * period_s * (1.0 + 1e-9))]
+    stands = "" if found.settled else ", not settled"
     ranges = [f"{t['opening_ahead_deg'].min():6.2f} to {t['opening_ahead_deg'].max():6.2f}" for t in (last, before)]
     return (
         f"{name:24s} {of.vessel.heave_m:g} m, {period_s:2g} s: opening {ranges[0]} ({ranges[1]} before, "
         f"{result.measures.opening_ahead_deg:.2f} at rest), drag {last['drag_n'].min():.0f} to "
         f"{last['drag_n'].max():.0f} N ({result.measures.drag_n:.0f}); halving to {1e3 * found.step_s:.2f} ms changed "
-        f"{found.off['opening_ahead_deg']:.2f} degrees, {found.off['drag_n']:.1f} N; {process_time() - began:.1f} s"
+        f"{found.off['opening_ahead_deg']:.2f} degrees, {found.off['drag_n']:.1f} N{stands}; "
+        f"{process_time() - began:.1f} s"
     )
 
 

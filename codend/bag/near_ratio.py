@@ -22,9 +22,9 @@ SLOW_KNOTS, SLOW_MESHES = 3000, 10
 with 3 800 knots and 23 s with 15 000. Narrow sectors, however long, take milliseconds."""
 NARROW_MESHES = 12
 """Width of a sector that takes a second at most, whether it is solved or not."""
-DRAG_BY_MISMATCH = 2.0
+DRAG_BY_MISMATCH = 2.1
 """Relative error in drag by the largest mismatch: the drag goes as the square of a radius, and that as the meshes round
-(``python -m validation.joined_counts``)."""
+(``python -m validation.joined_counts``); what estimates tell at the least (``equilibrium.accuracy.BY_MISMATCH``)."""
 
 
 @dataclass(frozen=True)

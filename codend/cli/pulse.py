@@ -19,6 +19,7 @@ TABLE = {
     "mean_drag_n": "mean",
     "most_drag_n": "most",
 }
+SNAPS = "where slack twine that does not stretch snaps taut, its pull is as large as the step is short"
 ASSUMED = (
     "Assumed: the heave reaches the entry whole unless vessel.transmitted says less; the catch moves with the netting "
     "on it, with the added mass of a sphere of its volume; its pressure follows the speed without delay."
@@ -68,8 +69,8 @@ def pulse_codend(file: str, folder: Path, changes: tuple[str, ...], species_file
     for one in pulsing:
         if not one.settled:
             of = f"case {one.least.case.number}, period {one.table['period_s'].iloc[0]:g} s"
-            by = f"{one.off['opening_ahead_deg']:.2g} degrees and drag by {one.off['drag_n']:.2g} N"
-            click.echo(f"Of {of}, steps half as long still changed the range of openings by {by}.")
+            by = f"{one.off['opening_ahead_deg']:.2g} degrees and that of drag by {one.off['drag_n']:.3g} N"
+            click.echo(f"Of {of}, steps half as long still changed the range of openings by {by}: {SNAPS}.")
     click.echo(ASSUMED)
     explain_failures(study)
     return 0 if study.converged else NOT_CONVERGED

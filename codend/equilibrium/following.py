@@ -29,6 +29,7 @@ from codend.equilibrium.followed import NOT_FOLLOWED, Followed, Shape, meshes_wi
 from codend.equilibrium.growing_starts import fitting, starts
 from codend.equilibrium.stability import Stability, stability_of, tangent_of
 from codend.mechanics.problem import Problem
+from codend.net.net import Floats
 from codend.plan.plan import Case, Plan
 from codend.solvers import gentle
 from codend.solvers.clock import Clock
@@ -202,6 +203,12 @@ def _symmetric(model: BagModel, case: Case) -> tuple[BagModel, Solution, Stabili
     return sector, solution, stability, problem
 
 
+def by_contact(measures: Measures) -> Floats:
+    """What the model of contact may change: drag, volume, largest radius and opening ahead, (4,)."""
+    of_size, by_itself = INNER_LAYERS
+    return np.asarray(of_size * measures.estimated + by_itself)
+
+
 def _told(run: _Following, at_rest: Measures, merged: str, spent_ms: float) -> Followed:
     """What the shapes found amount to."""
     values = np.array([shape.measures.estimated for shape in run.shapes]).reshape(-1, 4)
@@ -235,7 +242,6 @@ def _told(run: _Following, at_rest: Measures, merged: str, spent_ms: float) -> F
     if shape.problem.surface is not None:
         lasts = lasts and len(run.shapes) >= ENOUGH_SHAPES
         if lasts:
-            of_size, by_itself = INNER_LAYERS
-            found = replace(found, changed=spread + of_size * shape.measures.estimated + by_itself)
+            found = replace(found, changed=spread + by_contact(shape.measures))
     found = replace(found, shape=shape, reason=reason, covered=lasts, folds=share > 0.0)
     return replace(found, contact_share=share, fold_count=folds)

@@ -9,10 +9,12 @@ from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.folds import contact_law, under_weight
 from codend.equilibrium.start_shapes import all_round_start, along_the_rows, windowed_start, windows_let_into
 from codend.mechanics.problem import Problem
+from codend.mechanics.sheet import FEWEST
 from codend.plan.plan import Case, Plan
 from codend.solvers import dynamic_relaxation, gentle, interior_point, newton
 from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.gentle import GentleSettings
+from codend.solvers.interior_point import InteriorPointSettings
 from codend.solvers.mirror import ALIKE
 from codend.solvers.newton import DIRECT, NewtonSettings
 from codend.solvers.outcome import Progress, Solution
@@ -21,6 +23,8 @@ from codend.solvers.refusal import passage
 
 BRIEF = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=10)
 """Newton's method from a start for no longer than a good one needs."""
+
+FROM_AFAR = InteriorPointSettings()
 
 FARTHEST_PREDICTION = 1.5
 """How far beyond the last catch the next one is predicted, over the distance between the last two."""
@@ -34,6 +38,10 @@ MOST_RELAXED = 1500
 MOST_HUNG, HANGING_STEPS = 3000, 1000
 """Knots of a net that is followed as it falls under its weight, and gentle steps that it may take: bags of 100 to 500
 knots took 190 to 450, in 1 to 15 s."""
+
+MOST_FOLDED = 1500
+"""Knots of a sector of nearly the ratio that is followed until spare netting at its joint lies in folds: of 300 knots
+some take 200 steps, in 2 s."""
 
 Known = Sequence[tuple[Case, Solution]]
 """Equilibria of other cases of the same model."""
@@ -180,13 +188,45 @@ class Situation:
     @property
     def may_hang(self) -> bool:
         """Whether layers of the net may lie on each other under its weight, and it can be followed until they do."""
-        small = len(self.model.bag.net.positions) <= MOST_HUNG
-        return self.heavy and small and self.plan.model.contact is not False and not self.plan.layer
+        return (
+            self.heavy
+            and not self.geared
+            and self._small
+            and self.plan.model.contact is not False
+            and not self.plan.layer
+        )
+
+    @property
+    def may_fold_at_gear(self) -> bool:
+        """Whether netting between ropes and beside windows can be followed until it lies in folds."""
+        followed = self.geared and self._small and self.plan.model.contact is not False and not self.plan.layer
+        start = self.sector_all_round if followed else None
+        return start is not None and passage(self.touching, start.positions) is None
+
+    @property
+    def _small(self) -> bool:
+        return len(self.model.bag.net.positions) <= MOST_HUNG
+
+    @property
+    def may_fold(self) -> bool:
+        """Whether a sector of nearly the ratio of a joint can be followed until its spare netting lies in folds.
+
+        The exact one is mostly so wide that this takes minutes.
+        """
+        near, knots = self.model.near, len(self.model.bag.net.positions)
+        followed = near is not None and near.order >= FEWEST and knots <= MOST_FOLDED
+        return followed and self.plan.model.contact is not False and self.along_the_rows is not None
+
+    @cached_property
+    def _drawn_out(self) -> Solution:
+        """A shape in which no netting lies on any, every bar with a tension of the size that it will have."""
+        laid = self.sector_all_round if self.geared else self.along_the_rows if self.may_fold else None
+        return under_weight(self.problem) if laid is None else laid
 
     @cached_property
     def touching(self) -> Problem:
         """The problem with contact between layers of the net."""
-        return self.problem.touching_by(contact_law(self.problem, under_weight(self.problem)))
+        return self.problem.touching_by(contact_law(self.problem, self._drawn_out))
 
     @property
     def first_settings(self) -> NewtonSettings:
@@ -203,10 +243,15 @@ class Situation:
         start, prepared = self._halved(start)
         return newton.solve(problem, self.tolerance, start, settings, self.progress, prepared)
 
-    def through_the_interior(self, problem: Problem, start: Solution | None = None) -> Solution:
+    def through_the_interior(
+        self,
+        problem: Problem,
+        start: Solution | None = None,
+        settings: InteriorPointSettings = FROM_AFAR,
+    ) -> Solution:
         """The interior-point method to the plan's tolerance, from a start or the crude bag the net was built as."""
         start, prepared = self._halved(start)
-        return interior_point.solve(problem, self.tolerance, start, progress=self.progress, prepared=prepared)
+        return interior_point.solve(problem, self.tolerance, start, settings, self.progress, prepared)
 
     def _halved(self, start: Solution | None) -> tuple[Solution | None, Prepared]:
         """A start, and room to work in: with half of the net where that mirrors the other, and the start does.
@@ -223,7 +268,7 @@ class Situation:
 
     def hung(self) -> Solution:
         """Gentle steps under contact from the nearest equilibrium known, or from a crude bag, as it falls."""
-        start = under_weight(self.problem)
+        start = self._drawn_out
         if self.known:
             nearest = min(self.known, key=lambda pair: abs(pair[0].catch_value - self.case.catch_value))[1]
             start = nearest if passage(self.touching, nearest.positions) is None else start

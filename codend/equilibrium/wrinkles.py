@@ -37,7 +37,8 @@ in volume and radius two of 18 nets of ``shaken --nets 60 --seed 2000`` were out
 gentle steps let weak growths go, shaken nets had come back."""
 FEW_MESHES = 1.2
 """Filled meshes under which all that changes more, in proportion: few rows share it. One of these nets, of 0.87, was
-outside in drag by 1.10."""
+outside in drag by 1.10. Volume changes by that once more: a bag of stiff diamond netting with 0.15 meshes filled, which
+closes to next to nothing, held 33 times as much in waves, 1.6 times its error."""
 BY_REACH = np.array([0.0, 0.0, 0.4])
 """Relative change of drag, volume and largest radius over the reach: the root of the strength times the largest move of
 a knot in the rows ahead, over the largest of all."""
@@ -76,7 +77,8 @@ def changed_by_wrinkles(
         # what was not found grows less than all that was, but may swing the bag, and reach any row
         swings, reach = True, max(reach, float(np.sqrt(own)))
     sizes = measures.estimated
-    changed = sizes * BY_STRENGTH * np.sqrt(strength) * max(1.0, FEW_MESHES / measures.filled_meshes)
+    few = max(1.0, FEW_MESHES / measures.filled_meshes)
+    changed = sizes * BY_STRENGTH * np.sqrt(strength) * [few, few**2, few, few]
     changed[:3] += sizes[:3] * BY_REACH * reach
     changed[3] += OPENING_BY_REACH_DEG * reach
     if swings or aside:

@@ -77,7 +77,7 @@ def near_pairs(position: Floats, way: Floats, reach: float, contact: Contact, sh
         if kind[pair] == EDGE_EDGE:
             even[pair] = sheet.even[first[row]] * sheet.even[second[row]]
             # the pair of an edge and its own image half a round on is named twice over
-            weight[pair] = 0.5 if first[row] == second[row] and 2 * turn[row] == sheet.sectors else 1.0
+            weight[pair] = 0.5 if first[row] == second[row] and 2 * turn[row] == sheet.period else 1.0
     pairs = Contact(node, image, kind, weight, even, contact.distance, contact.stiffness, contact.rotations, 1.0)
     return pairs, apart[order]
 
@@ -148,7 +148,7 @@ def _met(
                             ):
                                 continue
                             if (own_held and held[other]) or _share_a_node(
-                                own, own_image, parts, images, other, back, on_axis, sectors
+                                own, own_image, parts, images, other, back, on_axis, sheet.period
                             ):
                                 continue
                             _write_pair(kind, seeker, turn, other, sheet, node[0], image[0])
@@ -186,27 +186,27 @@ def _write_pair(kind: int, first: int, turn: int, second: int, sheet: Sheet, nod
             node[i] = sheet.edge[first, i] if i < 2 else sheet.edge[second, i - 2]
             turns = sheet.edge_image[first, i] if i < 2 else sheet.edge_image[second, i - 2]
         turns = turns if i < size else turns - _back(turn, sheet.sectors)
-        image[i] = 0 if sheet.on_axis[node[i]] else _wrapped(turns, sheet.sectors)
+        image[i] = 0 if sheet.on_axis[node[i]] else _wrapped(turns, sheet.period)
 
 
 @njit(cache=True)
 def _share_a_node(
-    own: Ints, own_image: Ints, parts: Ints, images: Ints, other: int, back: int, on_axis: NDArray, sectors: int
+    own: Ints, own_image: Ints, parts: Ints, images: Ints, other: int, back: int, on_axis: NDArray, period: int
 ) -> bool:
     """Whether some nodes, turned back, and a part have one in common."""
     for a in range(len(own)):
         for b in range(parts.shape[1]):
             if own[a] == parts[other, b] and (
-                on_axis[own[a]] or (own_image[a] - images[other, b] + back) % sectors == 0
+                on_axis[own[a]] or (own_image[a] - images[other, b] + back) % period == 0
             ):
                 return True
     return False
 
 
 @njit(cache=True)
-def _wrapped(image: int, sectors: int) -> int:
-    half = (sectors - 1) // 2
-    return (image + half) % sectors - half
+def _wrapped(image: int, period: int) -> int:
+    half = (period - 1) // 2
+    return (image + half) % period - half
 
 
 @njit(cache=True)

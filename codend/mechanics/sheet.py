@@ -8,6 +8,10 @@ from numpy.typing import NDArray
 from codend.mechanics.contact import PARALLEL
 from codend.net.net import Floats, Ints, Net, facet_corners
 
+FEWEST = 4
+"""Sectors, not a whole number of them, from which the fraction left over is little."""
+BEYOND_ALL = 1 << 20
+
 
 class Sheet(NamedTuple):
     """Parts of a net that nothing may pass through."""
@@ -28,6 +32,9 @@ class Sheet(NamedTuple):
     on_axis: NDArray[np.bool_]
     """Nodes that all sectors share, (n,)."""
     sectors: int
+    """Images in which parts are sought, each the nearer way round."""
+    period: int
+    """Images by which a part is turned to where it was; beyond all where a fraction of a sector is left over."""
     cell: float
     """Of the grid in which parts are sought, m."""
     rotations: Floats
@@ -37,20 +44,24 @@ def sheet_of(net: Net) -> Sheet:
     """The surface of a net.
 
     Of quadrangles that are covered by both divisions into triangles the one whose diagonal is the longer along the flow
-    counts, so that netting can fold along it.
+    counts, so that netting can fold along it. Where the net stands for sectors nearly its like, whose images do not
+    close round, no part is sought in the fraction of one that is left over, opposite to each.
 
     Raises:
-        ValueError: the net stands for sectors nearly its like, and their images do not close round.
+        ValueError: so few of such sectors go round that the fraction would be much of it.
     """
-    sectors = net.sectors
-    if sectors != net.order:
-        raise ValueError("contact needs sectors that close round: a whole number of them")
+    sectors = int(net.order)
+    closes = sectors == net.order
+    if not closes and net.order < FEWEST:
+        raise ValueError(f"contact needs a whole number of sectors all round, or {FEWEST} of them and a fraction")
+    period = sectors if closes else BEYOND_ALL
     # a sector holds across the axis what it shares with all others
     on_axis = net.fixed[:, 1:].all(axis=1) & (net.positions[:, 1:] == 0.0).all(axis=1) & (sectors > 1)
     faces, images = _once_covered(net)
-    sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]], net.bars])
-    turns = np.concatenate([images[:, [0, 1]], images[:, [1, 2]], images[:, [2, 0]], _bar_images(net)])
-    edge, image, place = _unique_edges(sides, turns, on_axis, sectors)
+    bars = ~laced(net.bar_is_rope, net.bars[:, 0], net.bars[:, 1], net.facets)
+    sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]], net.bars[bars]])
+    turns = np.concatenate([images[:, [0, 1]], images[:, [1, 2]], images[:, [2, 0]], _bar_images(net)[bars]])
+    edge, image, place = _unique_edges(sides, turns, on_axis, period)
     of_faces = np.unique(place[: 3 * len(faces)])
     bare = np.setdiff1d(np.arange(len(edge)), of_faces)
     faces = np.concatenate([faces, edge[bare][:, [0, 1, 1]]])
@@ -58,7 +69,7 @@ def sheet_of(net: Net) -> Sheet:
     ends = _placed(net, edge, image)
     square = np.einsum("ij,ij->i", ends[:, 1] - ends[:, 0], ends[:, 1] - ends[:, 0])
     reach = sectors // 2 + int(np.abs(images).max(initial=0)) + int(np.abs(image).max(initial=0)) + 1
-    angle = 2.0 * np.pi * np.arange(-reach, reach + 1) / sectors
+    angle = 2.0 * np.pi * np.arange(-reach, reach + 1) / net.order
     return Sheet(
         face=np.ascontiguousarray(faces, dtype=np.int32),
         face_image=np.ascontiguousarray(images, dtype=np.int32),
@@ -69,9 +80,21 @@ def sheet_of(net: Net) -> Sheet:
         fixed=np.asarray(net.fixed.all(axis=1)),
         on_axis=on_axis,
         sectors=sectors,
+        period=period,
         cell=float(np.median(net.bar_length)) if len(net.bars) else 1.0,
         rotations=np.ascontiguousarray(np.stack([np.cos(angle), np.sin(angle)], axis=1)),
     )
+
+
+def laced(is_rope: NDArray[np.bool_], first: Ints, second: Ints, facets: Ints) -> NDArray[np.bool_]:
+    """Ropes with an end on netting, (m,): laced to it, they run through the meshes between their knots, or beside them.
+
+    Where netting bulges between two knots the straight rope lies behind it, and has not passed through anything.
+    """
+    found = is_rope.copy()
+    if found.any():
+        found[found] = np.isin(np.stack([first[found], second[found]]), facets).any(axis=0)
+    return found
 
 
 def _bar_images(net: Net) -> Ints:
@@ -95,10 +118,10 @@ def _undirected(sides: Ints, turns: Ints) -> tuple[Ints, NDArray[np.bool_]]:
     return np.stack([low, high, np.where(against, -turn, turn)], axis=1), against
 
 
-def _unique_edges(sides: Ints, turns: Ints, on_axis: NDArray[np.bool_], sectors: int) -> tuple[Ints, Ints, Ints]:
+def _unique_edges(sides: Ints, turns: Ints, on_axis: NDArray[np.bool_], period: int) -> tuple[Ints, Ints, Ints]:
     """Edges each once, (e, 2), their images, (e, 2), and which of them each side is, (sides,)."""
     turns = np.where(np.any(on_axis[sides], axis=1, keepdims=True), 0, turns)
-    turns = np.stack([np.zeros(len(turns), dtype=int), wrapped(turns[:, 1] - turns[:, 0], sectors)], axis=1)
+    turns = np.stack([np.zeros(len(turns), dtype=int), wrapped(turns[:, 1] - turns[:, 0], period)], axis=1)
     table, place = np.unique(_undirected(sides, turns)[0], axis=0, return_inverse=True)
     keep = (table[:, 0] != table[:, 1]) | (table[:, 2] != 0)
     number = np.where(keep, np.cumsum(keep) - 1, -1)
@@ -106,10 +129,10 @@ def _unique_edges(sides: Ints, turns: Ints, on_axis: NDArray[np.bool_], sectors:
     return table[keep, :2], image[keep], number[place.ravel()]
 
 
-def wrapped(image: Ints, sectors: int) -> Ints:
+def wrapped(image: Ints, period: int) -> Ints:
     """Images as turns of half a round at most."""
-    half = (sectors - 1) // 2
-    return np.asarray((image + half) % sectors - half)
+    half = (period - 1) // 2
+    return np.asarray((image + half) % period - half)
 
 
 def _once_covered(net: Net) -> tuple[Ints, Ints]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Final, Literal, Self
 
-from annotated_types import MinLen
+from annotated_types import Ge, MinLen
 from pydantic import model_validator
 
 from codend.errors import InputError
@@ -43,19 +43,21 @@ class Limit(Table):
     """What is limited."""
     source: Text
     """Where the limit comes from."""
-    least: Number | None = None
+    least: Annotated[Number, Ge(0)] | None = None
     """No less is allowed."""
-    most: Number | None = None
+    most: Annotated[Number, Ge(0)] | None = None
     """No more is allowed."""
     section: Text | None = None
     """The section, window or layer that it is for, by name or number; left out: all of them."""
 
     @model_validator(mode="after")
-    def _has_a_limit(self) -> Self:
+    def _can_be_kept(self) -> Self:
         if self.least is None and self.most is None:
             raise Contradiction("least", "least or most, or both", "is missing")
         if self.least is not None and self.most is not None and self.least > self.most:
             raise Contradiction("least", f"at most {self.most:g}, the most")
+        if not (self.source.isprintable() and self.source.strip()):
+            raise Contradiction("source", "a text of one line")
         return self
 
 

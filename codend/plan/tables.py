@@ -31,6 +31,9 @@ TUBE = "tube"
 SEA_WATER_KG_M3 = 1025.0
 """Assumed where a plan says nothing of its water: sea water, as it is commonly reckoned."""
 
+HAIR_MM = 1e-3
+"""Thinner is no twine; thickness that is missing has a stand-in below it while other mistakes are looked for."""
+
 DRAG_COEFFICIENTS = {"le-bris-1999": (1.36, 0.07), "bessonneau-1997": (1.2, 0.1), "choo-casarella-1971": (1.0, 1.0)}
 """Normal and tangential coefficients each drag law takes when the plan names none (LB99 4.2; BM97 2.1.2)."""
 
@@ -89,9 +92,9 @@ class Netting(Table):
     """0: knots are points, and the knot that a gauge does not measure is taken as two twines wide."""
     twine_mm: Annotated[Number, Gt(0), Le(100)] | None = None
     """None: by Rtex and material."""
-    rtex: Annotated[Number, Gt(0), Le(1e6)] | None = None
+    rtex: Annotated[Number, Ge(1), Le(1e6)] | None = None
     """Of one twine, g/km."""
-    runnage_m_kg: Annotated[Number, Gt(0), Le(1e6)] | None = None
+    runnage_m_kg: Annotated[Number, Ge(1), Le(1e6)] | None = None
     """Length of a kilogram of one twine."""
     twine_number: Text | None = None
     """Denier of a yarn and number of yarns, as in 210/24."""
@@ -141,7 +144,9 @@ class Netting(Table):
             raise Contradiction("knot_mm", f"at most the length of a bar, {1000 * self.bar_m:g} mm")
         if self.drag_width_m >= self.bar_m:
             side_by_side = ", both twines together" if self.twines == 2 else ""
-            raise Contradiction("twine_mm", f"thinner than a bar is long, {1000 * self.bar_m:g} mm{side_by_side}")
+            key = next(key for key in ("twine_mm", *TITRES) if getattr(self, key) is not None)
+            a_twine = "" if self.twine_mm is not None else "a twine "
+            raise Contradiction(key, f"{a_twine}thinner than a bar is long, {1000 * self.bar_m:g} mm{side_by_side}")
         return self
 
     def _counts_that_do_not_fit(self) -> Iterator[Contradiction]:
@@ -245,7 +250,8 @@ class Netting(Table):
             raise Contradiction("material", allowed, "is missing")
         if self.twine_mm is not None:
             heaviest = 1e6 * math.pi / 4 * self.twine_m**2 * (self.density_kg_m3 or math.inf)
-            if titres and self.rtex_g_km is not None and self.rtex_g_km > heaviest * (1 + 1e-9):
+            twine = self.twine_mm >= HAIR_MM
+            if titres and twine and self.rtex_g_km is not None and self.rtex_g_km > heaviest * (1 + 1e-9):
                 allowed = f"of at most R{heaviest:.4g} tex, at least {1e6 / heaviest:.4g} m/kg: fibre that fits into it"
                 raise Contradiction(titres[0], f"a twine of {1000 * self.twine_m:g} mm {allowed}")
             return

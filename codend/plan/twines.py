@@ -33,18 +33,20 @@ THICKNESS_MM: Final[dict[MaterialName, tuple[float, float]]] = {
 trawlkit 1.1.0 made (data CC BY 4.0), off from them by up to 7, 8, 2 and 3 %."""
 TAKEN_UP_BY_TWIST: Final = 1.10
 """Rtex of a twine over the titre of its yarns side by side, as the Fisherman's Workbook reckons twisted twine."""
+MOST_RTEX: Final = 1e6
 _NUMBER = re.compile(r"\s*(\d+(?:\.\d+)?)\s*(?:[dD]|den)?\s*/\s*(\d+)\s*")
 
 
 def rtex_of_number(number: str) -> float | None:
     """Rtex of a twine number such as ``210/24``, the denier of a yarn and how many there are; None if it is none.
 
-    A denier is a gram in 9 km.
+    A denier is a gram in 9 km. A kilogram a metre is no twine.
     """
     found = _NUMBER.fullmatch(number)
     if found is None:
         return None
-    return float(found[1]) / 9.0 * int(found[2]) * TAKEN_UP_BY_TWIST
+    rtex = float(found[1]) / 9.0 * float(found[2]) * TAKEN_UP_BY_TWIST
+    return rtex if rtex <= MOST_RTEX else None
 
 
 def thickness_mm(rtex: float, material: MaterialName | None) -> float | None:

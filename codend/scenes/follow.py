@@ -22,7 +22,7 @@ from codend.solvers.refusal import passage
 
 State = dict[str, Floats | Ints]
 ATTITUDE = ("heel_deg", "trim_deg", "yaw_deg")
-RECORD_ROWS, UNEVEN = 8, 2.0
+RECORD_ROWS, UNEVEN = 8, 3.5
 """Rows from which on a table of motion is a record, if the longest time between two is no more times the shortest."""
 _EARLY = 1e-9
 """Seconds by which a step may begin before what happens at its start."""

@@ -17,11 +17,13 @@ class MovingMasses:
         """kg, (m,)."""
         self.of_water = np.broadcast_to(added_mass, volume.shape) * water * volume
         """Added mass across every bar, kg, (m,)."""
-        if not np.all(self.of_bars > 0.0):
-            raise ValueError("bars in motion need a mass: give their diameter")
         self.of_points = np.zeros(len(net.positions))
         """kg, (n,)."""
         np.add.at(self.of_points, net.point_node, net.point_mass)
+        at_nodes = self.of_points.copy()
+        np.add.at(at_nodes, net.bars.ravel(), np.repeat(self.of_bars, 2))
+        if not np.all(at_nodes[~net.fixed.all(axis=1)] > 0.0):
+            raise ValueError("bars in motion need a mass where they meet: give their diameter")
         self._bars_at = np.maximum(np.bincount(net.bars.ravel(), minlength=len(net.positions)), 1)
         self.blocks = np.zeros((len(net.positions), 3, 3))
         """Of the nodes, (n, 3, 3): as ``set_bare`` leaves them, and what is added to that."""

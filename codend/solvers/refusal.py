@@ -11,7 +11,7 @@ from codend.mechanics.crossing import band_turns
 from codend.mechanics.piercing import TOUCHING, first_pierced, touching_m
 from codend.mechanics.problem import Problem
 from codend.mechanics.rings import first_crossed_ring
-from codend.mechanics.sheet import Sheet
+from codend.mechanics.sheet import Sheet, laced
 from codend.net.net import Floats
 from codend.solvers.outcome import Outcome
 
@@ -142,10 +142,12 @@ def told(outcome: Outcome, refused: Refusal | None) -> str:
 def _sheet(problem: Problem, left_out: int | NDArray[np.bool_] = 0) -> tuple:
     """Bars and facets as ``first_pierced`` takes them, without some bands: which, (bands,), or how many at the end."""
     s, catch = problem.structure, problem.loading.catch
-    if isinstance(left_out, int):
-        if left_out == 0:
-            return s.first, s.second, s.image, s.facets, s.facet_image, s.facet_weight, s.order
-        left_out = np.arange(problem.bands) >= problem.bands - left_out
-    bars, facets = np.flatnonzero(~left_out[catch.bar_band]), np.flatnonzero(~left_out[catch.facet_band])
+    bars = ~laced(s.is_rope, s.first, s.second, s.facets)
+    facets = np.ones(len(s.facets), dtype=bool)
+    if not isinstance(left_out, int):
+        bars, facets = bars & ~left_out[catch.bar_band], ~left_out[catch.facet_band]
+    elif left_out > 0:
+        last = problem.bands - left_out
+        bars, facets = bars & (catch.bar_band < last), catch.facet_band < last
     of_facets = s.facets[facets], s.facet_image[facets], s.facet_weight[facets]
     return s.first[bars], s.second[bars], s.image[bars], *of_facets, s.order

@@ -29,7 +29,7 @@ STABLE = 0.5
 OPENING_MET_DEG, DRAG_MET = 0.3, 0.02
 """By how much the least and the most open, and the least and the most drag over its mean, may change with steps half as
 long: of a method of the second order three times what is left."""
-RUNS, MOST_BAR_STEPS = 8, 100_000_000
+RUNS, MOST_BAR_STEPS = 8, 20_000_000
 """Most runs in steps ever half as long, and bars times steps beyond which no run after the second is tried."""
 
 

@@ -20,7 +20,7 @@ from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
 from codend.equilibrium.folds import in_contact_share
 from codend.equilibrium.followed import HANGS_ASIDE, LYING_ON_ITSELF, NOT_FOLLOWED, as_it_lies
-from codend.equilibrium.following import follow
+from codend.equilibrium.following import by_contact, follow
 from codend.equilibrium.other_shapes import apart_from_other_shapes
 from codend.equilibrium.room import check_room, explained
 from codend.equilibrium.stability import Stability, stability_of, tangent_of
@@ -185,7 +185,11 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     may_touch = stability.stable != "yes" or turned or result.net.order == 1
     touching = may_touch and layers_touch(problem, solution.positions)
     pressed = in_contact_share(problem, solution) > 0.0
-    changed = changed_by_wrinkles(result.bag, case, solution, stability, result.measures, touching or pressed)
+    # what others of nearly the ratio, in folds likewise, differ by is in the estimates
+    compared = pressed and model.near is not None and stability.stable == "yes"
+    lying = touching or (pressed and not compared)
+    changed = changed_by_wrinkles(result.bag, case, solution, stability, result.measures, lying)
+    changed = changed + by_contact(result.measures) if compared else changed
     changed = changed + apart_from_other_shapes(model, case, tangent, stability, result.measures)
     errors = accuracy.estimate(model, case, tangent, result.measures, unseen_weight_n, changed)
     aside = replace(NOT_FOLLOWED, reason=HANGS_ASIDE) if may_hang_aside(stability, result.measures) else NOT_FOLLOWED

@@ -15,6 +15,7 @@ from codend.equilibrium.fidelity import Reason, choose
 from codend.equilibrium.start_shapes import set_round
 from codend.equilibrium.starts import Start
 from codend.errors import InputError
+from codend.mechanics.piercing import first_pierced, touching_m
 from codend.plan.plan import Plan, plan_from_dict
 from codend.report.html import cautions
 from codend.solvers import newton
@@ -81,6 +82,26 @@ def test_equal_ropes_in_a_sector_are_those_of_the_full_net(number, netting):
         assert getattr(measures, name) == pytest.approx(getattr(sector.measures, name), rel=1e-8)
     assert measures.sideways_imbalance < 1e-8
     assert measures.entry_reaction_n == pytest.approx(measures.drag_n, rel=1e-7)
+
+
+@pytest.mark.parametrize("stiff", [0.0, 1e-4])
+def test_a_straight_rope_behind_netting_that_bulges_has_passed_through_nothing(stiff):
+    """Laced to every second row, it cuts through the corner of a mesh: that was refused, of most nets with ropes."""
+    section = {"meshes_long": 19, "bar_mm": 50.0, "knot_mm": 8.0, "bending_stiffness_n_m2": stiff}
+    rope = {"number": 3, "shortening": 0.12, "axial_stiffness_n": 1e4}
+    results = [
+        case_of(roped(rope, meshes_round=24, **section, model={"fidelity": fidelity}))
+        for fidelity in ("sector", "full")
+    ]
+    for result in results:
+        s, positions = result.problem.structure, result.positions
+        facets = s.facets, s.facet_image, s.facet_weight, s.order
+        deep = touching_m(s.length, s.diameter)
+        for bars, pierces in ((s.is_rope, True), (~s.is_rope, False)):
+            pierced = first_pierced(positions, s.first[bars], s.second[bars], s.image[bars], *facets, deep)[0]
+            assert (pierced >= 0) == pierces
+    sector, whole = (result.measures for result in results)
+    assert whole.drag_n == pytest.approx(sector.drag_n, rel=1e-8)
 
 
 def test_a_short_bag_with_slack_netting_between_its_ropes_is_known_to_last_and_has_errors():

@@ -202,7 +202,7 @@ def test_the_model_and_what_it_costs_are_told_before_anything_is_solved(plan, mo
     monkeypatch.setattr(codend.studies.study, "solve", lambda *_: signal.raise_signal(signal.SIGINT))
     result = codend_cli("run", plan, "--out", plan.parent / "out", "--set", laced)
     assert "the full net (its mesh counts 97 and 89 have no common divisor) would be exact, but" in result.stdout
-    assert "in its place stands one 11 and 10 meshes wide, as of 97.4 and 88.6 meshes round" in result.stdout
+    assert "in its place stands one 12 and 11 meshes wide, as of 97.0 and 89.0 meshes round" in result.stdout
     exactly = ("--set", laced, "--set", "model.accuracy=1e-4")
     result = codend_cli("run", plan, "--out", plan.parent / "out", *exactly)
     assert "the full net (its mesh counts 97 and 89 have no common divisor) is exact." in result.stdout

@@ -220,6 +220,15 @@ def test_shaken_nets_on_which_the_law_was_not_found_lie_within_the_errors(seed):
     assert max(over) <= 1.0
 
 
+def test_the_error_of_a_volume_that_is_next_to_nothing_covers_what_waves_hold():
+    """Followed in a sector 4 meshes wide it holds 1.0706e-5 m3."""
+    stiff = {"meshes_round": 20, "meshes_long": 12, "knot_mm": 10.0, "bending_stiffness_n_m2": 5e-3, "twine_mm": 2.0}
+    result = solve(small("diamond", 40.0, 0.05, 0.15, {"fidelity": "sector", "wrinkles": False}, **stiff)).cases[0]
+    assert result.stability.stable == "no"
+    assert result.measures.catch_volume_m3 < 1e-6
+    assert 1.0706e-5 - result.measures.catch_volume_m3 < result.errors.catch_volume_error_m3
+
+
 def test_a_commercial_codend_of_stiff_diamond_netting_keeps_its_drag_in_waves():
     """1e-4 where it was followed before."""
     plan = commercial("diamond", 50, 2e-3, 300.0)

@@ -174,9 +174,9 @@ def test_pairs_that_an_earlier_search_left_are_those_of_a_search_anew(sectors):
         position = position + kept.free_share(position, move) * move
 
 
-def test_surfaces_that_do_not_close_round_are_refused():
+def test_surfaces_of_few_sectors_that_do_not_close_round_are_refused():
     net, _ = crumpled("diamond", 1)
     with pytest.raises(ValueError, match="whole number"):
-        Surface.of(replace(net, order=12.5), LAW)
+        Surface.of(replace(net, order=3.5), LAW)
     with pytest.raises(ValueError, match="above 0"):
         Surface.of(net, ContactLaw(0.0, 1.0))

@@ -228,6 +228,10 @@ def test_what_breaks_a_limit_is_told_in_digits_that_show_it(panels, tmp_path):
         ('source = "an example"', "", "limit.0.source"),
         ('"codend"', '"bag"', "limit.1.section"),
         ('"meshes_round"', '"weight"', "limit.1.quantity"),
+        ("most = 100", "most = 100\nleast = 110", "limit.1.least"),
+        ("most = 100", "most = -1", "limit.1.most"),
+        ('"an example"', '" "', "limit.0.source"),
+        ('"an example"', '"two\\nlines"', "limit.0.source"),
     ],
 )
 def test_a_file_of_limits_that_says_what_they_cannot_be_is_refused(panels, tmp_path, old, new, told):

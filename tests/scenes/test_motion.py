@@ -329,10 +329,10 @@ def test_a_table_of_motion_starts_where_the_vessel_is_at_time_0_and_goes_on_beyo
 
 
 def test_a_table_of_ten_rows_a_period_heaves_as_the_heave_it_was_taken_from():
-    t, period, h = np.linspace(0.0, 30.0, 51), 6.0, 0.01
+    t, period, h = np.delete(np.linspace(0.0, 30.0, 51), [46, 47]), 6.0, 0.01  # two rows were lost
     table = np.stack([t, 0.0 * t, 0.0 * t, [1.5 * heave(at, period) for at in t]], axis=1)
     path = path_of(None, table)
-    for at in np.linspace(6.6, 29.0, 60):
+    for at in np.linspace(6.6, 26.0, 60):
         wanted = np.array([1.5 * heave(at + k * h, period) for k in (-1, 0, 1)])
         found = np.array([path(at + k * h)[2] for k in (-1, 0, 1)])
         assert found == pytest.approx(wanted, abs=0.002)

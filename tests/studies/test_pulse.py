@@ -72,6 +72,15 @@ def test_steps_are_halved_until_ranges_stand_and_what_they_change_is_what_is_tol
     assert finer.changes_from(found)["opening_ahead_deg"] < 0.6 * found.off["opening_ahead_deg"]
 
 
+def test_a_strap_without_a_diameter_moves_with_the_knots_it_runs_through():
+    strap = {"meshes_from_codline": 6, "circumference_share": 0.3}
+    plan = heaved(4.0, 0.2, strap=[strap], time={"periods": 3, "outputs_a_period": 8})
+    table = in_first_steps(plan, 4.0)
+    result = codend.solve(plan).cases[0]
+    assert result.measures.opening_ahead_deg == pytest.approx(table["opening_ahead_deg"].iloc[0], rel=1e-6)
+    assert table["drag_n"].iloc[-1] == pytest.approx(table["drag_n"].iloc[-9], rel=0.05)
+
+
 def test_a_pulse_starts_in_the_equilibrium_and_ends_in_its_period():
     plan = heaved(5.0, 0.3)
     result = codend.solve(plan).cases[0]

@@ -119,6 +119,14 @@ def test_counts_are_differences_of_one():
     assert one.below["drag_n"] == pytest.approx(drag[1] - drag[0], rel=1e-5)
 
 
+def test_counts_of_nets_with_ropes_step_to_the_next_that_leaves_the_ropes_alike():
+    tables = make_plan(meshes_long=10, netting={"axial_stiffness_n": 2000.0}, filled=3.3).to_dict()
+    rope = {"kind": "lastridge", "number": 4, "shortening": 0.05, "axial_stiffness_n": 5000.0}
+    (found,) = of_one_case(plan_from_dict(tables | {"rope": [rope]}), keys=["netting.0.meshes_round"]).numbers
+    assert found.note == "over 4 fewer, the next of a narrow sector; over 4 more, the next of a narrow sector"
+    assert found.below["drag_n"] == pytest.approx(found.above["drag_n"], rel=0.3)
+
+
 def test_a_number_at_its_end_is_asked_towards_the_other_side():
     plan = make_plan(netting={"bending_stiffness_n_m2": 0.0, "rest_opening_deg": 40.0})
     (one,) = of_one_case(plan, keys=["netting.0.bending_stiffness_n_m2"]).numbers

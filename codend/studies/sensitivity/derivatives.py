@@ -240,7 +240,8 @@ def _next_count(base: SolvedCase, number: PlanNumber, sign: int) -> tuple[int, P
     if base.choice.near is not None:
         return sign, None
     kind = float if number.key.split(".")[-1] in PLACES or number.key.split(".")[-2] in PLACES else int
-    widest = max(WIDEST, math.ceil(1.5 * _width(base.plan)))
+    # a sector between other ropes is that of nearly as many meshes, or the whole net at once
+    widest = max(0 if base.plan.ropes else WIDEST, math.ceil(1.5 * _width(base.plan)))
     for step in range(1, max(1, int(FARTHEST * number.value)) + 1):
         try:
             plan = changed(base.plan, number.key, kind(number.value + sign * step))
@@ -253,5 +254,5 @@ def _next_count(base: SolvedCase, number: PlanNumber, sign: int) -> tuple[int, P
 
 def _width(plan: Plan) -> int:
     """Meshes that a sector of a plan is wide."""
-    counts = [part.meshes_round for part in plan.netting]
-    return max(counts) // math.gcd(*counts, *(rope.number for rope in plan.rope))
+    counts = [count for part in plan.netting for count in part.open_meshes]
+    return max(counts) // math.gcd(*counts, *(rope.number for rope in plan.ropes))
