@@ -40,6 +40,8 @@ class Stability:
     nan of others."""
     complete: bool = True
     """Whether all that grows was found, and not merely what grows most."""
+    at_most: float = float("nan")
+    """How much what was not found may grow, N/m; nan where that is not known."""
 
 
 def tangent_of(model: BagModel, problem: Problem, solution: Solution) -> TangentAtEquilibrium:
@@ -160,7 +162,8 @@ def _of_whole(tangent: TangentAtEquilibrium, scale: float, thorough: bool, most:
         shape = np.zeros(free.shape, dtype=complex)
         shape[free] = vector
         growths.append(Growth(0, np.array([eigenvalue]), shape / shape.reshape(-1)[np.abs(shape).argmax()]))
-    return Stability("no" if growths else "yes", (), tuple(growths), scale, complete=found.complete)
+    stable = "no" if growths else "yes" if found.complete else "unknown"
+    return Stability(stable, (), tuple(growths), scale, complete=found.complete, at_most=found.at_most)
 
 
 def _sway_of_whole(bag: Bag, tangent: TangentAtEquilibrium) -> float:

@@ -2,8 +2,8 @@
 
 Where much netting is spare at a joint it lies in folds, or hangs all but without load, and a wide sector then ends
 unsolved after minutes. One of nearly the ratio of the counts mostly is solved in milliseconds; how far its counts are
-off is in its errors. Between short ropes netting may hang so slack that it flutters, or be drawn into lobes that pass
-through each other: there the ropes are smeared, and what that costs is in the errors.
+off is in its errors. Between short ropes netting may hang so slack that it flutters, or lie in folds to which no start
+leads: there the ropes are smeared, and what that costs is in the errors.
 """
 
 from collections.abc import Sequence

@@ -56,13 +56,14 @@ def changed_by_wrinkles(
 ) -> Floats:
     """Largest changes of drag, volume, largest radius and opening ahead by wrinkles, N, m3, m and degrees, (4,).
 
-    All 0 where nothing grows, no netting lies on netting (``touching``) and the bag cannot hang aside; nan where it is
-    not known what grows.
+    All 0 where nothing grows, no netting lies on netting (``touching``) and the bag cannot hang aside; the most that may
+    be where it is not known what grows, nan where nothing is known of that.
     """
-    if stability.stable == "unknown":
+    unknown = stability.stable == "unknown"
+    if unknown and np.isnan(stability.at_most):
         return np.full(4, np.nan)
     aside = may_hang_aside(stability, measures)
-    if not stability.growths and not touching:
+    if not stability.growths and not touching and not unknown:
         return measures.estimated * ASIDE * aside
     strength, reach = CONTACT if touching else (0.0, 0.0)
     swings, own = False, 0.0
@@ -73,6 +74,9 @@ def changed_by_wrinkles(
         strength = max(strength, own)
         swings |= bool(np.linalg.norm(growth.shape[codline, 1:]) >= SWINGS * moved.max())
         reach = max(reach, float(np.sqrt(own) * moved[ahead].max(initial=0.0) / moved.max()))
+    if unknown:
+        own = min(stability.at_most / stability.scale, STRONGEST)
+        strength = max(strength, own)
     if not stability.complete:
         # what was not found grows less than all that was, but may swing the bag, and reach any row
         swings, reach = True, max(reach, float(np.sqrt(own)))

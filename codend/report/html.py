@@ -185,7 +185,7 @@ def cautions(study: Study) -> list[str]:
     if smeared := _named(of_smeared, study):
         found.append(
             f"No equilibrium was found with the ropes where they are: {smeared}. Between them netting hangs so slack "
-            "that it flutters, or is drawn into lobes that pass through each other. In their place ropes are smeared "
+            "that it flutters, or lies in folds to which no start led. In their place ropes are smeared "
             "over all meshes; the estimates cover what that changed on nets that were found both ways."
         )
     pressed = [result for result in study.cases if result.followed.contact_share > 0.0]

@@ -5,7 +5,7 @@ more. A change grows where an eigenvalue of it has a negative real part; where i
 whose pivots do tell, none has.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -36,6 +36,8 @@ class Growing:
     """Theirs, (unknowns, k)."""
     complete: bool
     """Whether no others have any."""
+    at_most: float = 0.0
+    """How much what was not found grows at most, but for what the front adds, N/m."""
 
 
 class WholeTangent:
@@ -78,14 +80,14 @@ class WholeTangent:
         return whole
 
     def growing(self, scale: float, most: int = MOST_EIGENVALUES, thorough: bool = False) -> Growing | None:
-        """Eigenvalues of K with negative real parts, and their vectors; None if it was not found out whether any has.
+        """Eigenvalues of K with negative real parts, and their vectors; None if nothing is known of them.
 
         Those nearest to a lower bound of the symmetric part's are found, more and more until one of them grows, or all
         that do if it is to be ``thorough``: until what they leave is positive definite (as in ``harmonics``).
 
         Args:
             scale: a stiffness of the net's order of size, N/m.
-            most: eigenvalues found at a time before the answer is None, or not complete.
+            most: eigenvalues found at a time before the answer is not complete.
             thorough: whether all that grow are wanted.
         """
         stable = Growing(np.zeros(0, dtype=complex), np.zeros((self.size, 0), dtype=complex), True)
@@ -115,7 +117,9 @@ class WholeTangent:
             if proved:
                 return growing or stable
             wanted = most if wanted < most < 2 * wanted + 2 else max(expected, 2 * wanted + 2)
-        return growing
+        if centre is None:
+            return None
+        return replace(growing or stable, complete=False, at_most=-centre)
 
     def _factors(self, shift: float) -> Any:
         """LU of the symmetric part and ``shift`` on its diagonal, without pivoting; None where that has no pivots."""

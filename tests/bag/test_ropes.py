@@ -25,7 +25,7 @@ from codend.studies.study import solve
 from validation.reference import nodal_loads, residual
 from validation.ropes_judged import found, judged
 from validation.ropes_short import measured, plan_with
-from validation.smeared_ropes import compare, random_plan
+from validation.smeared_ropes import SEED, compare, random_plan
 
 KNOTTED = {"knot_mm": 6.0}
 
@@ -114,6 +114,16 @@ def test_a_short_bag_with_slack_netting_between_its_ropes_is_known_to_last_and_h
     assert (result.net.order, whole.net.order) == (2, 1)
     assert result.stability.stable == whole.stability.stable == "yes"
     assert result.errors.drag_error_n <= 1e-6 * result.measures.drag_n
+
+
+def test_where_it_is_not_known_what_grows_errors_cover_the_most_that_may():
+    """Slack netting far ahead of the catch: no more of it grows than the symmetric part of the tangent lets it."""
+    rng = np.random.default_rng(SEED)
+    *_, plan = (random_plan(rng, "knotted") for _ in range(6))
+    result = case_of(plan)
+    assert result.stability.stable == "unknown"
+    assert 0.0 < result.stability.at_most < 0.1 * result.stability.scale
+    assert 0.03 < result.errors.drag_error_n / result.measures.drag_n < 0.1
 
 
 def test_the_load_in_ropes_and_netting_across_any_cut_is_the_drag_behind_it():
