@@ -56,8 +56,8 @@ def changed_by_wrinkles(
 ) -> Floats:
     """Largest changes of drag, volume, largest radius and opening ahead by wrinkles, N, m3, m and degrees, (4,).
 
-    All 0 where nothing grows, no netting lies on netting (``touching``) and the bag cannot hang aside; the most that may
-    be where it is not known what grows, nan where nothing is known of that.
+    All 0 where nothing grows, no netting lies on netting (``touching``) and the bag cannot hang aside; the most that
+    may be where it is not known what grows, nan where nothing is known of that.
     """
     unknown = stability.stable == "unknown"
     if unknown and np.isnan(stability.at_most):
