@@ -121,7 +121,8 @@ def floor_map(quick: bool) -> StabilityMap:
     """Where contact begins against how hard it presses, by the two solvers that start afar."""
     bars, z0 = 50, 2.0
     length, weight = LENGTH_M / bars, WEIGHT_N_M * LENGTH_M / bars
-    gaps = Axis("distance at which contact begins / bar", spaced(1e-5, 0.3, 3 if quick else 8))
+    distances = spaced(1e-5, 0.3, 3 if quick else 8)
+    gaps = Axis("distance at which contact begins / bar", distances, tuple(f"{one:.1g}" for one in distances))
     pushes = Axis("push at half of it / weight of a bar", spaced(0.1, 100.0, 2 if quick else 7))
     panels = tuple(
         panel(name, gaps, pushes, lambda x, y, by=by: on_a_floor(bars, z0, x * length, y * weight, by))

@@ -142,8 +142,12 @@ def _check_bending(plan: Plan) -> None:
 def _check_layers(plan: Plan, lattice: Lattice) -> None:
     """Refuse layers where they have no model: anything but a sector one mesh wide of meshes that bars alone make up."""
     if lattice.order == 1 or (lattice.columns != 1).any():
-        allowed = '"auto" or "sector", sections of as many meshes round, and "smeared" with ropes, under a [[layer]]'
-        raise InputError(plan.source, "model.fidelity", plan.model.fidelity, allowed)
+        for index, part in enumerate(plan.netting):
+            if part.panels > 1:
+                allowed = "1 under a [[layer]], which is modelled all round alike"
+                raise InputError(plan.source, f"netting.{index}.panels", part.panels, allowed)
+        allowed = '"auto" or "sector", sections of as many meshes round, and "auto" or "smeared" with ropes, under a '
+        raise InputError(plan.source, "model.fidelity", plan.model.fidelity, f"{allowed}[[layer]]")
     if plan.model.bars_per_side != 1:
         raise InputError(plan.source, "model.bars_per_side", plan.model.bars_per_side, "1 under a [[layer]]")
 

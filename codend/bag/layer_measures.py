@@ -26,6 +26,8 @@ class LayerRows:
     """Share of the hoop load of both that the layer carries; 0 where neither is under any."""
     axial_share: Floats
     """Share of the load along the meridian, likewise."""
+    hoop_load: Floats
+    """Inward pull of both on a sector, N."""
 
 
 def measure_layers(bag: Bag, problem: Problem, solution: Solution) -> list[LayerRows]:
@@ -45,8 +47,9 @@ def measure_layers(bag: Bag, problem: Problem, solution: Solution) -> list[Layer
             values.append((x, r, opening, pull.tension, *of_layer))
         x, r, opening, tension, own_hoop, own_axial = np.array(values).T
         start += len(bands)
-        shares = [_share(own, below[bands]) for own, below in ((own_hoop, hoop), (own_axial, axial))]
-        found.append(LayerRows(bands.astype(float), x, r, opening, tension, *shares))
+        hoop_share, axial_share = _share(own_hoop, hoop[bands]), _share(own_axial, axial[bands])
+        load = own_hoop + hoop[bands]
+        found.append(LayerRows(bands.astype(float), x, r, opening, tension, hoop_share, axial_share, load))
     return found
 
 
@@ -76,18 +79,16 @@ def _loads_below(bag: Bag, solution: Solution) -> tuple[Floats, Floats]:
     return by_band(hoop), by_band(along)
 
 
-def hoop_share_of_catch(rows: LayerRows, hoop_below: Floats, share: Floats) -> float:
-    """Share of the hoop load on the catch that a layer carries, over the bands that lie in it."""
-    bands = rows.band.astype(int)
-    weights = share[bands] * hoop_below[bands] / np.maximum(1.0 - rows.hoop_share, 1e-12)
+def hoop_share_of_catch(rows: LayerRows, share: Floats) -> float:
+    """Share of the hoop load on the catch that a layer carries, over the bands that lie in it, so much of each."""
+    weights = share[rows.band.astype(int)] * rows.hoop_load
     return float(np.average(rows.hoop_share, weights=weights)) if weights.sum() > 0.0 else float("nan")
 
 
 def of_the_catch(bag: Bag, problem: Problem, solution: Solution) -> tuple[float, float, float]:
     """Share of the hoop load on the catch in all layers, their largest tension, N, and their mean opening there."""
     rows = measure_layers(bag, problem, solution)
-    hoop = _loads_below(bag, solution)[0]
-    share = sum(hoop_share_of_catch(one, hoop, solution.share) for one in rows)
+    share = sum(hoop_share_of_catch(one, solution.share) for one in rows)
     inside = [solution.share[one.band.astype(int)] > 0.0 for one in rows]
     openings = np.concatenate([one.opening_deg[there] for one, there in zip(rows, inside, strict=True)])
     opening = float(openings.mean()) if len(openings) else float("nan")

@@ -12,6 +12,7 @@ from codend.mechanics.points import points_of
 from codend.mechanics.pressure import FILLED_MESHES, Catch
 from codend.mechanics.rings import Rings, rings_of
 from codend.mechanics.seabed import Seabed, no_seabed
+from codend.mechanics.sheet import Sheet
 from codend.mechanics.structure import Structure, structure_of
 from codend.mechanics.surface import ContactLaw, Surface
 from codend.mechanics.water import Water, uniform_flow
@@ -44,9 +45,13 @@ class Problem:
             return self
         return replace(self, loading=self.loading._replace(contact=self.surface.near(position)))
 
-    def touching_by(self, law: ContactLaw) -> "Problem":
-        """The problem with contact by a law, of which nothing acts yet."""
-        return replace(self, surface=Surface.of(self.net, law))
+    def touching_by(self, law: ContactLaw, sheet: Sheet | None = None) -> "Problem":
+        """The problem with contact by a law, of which nothing acts yet.
+
+        ``sheet`` is the surface as it was divided into triangles where the net was built: by where it has been moved to
+        since, other diagonals may be the longer ones.
+        """
+        return replace(self, surface=Surface.of(self.net, law) if sheet is None else Surface(sheet, law))
 
     def cannot_strain(self, positions: Floats) -> NDArray[np.bool_]:
         """Bars that no move of what is free makes longer, held lengthwise at both ends, (m,)."""

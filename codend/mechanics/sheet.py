@@ -163,9 +163,11 @@ def _once_covered(net: Net) -> tuple[Ints, Ints]:
     quadrangle = connected_components(joined, directed=False)[1][: len(half)]
     corner = facet_corners(net, net.positions)[half]
     span = np.roll(corner, -1, axis=1) - corner
-    # of two as long the one that winds forward about the axis, the same in all sectors
+    # of two as long the one that winds forward about the axis, the same in all sectors; of two across the flow, as in a
+    # wall that faces it, the steeper one, which is its own mirror image
     winds = span[..., 0] * (corner[..., 1] * span[..., 2] - corner[..., 2] * span[..., 1]) > 0.0
-    along = (np.round(np.abs(span[..., 0]) / np.abs(span).max(), 6) + 1e-7 * winds).ravel()
+    along, up = np.round(np.abs(span[..., [0, 2]]) / np.abs(span).max(), 6).transpose(2, 0, 1)
+    along = (along + 1e-7 * np.where(along > 0.0, winds, 0.5 * up)).ravel()
     own = np.where(diagonal, along, -1.0).reshape(-1, 3).argmax(axis=1) + 3 * np.arange(len(half))
     by_length = np.lexsort((which[own], along[own], quadrangle))
     longest = np.zeros(int(quadrangle.max()) + 1, dtype=int)

@@ -14,6 +14,7 @@ import numpy as np
 from codend.mechanics.body import place, pose_of
 from codend.mechanics.contact import add_force
 from codend.mechanics.problem import Problem
+from codend.mechanics.sheet import Sheet
 from codend.mechanics.surface import ContactLaw
 from codend.scenes.by_motion import calm_shapes
 from codend.solvers import floating, gentle, in_turns, interior_point
@@ -35,7 +36,11 @@ APART = 1e-3
 
 
 def find(
-    problem: Problem, tolerance: float, contact: bool, progress: Progress | None = None
+    problem: Problem,
+    tolerance: float,
+    contact: bool,
+    progress: Progress | None = None,
+    sheet: Sheet | None = None,
 ) -> tuple[Problem, Solution]:
     """Equilibrium of a scene, and the problem with the contact that acts in it.
 
@@ -44,12 +49,13 @@ def find(
         tolerance: largest residual and axial imbalance.
         contact: whether netting that meets netting may press on it.
         progress: told the residual now and then.
+        sheet: its surface, where that is not to be divided anew (``Problem.touching_by``).
     """
     if not contact or len(problem.net.facets) == 0:
         return problem, find_equilibrium(problem, tolerance, progress=progress)
     if problem.body is not None:
         return _afloat(problem, tolerance, progress)
-    touching, attempts, spent_ms = problem.touching_by(contact_law(problem)), [], 0.0
+    touching, attempts, spent_ms = problem.touching_by(contact_law(problem), sheet), [], 0.0
     flowing = bool(problem.loading.water.flow.any())
     if flowing and apart(touching, problem.net.positions):
         found = interior_point.solve(touching, tolerance, progress=progress)
@@ -68,7 +74,7 @@ def find(
     for start, law, solvers in _starts(touching, tolerance, at_rest, progress):
         started = True
         attempts += start.report.attempts if start is not at_rest else ()
-        touching = problem.touching_by(law).touching_at(start.positions)
+        touching = problem.touching_by(law, sheet).touching_at(start.positions)
         for solve in solvers:
             found = solve(touching, tolerance, start, progress=progress)
             attempts += found.report.attempts
@@ -110,6 +116,8 @@ def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tu
     body = problem.body
     assert body is not None
     touching = problem.touching_by(contact_law(problem))
+    assert touching.surface is not None
+    sheet = touching.surface.sheet
     found, positions = floating.solution_and_shape(problem, tolerance, progress=progress)
     if found.report.outcome.converged and passage(touching, found.positions) is None:
         return problem, found
@@ -124,7 +132,7 @@ def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tu
 
     def held(net: Problem, start: Solution | None) -> tuple[Problem, Solution]:
         if start is None or net.surface is None:
-            return find(net, tolerance, True, progress)
+            return find(net, tolerance, True, progress, sheet)
         net = net.touching_at(start.positions)
         found = interior_point.solve(net, tolerance, start, NEARBY, progress)
         if not found.report.outcome.converged:
@@ -139,6 +147,7 @@ def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tu
     settled, turned = in_turns.solve(moved, tolerance, held)
     attempts = (*found.report.attempts, *turned.report.attempts)
     spent_ms = found.report.solve_ms + turned.report.solve_ms
+    settled = replace(settled, net=problem.net)
     return settled, replace(turned, report=replace(turned.report, attempts=attempts, solve_ms=spent_ms))
 
 

@@ -1,10 +1,12 @@
 """Second layers of netting: what they carry, what they leave alone, and what fish make of them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from codend.bag.build import build_bag
-from codend.bag.layer_measures import measure_layers
+from codend.bag.layer_measures import hoop_share_of_catch, measure_layers
 from codend.equilibrium.fidelity import Reason, choose
 from codend.errors import InputError
 from codend.mechanics import wrap
@@ -167,3 +169,29 @@ def test_files_for_paraview_tell_what_a_layer_does_over_each_mesh():
         over = told[f"layer_{name}"][1]
         assert np.isnan(over).any()
         assert (np.nanmin(over), np.nanmax(over)) == pytest.approx((values.min(), values.max()))
+
+
+def test_a_layer_that_carries_all_over_netting_that_hangs_slack_round_carries_all_of_the_hoop_load():
+    result = solve(plan_with(TIGHT)).cases[0]
+    (rows,) = measure_layers(result.bag, result.problem, result.solution)
+    whole = replace(rows, hoop_share=np.ones_like(rows.hoop_share))
+    assert hoop_share_of_catch(whole, result.solution.share) == pytest.approx(1.0)
+    assert 0.0 < hoop_share_of_catch(rows, result.solution.share) < 1.0
+
+
+def test_a_layer_over_ropes_has_them_smeared_and_says_so():
+    rope = {"kind": "lastridge", "number": 2, "shortening": 0.1, "diameter_mm": 20.0, "axial_stiffness_n": 1e5}
+    plan = plan_with(LOOSE, rope=[rope])
+    choice = choose(plan)
+    assert (choice.fidelity, choice.reason) == ("smeared", Reason.LAYER_OVER_ROPES)
+    assert "so are the ropes" in reason_text(choice)
+    study = solve(plan)
+    assert study.converged
+    bare = solve(plan_from_dict(plan_with(None, rope=[rope]).to_dict(), overrides={"model.fidelity": "smeared"}))
+    assert study.table["drag_n"][0] == pytest.approx(bare.table["drag_n"][0], rel=1e-9)
+
+
+def test_panels_under_a_layer_are_refused_in_one_line():
+    section = plan_with(SNUG).to_dict()["netting"][0] | {"panels": 2, "selvedge_meshes": 3}
+    with pytest.raises(InputError, match=r"netting\.0\.panels"):
+        choose(plan_with(SNUG, netting=[section]))

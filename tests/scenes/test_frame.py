@@ -16,6 +16,7 @@ from codend.solvers import in_turns
 from codend.solvers.refusal import passage
 from codend.solvers.solve import find_equilibrium
 from validation.cage.gear import box
+from validation.cage.random_cages import crosses_itself
 from validation.floating_cage import afloat, pulls
 from validation.floating_frame import (
     WATER,
@@ -243,3 +244,16 @@ def test_a_floating_cage_in_a_current_is_held_by_its_anchors():
     assert (row["yaw_deg"], row["heel_deg"], row["y_m"] - 0.5) == pytest.approx((0.0, 0.0, 0.0), abs=1e-8)
     assert passage(result.built.problem, result.solution.positions) is None
     assert result_row(result)["contact_share"] > 0.0
+
+
+@pytest.mark.parametrize("longer", [1.0, 1.05])
+def test_netting_of_a_floating_cage_passes_through_itself_by_no_division_of_the_net_as_built(longer):
+    data = afloat(box(1.5, merged=10))
+    data["rope"][0]["length_m"] *= longer
+    built = build(scene_from_dict(data))
+    result = solve_scene(built)
+    assert result.converged
+    assert not crosses_itself(built, result.solution.positions)
+    # netting that lies in folds is not quite its own mirror image
+    row = frame_rows(result.built, result.solution.positions, result.support)[0]
+    assert (abs(row["yaw_deg"]) > 1.0) == (longer > 1.0)

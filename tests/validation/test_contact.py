@@ -4,10 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 
 from codend.solvers import gentle, interior_point
 from validation.contact import PULL_N, WEIGHT_N_M, carried_n, on_a_floor
-from validation.stability.judge import Finding
+from validation.stability.drawing import COLOURS, picture_of
+from validation.stability.judge import Finding, Judgement
+from validation.stability.maps import Axis, Cell, Panel, StabilityMap
 
 
 @pytest.mark.parametrize("z", [0.5, 2.0, 3.0])
@@ -31,3 +34,13 @@ def test_a_chain_that_carries_more_than_the_closed_form_is_found_out():
         return replace(found, positions=found.positions - lower[:, None] * [0.0, 0.0, 1.0])
 
     assert on_a_floor(50, 2.0, 1e-5, 10.0, wrong)[1].finding is Finding.WRONG
+
+
+def test_every_finding_is_drawn_in_its_own_colour():
+    one = Axis("one", (1.0,), ("one",))
+    cells = [(Cell("p", 1.0, 1.0, Judgement(kind, 0.0, 0.0, 0.0, ""), "", 0, 0.0, ""),) for kind in Finding]
+    rows = Axis("kind", tuple(range(1, len(cells) + 1)), tuple(kind.name for kind in Finding))
+    figure = picture_of(StabilityMap("map", "map", "", (Panel("p", one, rows, tuple(cells)),))).figure
+    (drawn,) = figure.axes[0].collections
+    figure.canvas.draw()
+    assert [to_hex(colour) for colour in drawn.get_facecolors()] == [COLOURS[kind] for kind in Finding]

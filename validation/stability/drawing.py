@@ -77,9 +77,8 @@ def _draw(axes: "Axes", panel: Panel) -> None:
 
     order = list(COLOURS)
     kinds = np.array([[order.index(cell.judgement.finding) for cell in row] for row in panel.cells])
-    axes.pcolormesh(
-        kinds, cmap=ListedColormap(list(COLOURS.values())), vmin=-0.5, vmax=4.5, edgecolors="white", linewidth=0.8
-    )
+    colours = ListedColormap(list(COLOURS.values()))
+    axes.pcolormesh(kinds, cmap=colours, vmin=-0.5, vmax=len(order) - 0.5, edgecolors="white", linewidth=0.8)
     for y, x in np.argwhere(kinds == order.index(Finding.WRONG)):
         axes.plot(x + 0.5, y + 0.5, "x", color="black", markersize=6, markeredgewidth=2)
     for line, dash in zip(panel.lines, DASHES, strict=False):
