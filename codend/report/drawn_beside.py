@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+LONGEST_WAIT_S = 30.0
+"""For a figure that takes a fraction of a second: a copy that hangs is not waited for."""
+
+
 def can_draw_beside() -> bool:
     """Whether a copy of the process is safe and of use; elsewhere than on Linux libraries do not bear to be copied."""
     return sys.platform == "linux" and cores() > 1
@@ -40,7 +44,7 @@ def drawn_beside(draw: "Sequence[Callable[[], Figure]]") -> Iterator["Callable[[
 
     def next_one() -> bytes | None:
         try:
-            return here.recv_bytes()
+            return here.recv_bytes() if here.poll(LONGEST_WAIT_S) else None
         except (EOFError, OSError):
             return None
 

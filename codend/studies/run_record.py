@@ -96,7 +96,7 @@ def remove_run(folder: Path, but_tables_of: str | None = None) -> None:
 
 SERIES: Final = "net.pvd"
 """Of the file that strings the nets of all cases together for ParaView."""
-PLOT_NAMES: Final = ("net", "profiles", "opening", "opening_force", "tension", "drag")
+PLOT_NAMES: Final = ("net", "profiles", "opening", "opening_force", "tension", "drag", "layers")
 """Of the plots in a run's ``plots``."""
 
 

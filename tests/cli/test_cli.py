@@ -288,7 +288,7 @@ def test_selectivity_and_fit_name_what_they_cannot_write(make, name, ran, tmp_pa
 
 def test_what_cannot_be_written_in_the_end_is_named_itself(ran, plan, monkeypatch):
     monkeypatch.setattr(codend.studies.study, "solve", lambda *_: None)
-    monkeypatch.setattr(page, "write_report", lambda _, folder, __: (folder / "new" / "plots").mkdir())
+    monkeypatch.setattr(page, "write_report", lambda _, folder, *__, **___: (folder / "new" / "plots").mkdir())
     out = plan.parent / "out"
     told = f"{out / 'new' / 'plots'}: cannot be written: No such file"
     assert_refused(codend_cli("run", plan, "--out", out), told, printed=reason(plan))
@@ -302,7 +302,7 @@ def test_a_folder_without_permission_is_refused_before_anything_is_solved(plan, 
 
 
 def test_a_full_disk_ends_in_one_line(ran, plan, monkeypatch):
-    def write_report(*_: object) -> None:
+    def write_report(*_: object, **__: object) -> None:
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(codend.studies.study, "solve", lambda *_: None)
