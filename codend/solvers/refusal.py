@@ -142,6 +142,8 @@ def told(outcome: Outcome, refused: Refusal | None) -> str:
 def _sheet(problem: Problem, left_out: int | NDArray[np.bool_] = 0) -> tuple:
     """Bars and facets as ``first_pierced`` takes them, without some bands: which, (bands,), or how many at the end."""
     s, catch = problem.structure, problem.loading.catch
+    if isinstance(left_out, int) and left_out == 0 and not s.is_rope.any():
+        return s.first, s.second, s.image, s.facets, s.facet_image, s.facet_weight, s.order
     bars = ~laced(s.is_rope, s.first, s.second, s.facets)
     facets = np.ones(len(s.facets), dtype=bool)
     if not isinstance(left_out, int):
