@@ -69,7 +69,7 @@ def stability_of(
         return replace(found, sway_n_m=_sway_of_whole(model.bag, tangent)) if sways else found
     if len(model.bag.ropes) > 0 and not model.smeared:
         # a sector with real ropes is so wide that its harmonics cost more than the whole net does
-        whole = _tangent_of_whole(model, tangent)
+        whole = tangent_of_whole(model, tangent)
         small = np.count_nonzero(whole.problem.structure.free) <= ASKED_CLOSELY
         found = _of_whole(whole, scale, thorough, MOST_EIGENVALUES if small else FIRST_EIGENVALUES)
         return replace(found, growths=tuple(_in_one_sector(growth, model.bag) for growth in found.growths))
@@ -128,12 +128,14 @@ def _in_one_sector(growth: Growth, sector: Bag) -> Growth:
     return replace(growth, shape=np.concatenate([farthest, [codline], np.zeros((sector.anchors, 3))]))
 
 
-def _tangent_of_whole(model: BagModel, tangent: TangentAtEquilibrium) -> TangentAtEquilibrium:
+def tangent_of_whole(model: BagModel, tangent: TangentAtEquilibrium) -> TangentAtEquilibrium:
     """The tangent of the whole net at the equilibrium of a sector, under the sector's loads."""
     whole = replace(model, bag=build_bag(model.plan, globalisation=model.globalisation), sectors=None)
     solution = set_round(model.bag, whole.bag, tangent.solution)
     loading = tangent.problem.loading
-    problem = Problem.of(whole.bag.net, water=loading.water, catch=_catch_in(whole.bag, loading.catch))
+    surface = tangent.problem.surface
+    law = None if surface is None else surface.law
+    problem = Problem.of(whole.bag.net, water=loading.water, catch=_catch_in(whole.bag, loading.catch), contact=law)
     return newton.tangent_at(problem, solution, whole.prepared)
 
 

@@ -8,12 +8,14 @@ import pytest
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
+from codend.equilibrium import solve as equilibrium
 from codend.equilibrium import standing_in
 from codend.equilibrium.accuracy import smeared_errors
 from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.fidelity import Reason, choose
+from codend.equilibrium.stability import stability_of, tangent_of, tangent_of_whole
 from codend.equilibrium.start_shapes import set_round
-from codend.equilibrium.starts import Start
+from codend.equilibrium.starts import IN_FOLDS_AT_GEAR, Start
 from codend.errors import InputError
 from codend.mechanics.piercing import first_pierced, touching_m
 from codend.plan.plan import Plan, plan_from_dict
@@ -265,3 +267,16 @@ def test_a_plain_model_written_apart_is_in_balance_where_the_net_between_ropes_i
     assert plain.off_balance < 1e-8
     assert plain.drag_n == pytest.approx(measures.drag_n, rel=1e-8)
     assert plain.opening_ahead_deg[0] == pytest.approx(measures.opening_ahead_deg, abs=1e-6)
+
+
+def test_netting_in_folds_between_ropes_is_asked_for_its_stability_with_what_presses_on_it():
+    """Of the whole net as many parts press on each other as of all its sectors; without them it was told to grow."""
+    plan = random_plan(np.random.default_rng(SEED), "t90")
+    model, (case,) = model_of(plan, 1, 1), plan.cases()
+    problem, solution = equilibrium.solve(model, case, (), None, (IN_FOLDS_AT_GEAR,))
+    tangent = tangent_of(model, problem, solution)
+    whole = tangent_of_whole(model, tangent)
+    pressed = len(problem.loading.contact.kind)
+    assert pressed > 0
+    assert len(whole.problem.loading.contact.kind) == pressed * model.bag.net.order
+    assert stability_of(model, tangent).stable == "yes"
