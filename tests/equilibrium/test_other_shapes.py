@@ -71,13 +71,3 @@ def test_joined_sectors_that_are_stable_are_asked_whether_layers_lie_on_each_oth
     result = joined()
     assert (result.stability.stable, result.followed.folds) == ("yes", True)
     assert result.errors.opening_ahead_error_deg > 1.0
-
-
-def test_where_following_led_to_no_shape_layers_that_lie_on_each_other_are_told_still():
-    netting = {"mesh": "t90", "meshes_round": 16, "meshes_long": 9, "bar_mm": 32.327, "knot_mm": 3.2207}
-    netting |= {"twine_mm": 3.0426, "bending_stiffness_n_m2": 4.3485e-4, "rest_opening_deg": 82.025}
-    catch = {"front_from_codline_m": 0.150754}
-    result = solve(bag([netting | {"knot_compression": True}], 0.1181, 0.55207, catch, fidelity="sector")).cases[0]
-    assert result.followed.shape is None
-    assert result.followed.reason.endswith("the symmetric shape stands")
-    assert result.followed.folds
