@@ -48,15 +48,13 @@ def measure_layers(bag: Bag, problem: Problem, solution: Solution) -> list[Layer
         own_hoop = one.by_band(one.round_n / np.maximum(radius_of_row[one.row], LEAST_RADIUS_M), bag.bands)
         across, along = one.by_band(one.across_m, bag.bands), one.by_band(one.length_m, bag.bands)
         opening = np.full(bag.bands, 90.0) if one.square else np.degrees(2.0 * np.arctan2(across, along))
-        tension = np.zeros(bag.bands)
-        np.maximum.at(tension, one.band, one.tension_n)
         found.append(
             LayerRows(
                 band=bands.astype(float),
                 x_m=0.5 * (x_of_row[bands] + x_of_row[bands + 1]),
                 radius_m=0.5 * (radius_of_row[bands] + radius_of_row[bands + 1]),
                 opening_deg=opening[bands],
-                bar_tension_n=tension[bands],
+                bar_tension_n=np.array([one.largest_tension_n(band) for band in bands]),
                 hoop_share=_share(own_hoop, hoop)[bands],
                 axial_share=_share(one.by_band(one.along_n, bag.bands), axial)[bands],
                 hoop_load=hoop[bands],
@@ -82,6 +80,13 @@ class _Cells:
     along_n: Floats
     tension_n: Floats
     """Largest of its bars."""
+
+    def largest_tension_n(self, band: int) -> float:
+        """Largest of a band's bars, each as long as the mean of the cells on either row's sides makes it."""
+        here = self.band == band
+        fore, aft = (self.tension_n[here & (self.row == row)] for row in (band, band + 1))
+        side = np.arange(max(len(fore), len(aft)))
+        return float(np.max(fore[side * len(fore) // len(side)] + aft[side * len(aft) // len(side)])) / 2.0
 
     def by_band(self, values: Floats, bands: int) -> Floats:
         """Values added up in each of all bands."""

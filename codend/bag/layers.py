@@ -140,7 +140,8 @@ def _cells(knots: Knots, band: int, base: int) -> tuple[NDArray, ...]:
     first = np.floor(place + 1e-9).astype(np.int64)
     beyond = np.where(place - first < 1e-9, 0.0, place - first)
     part = np.zeros((columns, 2, 4))
-    part[:, 0, 0], part[:, 0, 1] = -1.0, 1.0
+    if lattice.bands not in (base, other):  # bars that the codline gathers run straight to it
+        part[:, 0, 0], part[:, 0, 1] = -1.0, 1.0
     part[:, 1, :2] = -0.5
     part[:, 1, 2], part[:, 1, 3] = 1.0 - beyond, beyond
     corners = [
