@@ -13,6 +13,7 @@ from codend.mechanics import wrap
 from codend.mechanics.structure import structure_of
 from codend.mechanics.tangent import pattern_of
 from codend.plan.plan import Plan, plan_from_dict
+from codend.report.html import cautions
 from codend.report.layer_lines import layer_lines
 from codend.report.page import files_of
 from codend.report.plots import layers_plot
@@ -238,6 +239,12 @@ def test_beside_ropes_and_seams_a_large_layer_changes_nothing_and_a_tight_one_ca
     assert tight.table["layer_hoop_share"][0] > 0.95
     # of the layer's 12 meshes round, pulled open
     assert tight.cases[0].measures.max_radius_m < 1.02 * 12 * (0.036 + 0.015) / np.pi
+
+
+def test_the_report_says_what_a_layer_that_carries_takes_for_granted():
+    tight, loose = (cautions(solve(small_plan(layer))) for layer in ("tight", "loose"))
+    assert any("move with the netting below" in said for said in tight)
+    assert not any("Second layers" in said for said in loose)
 
 
 def test_under_weight_layers_lie_over_the_whole_net():
