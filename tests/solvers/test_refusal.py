@@ -18,7 +18,7 @@ from codend.solvers import dynamic_relaxation, newton
 from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.newton import DIRECT
 from codend.solvers.outcome import Outcome
-from codend.solvers.refusal import passage, refusal
+from codend.solvers.refusal import layers_touch, passage, refusal
 from codend.studies.study import solve
 from tests.plans import make_plan
 from validation.passing_through import (
@@ -254,6 +254,15 @@ def test_random_plans_give_no_net_that_passes_through_itself(model):
     for number in range(4):
         result = random_plan_solved(number, *model)
         assert result is None or not result.converged or fault(result) == ""
+
+
+def test_layers_that_lie_on_each_other_are_told_where_following_ends_at_no_shape():
+    result = random_plan_solved(245, "sector", "dynamic-relaxation")
+    assert layers_touch(result.problem, result.positions)
+    assert result.converged
+    assert result.followed.shape is None
+    assert result.followed.folds
+    assert fault(result) == ""
 
 
 @pytest.mark.parametrize("away", [-1e4, -3.0, 3.0, 1e4])
