@@ -19,8 +19,8 @@ def held_layers(study: Study, named: Callable[[Sequence[CaseResult], Study], str
         return []
     return [
         f"Second layers carry up to {100.0 * max(shares):.2g} % of the hoop load on the catch: "
-        f"{named(carried, study)}. They are taken to move with the netting below. Where one slides on it without friction and netting bulges "
-        "through its meshes drag is larger: by 1 to 6 % under layers a twentieth narrower than the netting below, by "
-        "20 to 24 % under ones a fifth narrower (python -m validation.layers_in_contact). No error estimate covers "
-        "that."
+        f"{named(carried, study)}. They are taken to move with the netting below. Where one slides on it without "
+        "friction and netting bulges through its meshes drag is larger: by 1 to 6 % under layers a twentieth narrower "
+        "than the netting below, by 20 to 24 % under ones a fifth narrower (python -m validation.layers_in_contact). "
+        "No error estimate covers that."
     ]
