@@ -46,7 +46,7 @@ def apart_from_other_shapes(
     """
     found = tangent.problem
     plan, loading = model.plan, found.loading
-    if plan.rope or plan.window or plan.layer or loading.dead.any() or loading.catch.weight_density != 0.0:
+    if plan.rope or plan.window or loading.dead.any() or loading.catch.weight_density != 0.0:
         return np.zeros(4)
     whole = found.net.order == 1
     most = STIFF_WITH_STRUTS if found.structure.is_strut.any() else VERY_STIFF
