@@ -9,7 +9,7 @@ leads: there the ropes are smeared, and what that costs is in the errors.
 from collections.abc import Sequence
 from dataclasses import replace
 
-from codend.bag.near_ratio import stand_ins
+from codend.bag.near_ratio import quick_looks, smeared_sectors, stand_ins
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
@@ -36,9 +36,12 @@ def solve(
     automatic = plan.model.fidelity == plan.model.method == "auto" and choice.fidelity == "sector"
     others = [model_of(plan, 1, 1, near=near) for near in stand_ins(plan)] if automatic else []
     starts: tuple[Start, ...] = BRIEFLY
-    if automatic and plan.rope and not (plan.tapers or plan.layer):
-        others = [model_of(plan, 1, 1, smeared=True)]
+    if automatic and plan.rope and not plan.layer:
+        others = [model_of(plan, 1, 1, smeared=True, near=near) for near in smeared_sectors(plan)]
         starts = BETWEEN_ROPES if len(model.bag.net.positions) > MOST_RELAXED else STARTS["auto"]
+    if choice.fidelity == "smeared" and choice.near is not None:
+        # not every catch is solved on the one that the first is
+        others = [model_of(plan, 1, 1, smeared=True, near=near) for near in quick_looks(plan) if near != choice.near]
     problem, solution = equilibrium.solve(model, case, known, progress, starts if others else None)
     if solution.report.outcome.balanced or not others:
         return model, problem, solution

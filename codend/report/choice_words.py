@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from codend.bag.near_ratio import NearRatio
 from codend.equilibrium.fidelity import Choice, Reason
 
 
@@ -26,7 +27,7 @@ def reason_text(choice: Choice) -> str:
         case Reason.SMEARED:
             said = (
                 "Ropes smeared over all meshes round are near enough for the accuracy in opening that is asked for: "
-                f"one mesh is a sector, which costs {100.0 * choice.drag_error:.2g} % in drag"
+                f"{_smeared(choice)}, which costs {100.0 * choice.drag_error:.2g} % in drag"
             )
         case Reason.WINDOW:
             said = f"A window lies somewhere round the net: {_merged(choice)}"
@@ -75,7 +76,7 @@ def _model(choice: Choice) -> str:
         case "sector":
             return _sector(choice)
         case "smeared":
-            return "a sector one mesh wide with its share of the ropes"
+            return f"{_smeared(choice)}, with its share of the ropes"
         case "meridian":
             return "the netting as a membrane, the same all round"
         case "globalised":
@@ -93,16 +94,29 @@ def _sector(choice: Choice) -> str:
     return f"one of {choice.order} equal sectors{meshes} of the real net"
 
 
+def _smeared(choice: Choice) -> str:
+    """What ropes are smeared over."""
+    if choice.near is None:
+        return "a sector one mesh wide"
+    wide, stands_for = _near(choice.near)
+    return f"a sector {wide} meshes wide, as of {stands_for} meshes round, that tapers along a seam of its own"
+
+
+def _near(near: NearRatio) -> tuple[str, str]:
+    """How many meshes a sector of nearly the ratio of the counts is wide, and of how many round it is one."""
+    wide = tuple(dict.fromkeys(near.columns))
+    return _listed(wide), _listed([f"{near.order * columns:.1f}" for columns in wide])
+
+
 def _sector_enough(choice: Choice) -> str:
     """That the sector is exact, or why another stands for it and what that costs."""
     near = choice.near
     if near is None:
         return f"{_sector(choice)} is exact"
-    stands_for = [near.order * columns for columns in dict.fromkeys(near.columns)]
-    round_ = _listed([f"{count:.1f}" for count in stands_for])
+    wide, stands_for = _near(near)
     return (
-        f"{_sector(choice)} would be exact, but take minutes; in its place stands one {_listed(near.columns)} meshes "
-        f"wide, as of {round_} meshes round, which takes seconds and costs about {100.0 * choice.drag_error:.2g} % "
+        f"{_sector(choice)} would be exact, but take minutes; in its place stands one {wide} meshes "
+        f"wide, as of {stands_for} meshes round, which takes seconds and costs about {100.0 * choice.drag_error:.2g} % "
         f"in drag where {100.0 * choice.accuracy:g} % is allowed"
     )
 

@@ -175,8 +175,9 @@ def cautions(study: Study) -> list[str]:
             found.append(f"{'In waves' if shapes else 'Wrinkles'}: {same}: {reason}.")
     for near in dict.fromkeys(result.stands_in for result in study.cases if result.stands_in is not None):
         same = _named([result for result in study.cases if result.stands_in == near], study)
-        wide = " and ".join(map(str, near.columns))
-        stands_for = " and ".join(f"{near.order * columns:.1f}" for columns in near.columns)
+        columns = dict.fromkeys(near.columns)
+        wide = " and ".join(map(str, columns))
+        stands_for = " and ".join(f"{near.order * column:.1f}" for column in columns)
         found.append(
             f"No equilibrium was found with the meshes round that the plan has: {same}. In its place stands a sector "
             f"{wide} meshes wide, as of {stands_for} meshes round; the estimates cover what that changes."

@@ -18,6 +18,7 @@ from codend.equilibrium.start_shapes import set_round
 from codend.equilibrium.starts import IN_FOLDS_AT_GEAR, Start
 from codend.errors import InputError
 from codend.mechanics.piercing import first_pierced, touching_m
+from codend.plan.kinds import KINDS
 from codend.plan.plan import Plan, plan_from_dict
 from codend.report.html import cautions
 from codend.solvers import newton
@@ -183,7 +184,8 @@ def test_the_error_of_smeared_ropes_covers_the_difference_on_random_plans():
 def test_the_error_of_smeared_ropes_is_wider_where_netting_hangs_in_folds_between_them():
     one = {"number": 4, "shortening": 0.1}
     errors = [smeared_errors(roped(one, mesh=mesh)) for mesh in ("diamond", "t90", "square")]
-    assert errors[1:] == [pytest.approx(factor * errors[0]) for factor in (1.8, 7.5)]
+    assert errors[1:] == [pytest.approx(KINDS[mesh].smeared_errors * errors[0]) for mesh in ("t90", "square")]
+    assert all((wider >= errors[0]).all() and wider[3] > errors[0][3] for wider in errors[1:])
 
 
 def test_ropes_are_real_unless_the_accuracy_in_opening_lets_them_be_smeared():
