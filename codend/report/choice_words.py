@@ -1,9 +1,8 @@
 """Why a model is enough, in words."""
 
-from collections.abc import Sequence
-
 from codend.bag.near_ratio import NearRatio
 from codend.equilibrium.fidelity import Choice, Reason
+from codend.report.style import listed
 
 
 def reason_text(choice: Choice) -> str:
@@ -88,9 +87,9 @@ def _model(choice: Choice) -> str:
 def _sector(choice: Choice) -> str:
     """The narrowest sector: of how many, and how many meshes of each section make it if it is not a single one."""
     if choice.order == 1:
-        return f"the full net (its mesh counts {_listed(choice.meshes_round)} have no common divisor)"
+        return f"the full net (its mesh counts {listed(choice.meshes_round)} have no common divisor)"
     wide = [count // choice.order for count in choice.meshes_round]
-    meshes = "" if wide == [1] else f", {_listed(wide)} meshes wide,"
+    meshes = "" if wide == [1] else f", {listed(wide)} meshes wide,"
     return f"one of {choice.order} equal sectors{meshes} of the real net"
 
 
@@ -105,7 +104,7 @@ def _smeared(choice: Choice) -> str:
 def _near(near: NearRatio) -> tuple[str, str]:
     """How many meshes a sector of nearly the ratio of the counts is wide, and of how many round it is one."""
     wide = tuple(dict.fromkeys(near.columns))
-    return _listed(wide), _listed([f"{near.order * columns:.1f}" for columns in wide])
+    return listed(wide), listed([f"{near.order * columns:.1f}" for columns in wide])
 
 
 def _sector_enough(choice: Choice) -> str:
@@ -128,8 +127,3 @@ def _time(choice: Choice) -> str:
     wide = choice.fidelity == "sector" and len(choice.meshes_round) > 1
     narrower = "; meshes round with a larger common divisor make a narrower sector" if wide else ""
     return f" Its {choice.knots} knots take seconds to minutes a case{narrower}."
-
-
-def _listed(counts: Sequence[object]) -> str:
-    *others, last = map(str, dict.fromkeys(counts))
-    return f"{', '.join(others)} and {last}" if others else last
