@@ -89,6 +89,8 @@ class Choice:
     """Whether a case takes seconds to minutes."""
     near: NearRatio | None = None
     """The sector of nearly the ratio of the counts that stands for one too wide."""
+    real_ropes: bool = False
+    """Whether ropes are modelled where they are, in a plan whose ropes may be smeared."""
 
     @property
     def weight_over_drag(self) -> float:
@@ -145,6 +147,7 @@ def choose(plan: Plan) -> Choice:
         accuracy=plan.model.accuracy,
         knots=knots,
         slow=slow,
+        real_ropes=bool(plan.ropes) and not plan.window,
     )
 
     def all_round(globalisation: int, reason: Reason, drag_error: float) -> Choice:
@@ -217,7 +220,7 @@ def _smeared(
     errors = smeared_errors(plan)
     if errors[3] > asked_deg:
         return None
-    quick = replace(exact, fidelity="smeared", reason=reason, slow=False)
+    quick = replace(exact, fidelity="smeared", reason=reason, slow=False, real_ropes=False)
     if reason is Reason.SMEARED or plan.tapers:
         first = min(plan.cases(), key=lambda case: (case.speed_m_s, case.catch_value))
         near, measures = quick_look(plan, first) if plan.tapers else (None, rough_measures(plan, first))

@@ -126,4 +126,7 @@ def _time(choice: Choice) -> str:
         return ""
     wide = choice.fidelity == "sector" and len(choice.meshes_round) > 1
     narrower = "; meshes round with a larger common divisor make a narrower sector" if wide else ""
-    return f" Its {choice.knots} knots take seconds to minutes a case{narrower}."
+    quick = ""
+    if choice.real_ropes:
+        quick = " For a quick look model.opening_accuracy_deg lets ropes be smeared, which takes about a second."
+    return f" Its {choice.knots} knots take seconds to minutes a case{narrower}.{quick}"

@@ -122,6 +122,13 @@ def test_small_netting_that_tapers_has_no_quick_look():
     assert quick_looks(belly(16, 10, (6, 6))) == []
 
 
+def test_slow_models_with_real_ropes_tell_of_the_quick_look():
+    panels = [NETTING | {"meshes_round": 80, "meshes_long": 50}]
+    plan = belly(42, 30, rope=[ROPE], netting=panels)
+    assert "model.opening_accuracy_deg lets ropes be smeared" in reason_text(choose(plan))
+    assert "opening_accuracy_deg" not in reason_text(choose(belly(80, 40, (40, 40))))
+
+
 def test_selvedges_smeared_all_round_leave_sectors_one_mesh_wide():
     """Two panels with selvedges had sectors half a net wide, those in which ropes are smeared too."""
     panels = [NETTING | {"meshes_round": 52, "meshes_long": long, "selvedge_meshes": 3} for long in (20, 30)]
