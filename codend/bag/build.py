@@ -148,7 +148,7 @@ def _check_bending(plan: Plan) -> None:
 
 def _check_layers(plan: Plan, lattice: Lattice) -> None:
     """Refuse layers where they have no model: anything but a sector one mesh wide of meshes that bars alone make up."""
-    if lattice.order == 1 or (lattice.columns != 1).any():
+    if lattice.order == 1 or (lattice.columns != 1).any() or any(part.has_seams for part in plan.netting):
         for index, part in enumerate(plan.netting):
             if part.panels > 1:
                 allowed = "1 under a [[layer]], which is modelled all round alike"
