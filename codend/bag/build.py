@@ -90,10 +90,13 @@ def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bo
         )
     sections = rows_of(plan, globalisation)
     if near is not None:
-        columns = np.array(near.columns)[list(plan.sections_of_bands(globalisation))]
-        return Lattice(sections, columns, 1, near.order, globalisation)
+        ends = zip(plan.netting, near.ends(plan), strict=True)
+        columns = np.concatenate([_along(part, fore, aft, globalisation) for part, (fore, aft) in ends])
+        seams = np.ones_like(columns) if plan.tapers else None
+        return Lattice(sections, columns, 1, near.order / globalisation, globalisation, seams)
     columns, seams = _columns_of(plan, globalisation)
-    seamed = plan.tapers or any(part.has_seams for part in plan.netting)
+    # smeared all round, selvedges leave no seam but where meshes are lost along it
+    seamed = plan.tapers or (not smeared and any(part.has_seams for part in plan.netting))
     most = int(np.gcd.reduce([*columns, *(seams if seamed else [])]))
     # n equal ropes leave n equal sectors
     equal = most if smeared else int(np.gcd.reduce([most, *(rope.number for rope in plan.ropes)]))
@@ -114,10 +117,14 @@ def _columns_of(plan: Plan, globalisation: int) -> tuple[NDArray[np.int64], NDAr
     for part in plan.netting:
         around = part.panels if part.has_seams else places
         fore, aft = (count // globalisation // around for count in part.open_meshes)
-        rows = part.rows_per_mesh * part.meshes_long // globalisation
-        parts.append(around * columns_along(fore, aft, rows, part.kind.staggered))
-        seams.append(np.full(rows, around))
+        parts.append(around * _along(part, fore, aft, globalisation))
+        seams.append(np.full(len(parts[-1]), around))
     return np.concatenate(parts), np.concatenate(seams)
+
+
+def _along(part: Netting, fore: int, aft: int, globalisation: int) -> NDArray[np.int64]:
+    """Columns of the bands of a section, from its counts at either end, (rows,)."""
+    return columns_along(fore, aft, part.rows_per_mesh * part.meshes_long // globalisation, part.kind.staggered)
 
 
 def _check_bending(plan: Plan) -> None:

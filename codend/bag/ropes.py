@@ -48,9 +48,58 @@ def with_ropes(bag: Bag, plan: Plan, knots: Knots, drag: tuple[int, float, float
         width = bag.net.bar_drag_diameter * _hanging_in(plan, knots.lattice)[bag.bar_band]
         bag = replace(bag, net=replace(bag.net, bar_drag_diameter=width))
     for index, rope in enumerate(plan.ropes):
-        for number, fraction, share in _places(rope, knots.lattice, smeared):
-            bag = _with_rope(bag, plan, knots, drag, index, number, fraction, share)
+        if smeared and knots.lattice.seams is not None:
+            pieces, share = _over_tapers(plan, knots, rope)
+            bag = _with_rope(bag, plan, drag, 1000 * index, pieces, share)
+            continue
+        for number, fraction, of_one in _places(rope, knots.lattice, smeared):
+            bag, pieces = _laid(bag, plan, knots, rope, fraction)
+            bag = _with_rope(bag, plan, drag, 1000 * index + number, pieces, np.full(len(pieces.row), of_one))
     return bag
+
+
+def _over_tapers(plan: Plan, knots: Knots, rope: Rope | Selvedge) -> tuple[_Pieces, Floats]:
+    """Pieces of a rope that is smeared over netting which tapers, and the share of a real one that each is, (pieces,).
+
+    Columns end where it loses meshes, so that none is followed: a piece runs aft from every knot of every second row
+    to the nearest of the next such row, and each of as many in a row is as much of the ropes.
+    """
+    lattice, order = knots.lattice, knots.lattice.order
+    aft, fore = _rows_of(rope, plan, lattice)
+    stretched = _stretched(lattice)
+    pieces, share = _Pieces([], [], [], []), list[float]()
+    rows = [*range(lattice.bands - fore, lattice.bands - aft, 2), lattice.bands - aft]
+    for row, next_row in pairwise(rows):
+        count, behind = int(lattice.knots[row]), int(lattice.knots[next_row])
+        for column in range(count):
+            if next_row == lattice.bands:
+                node, image = knots.codline, 0
+            else:
+                azimuth = _azimuth(lattice, row, column)
+                turns = azimuth * behind * order / (2.0 * np.pi)
+                there = round(turns - _azimuth(lattice, next_row, 0) * behind * order / (2.0 * np.pi))
+                ring = knots.ring(LEFT, np.array([next_row]), np.array([there]), np.array([behind]))
+                node, image = int(ring.node[0]), int(ring.image[0])
+            first = knots.ring(LEFT, np.array([row]), np.array([column]), np.array([count]))
+            pieces.ends.append((int(first.node[0]), node))
+            pieces.image.append(image)
+            pieces.row.append(row)
+            pieces.stretched_m.append(float(stretched[next_row] - stretched[row]))
+            share.append(rope.number / (count * order))
+    return pieces, np.array(share)
+
+
+def _azimuth(lattice: Lattice, row: int, column: int) -> float:
+    """Azimuth of a knot of a row's ring, rad."""
+    count, ahead = int(lattice.knots[row]), max(row - 1, 0)
+    owner = ahead if lattice.columns[ahead] == count else row
+    return float(lattice.phase[owner] + (2 * column + lattice.shift[row]) * np.pi / (count * lattice.order))
+
+
+def _stretched(lattice: Lattice) -> Floats:
+    """Stretched length of the netting from the entry to every row, m, (rows + 1,)."""
+    g = lattice.globalisation
+    return np.append(0.0, np.cumsum([g * (s.bar_m + s.knot_along_m) for s in lattice.sections]))
 
 
 def _hanging_in(plan: Plan, lattice: Lattice) -> Floats:
@@ -90,18 +139,8 @@ def _places(rope: Rope | Selvedge, lattice: Lattice, smeared: bool) -> Iterator[
     yield from ((number, places[number], 1.0) for number in range(int(rope.number // order)))
 
 
-def _with_rope(
-    bag: Bag,
-    plan: Plan,
-    knots: Knots,
-    drag: tuple[int, float, float],
-    index: int,
-    number: int,
-    fraction: float,
-    share: float,
-) -> Bag:
-    rope = plan.ropes[index]
-    bag, pieces = _laid(bag, plan, knots, rope, fraction)
+def _with_rope(bag: Bag, plan: Plan, drag: tuple[int, float, float], name: int, pieces: _Pieces, share: Floats) -> Bag:
+    rope = plan.ropes[name // 1000]
     length = (1.0 - rope.shortening) * np.array(pieces.stretched_m)
     density = np.nan if rope.density_kg_m3 is None else rope.density_kg_m3
     roped = with_bars(
@@ -123,17 +162,16 @@ def _with_rope(
     return replace(
         around(bag, roped, np.array(pieces.row)),
         ropes=np.append(bag.ropes, own),
-        rope_share=np.append(bag.rope_share, np.full(len(own), 1.0 / share)),
-        rope_name=np.append(bag.rope_name, np.full(len(own), 1000 * index + number, dtype=np.int32)),
+        rope_share=np.append(bag.rope_share, 1.0 / share),
+        rope_name=np.append(bag.rope_name, np.full(len(own), name, dtype=np.int32)),
     )
 
 
 def _laid(bag: Bag, plan: Plan, knots: Knots, rope: Rope | Selvedge, fraction: float) -> tuple[Bag, _Pieces]:
     """A rope's pieces, and the bag with the point of the hoop that it starts from where no knot is there."""
-    lattice, g = knots.lattice, knots.lattice.globalisation
-    bands = lattice.bands
+    lattice, bands = knots.lattice, knots.lattice.bands
     aft, fore = _rows_of(rope, plan, lattice)
-    stretched = np.append(0.0, np.cumsum([g * (s.bar_m + s.knot_along_m) for s in lattice.sections]))
+    stretched = _stretched(lattice)
     nodes: list[tuple[int, int, int]] = []
     for row in range(bands - fore, bands - aft + 1):
         if row == bands:

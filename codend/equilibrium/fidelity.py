@@ -9,7 +9,13 @@ import numpy as np
 from codend.bag.build import build_bag
 from codend.bag.loads import catch_weight_density
 from codend.bag.near_ratio import DRAG_BY_MISMATCH, SLOW_KNOTS, SLOW_MESHES, NearRatio, near_enough
-from codend.equilibrium.accuracy import rough_measures, sector_measures, smeared_errors, weight_errors
+from codend.equilibrium.accuracy import (
+    least_by_ratio,
+    quick_look,
+    rough_measures,
+    smeared_errors,
+    weight_errors,
+)
 from codend.equilibrium.bag_model import bag_of
 from codend.errors import InputError
 from codend.mechanics.weight import wet_weight
@@ -79,6 +85,8 @@ class Choice:
     """Whether a case takes seconds to minutes."""
     near: NearRatio | None = None
     """The sector of nearly the ratio of the counts that stands for one too wide."""
+    real_ropes: bool = False
+    """Whether ropes are modelled where they are, in a plan whose ropes may be smeared."""
 
     @property
     def weight_over_drag(self) -> float:
@@ -134,6 +142,7 @@ def choose(plan: Plan) -> Choice:
         accuracy=plan.model.accuracy,
         knots=knots,
         slow=slow,
+        real_ropes=bool(plan.ropes) and not plan.window,
     )
 
     def all_round(globalisation: int, reason: Reason, drag_error: float) -> Choice:
@@ -153,14 +162,17 @@ def choose(plan: Plan) -> Choice:
     if plan.window and asked in ("sector", "smeared", "meridian"):
         allowed = '"auto", "full" or "globalised": a window lies somewhere round the net, where a sector has no place'
         raise InputError(plan.source, "model.fidelity", asked, allowed)
-    if plan.tapers and asked == "smeared":
-        allowed = '"auto", "sector", "full" or "globalised": ropes are not smeared over netting that tapers'
-        raise InputError(plan.source, "model.fidelity", asked, allowed)
     match asked:
         case "sector":
             return replace(by_sector, reason=Reason.ASKED)
         case "smeared":
-            return replace(by_sector, fidelity="smeared", reason=Reason.ASKED, slow=False)
+            quick = _smeared(by_sector, plan, Reason.ASKED)
+            if quick is None:
+                allowed = (
+                    '"auto", "sector", "full" or "globalised": no narrow sector of netting that tapers so is solved'
+                )
+                raise InputError(plan.source, "model.fidelity", asked, allowed)
+            return quick
         case "meridian":
             return replace(by_sector, fidelity="meridian", reason=Reason.ASKED, drag_error=math.nan, slow=False)
         case "globalised":
@@ -171,13 +183,12 @@ def choose(plan: Plan) -> Choice:
     if plan.window and not by_sector.weight_matters:
         globalisation, error = _largest_globalisation(plan)
         return all_round(globalisation, Reason.WINDOW, error)
+    if plan.ropes and plan.model.opening_accuracy_deg is not None:
+        quick = _smeared(by_sector, plan, Reason.SMEARED, plan.model.opening_accuracy_deg, left_out)
+        if quick is not None:
+            return quick
     near_enough_by_sector = by_sector.drag_error <= plan.model.accuracy
     if near_enough_by_sector and not by_sector.weight_matters:
-        asked_deg = plan.model.opening_accuracy_deg
-        if plan.ropes and not plan.tapers and asked_deg is not None and smeared_errors(plan)[3] <= asked_deg:
-            return replace(
-                by_sector, fidelity="smeared", reason=Reason.SMEARED, drag_error=float(smeared_errors(plan)[0])
-            )
         near = near_enough(plan)
         return by_sector if near is None else _in_its_place(by_sector, plan, near, (weight + of_catch) / drag)
     if not near_enough_by_sector and any(part.kind.tips for part in plan.netting):
@@ -186,6 +197,31 @@ def choose(plan: Plan) -> Choice:
         globalisation, error = _largest_globalisation(plan)
         return all_round(globalisation, Reason.WEIGHT, error)
     return all_round(1, Reason.TOO_HEAVY_TO_GLOBALISE, 0.0)
+
+
+def _smeared(
+    exact: Choice, plan: Plan, reason: Reason, asked_deg: float = math.inf, left_out: float = 0.0
+) -> Choice | None:
+    """Ropes smeared over a sector in place of the exact one, narrow where netting tapers; None: none is so near.
+
+    So near it is in opening, with what weight changes that is left out, by its share of the drag.
+    """
+    errors = smeared_errors(plan)
+    if errors[3] > asked_deg:
+        return None
+    quick = replace(exact, fidelity="smeared", reason=reason, slow=False, real_ropes=False)
+    if reason is Reason.SMEARED or plan.tapers:
+        first = min(plan.cases(), key=lambda case: (case.speed_m_s, case.catch_value))
+        near, measures = quick_look(plan, first) if plan.tapers else (None, rough_measures(plan, first))
+        if not measures.drag_n > 0.0:
+            return None
+        relative = weight_errors(plan, left_out)
+        if near is not None:
+            relative = relative + least_by_ratio(near)
+            knots = len(build_bag(plan, near=near, smeared=True).net.positions)
+            quick = replace(quick, near=near, unseen_weight_n=exact.weight_n, knots=knots)
+        errors = errors + relative * [1.0, 1.0, 1.0, measures.opening_ahead_deg]
+    return None if errors[3] > asked_deg else replace(quick, drag_error=float(errors[0]))
 
 
 def _in_its_place(exact: Choice, plan: Plan, near: NearRatio, left_out: float) -> Choice:
@@ -232,11 +268,11 @@ def _largest_globalisation(plan: Plan) -> tuple[int, float]:
     """Most meshes that may be merged each way for the accuracy asked for, and the relative error in drag."""
     by_size = sorted(plan.cases(), key=lambda case: case.catch_value)
     cases = by_size[:1] if by_size[0].catch_value == by_size[-1].catch_value else [by_size[0], by_size[-1]]
-    real_n = [sector_measures(plan, case, 1).drag_n for case in cases]
+    real_n = [rough_measures(plan, case).drag_n for case in cases]
     for g in sorted(plan.globalisations, reverse=True):
         if g == 1 or min(min(part.open_meshes) for part in plan.netting) < FEWEST_MESHES_ROUND * g:
             continue
-        globalised_n = [sector_measures(plan, case, g).drag_n for case in cases]
+        globalised_n = [rough_measures(plan, case, g).drag_n for case in cases]
         errors = [abs(globalised / real - 1.0) for globalised, real in zip(globalised_n, real_n, strict=True)]
         if all(error <= plan.model.accuracy for error in errors):  # nan, where a sector was not solved, is no reason
             return g, max(errors)

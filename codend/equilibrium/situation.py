@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from codend.bag.near_ratio import SLOW_MESHES, near_ratios
+from codend.bag.near_ratio import SLOW_MESHES, near_ratios, quick_looks
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.folds import contact_law, under_weight
 from codend.equilibrium.start_shapes import all_round_start, along_the_rows, windowed_start, windows_let_into
@@ -139,6 +139,19 @@ class Situation:
             found = self.solve(between, self.case)
             if found.report.outcome.converged:
                 return replace(windows_let_into(self.model, between.bag, found), report=found.report)
+        looks = quick_looks(self.plan)
+        for near in looks:
+            narrow = model_of(self.plan, self.model.globalisation, 1, True, near)
+            found = self.solve(narrow, self.case)
+            if found.report.outcome.converged:
+                lay = (
+                    windowed_start(self.model, narrow.bag, found)
+                    if self.model.bag.windows
+                    else along_the_rows(narrow.bag, found, self.model)
+                )
+                return replace(lay, report=found.report)
+        if looks:
+            return None
         sector = model_of(self.plan, self.model.globalisation, 1, smeared=True)
         found = self.solve(sector, self.case)
         if not found.report.outcome.converged:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from codend.equilibrium.bag_model import BagModel
 from codend.equilibrium.situation import Situation
-from codend.equilibrium.starts import STARTS, Start
+from codend.equilibrium.starts import BRIEFLY, STARTS, Start
 from codend.mechanics.problem import Problem
 from codend.plan.plan import Case
 from codend.solvers.outcome import Progress, Solution
@@ -24,7 +24,7 @@ def solve(
     what is returned tells every attempt; its time is that of all of them, of finding where to start too.
     """
     problem = model.problem(case)
-    situation = Situation(model, problem, case, known, progress, lambda other, case: solve(other, case, (), None)[1])
+    situation = Situation(model, problem, case, known, progress, _beside)
     attempts: list[str] = []
     spent_ms = 0.0
     solution: Solution | None = None
@@ -45,3 +45,8 @@ def solve(
         touching = situation.touching.touching_at(solution.positions)
         problem = touching if len(touching.loading.contact.kind) else problem
     return problem, replace(solution, report=replace(solution.report, attempts=tuple(attempts), solve_ms=spent_ms))
+
+
+def _beside(other: BagModel, case: Case) -> Solution:
+    """A case of another model; a quick look at netting that tapers is not tried for long, for others are left."""
+    return solve(other, case, (), None, BRIEFLY if other.near is not None and other.plan.tapers else None)[1]

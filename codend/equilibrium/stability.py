@@ -12,7 +12,14 @@ from codend.mechanics.pressure import Catch
 from codend.mechanics.problem import Problem
 from codend.net.net import rotate
 from codend.solvers import newton
-from codend.solvers.harmonics import Growth, growing_harmonics, softest, stiffness_under_tension, sway_stiffness
+from codend.solvers.harmonics import (
+    Growth,
+    growing_harmonics,
+    most_growth,
+    softest,
+    stiffness_under_tension,
+    sway_stiffness,
+)
 from codend.solvers.newton import TangentAtEquilibrium
 from codend.solvers.outcome import Solution
 from codend.solvers.ring import Ring
@@ -80,6 +87,9 @@ def stability_of(
         touching = (near.node, near.image)
         ring = Ring(tangent.problem.structure, tangent.problem.bands, touching) if len(near.kind) else model.ring
         ring.linearise(tangent.problem, tangent.solution)
+    if model.smeared and model.near is not None:
+        at_most = most_growth(ring, scale)
+        return Stability("unknown" if at_most > 0.0 else "yes", scale=scale, complete=at_most == 0.0, at_most=at_most)
     return _by_harmonics(model.bag, ring, scale, strongest_alone)
 
 

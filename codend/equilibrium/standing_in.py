@@ -3,13 +3,13 @@
 Where much netting is spare at a joint it lies in folds, or hangs all but without load, and a wide sector then ends
 unsolved after minutes. One of nearly the ratio of the counts mostly is solved in milliseconds; how far its counts are
 off is in its errors. Between short ropes netting may hang so slack that it flutters, or lie in folds to which no start
-leads: there the ropes are smeared, and what that costs is in the errors.
+leads: there the ropes are smeared, and what that costs is in the errors; that of the weight too where it is left out.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
 
-from codend.bag.near_ratio import stand_ins
+from codend.bag.near_ratio import quick_looks, smeared_sectors, stand_ins
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
@@ -33,12 +33,16 @@ def solve(
     there is.
     """
     plan = model.plan
-    automatic = plan.model.fidelity == plan.model.method == "auto" and choice.fidelity == "sector"
-    others = [model_of(plan, 1, 1, near=near) for near in stand_ins(plan)] if automatic else []
+    automatic = plan.model.fidelity == plan.model.method == "auto"
+    by_ratio = stand_ins(plan) if automatic and choice.fidelity == "sector" else []
+    others = [model_of(plan, 1, 1, near=near) for near in by_ratio]
     starts: tuple[Start, ...] = BRIEFLY
-    if automatic and plan.rope and not plan.tapers:
-        others = [model_of(plan, 1, 1, smeared=True)]
+    if automatic and plan.rope and not (model.smeared or plan.window):
+        others = [model_of(plan, 1, 1, smeared=True, near=near) for near in smeared_sectors(plan)]
         starts = BETWEEN_ROPES if len(model.bag.net.positions) > MOST_RELAXED else STARTS["auto"]
+    if choice.fidelity == "smeared" and choice.near is not None:
+        # not every catch is solved on the one that the first is
+        others = [model_of(plan, 1, 1, smeared=True, near=near) for near in quick_looks(plan) if near != choice.near]
     problem, solution = equilibrium.solve(model, case, known, progress, starts if others else None)
     if solution.report.outcome.balanced or not others:
         return model, problem, solution

@@ -31,11 +31,17 @@ def all_round_start(
     pulls = np.repeat(own.reshape(-1, 1, abreast), sectors, axis=1).ravel()
     nodes = [turned, positions[-1:]]
     if wider is not None and len(wider.ropes):
-        by_row = np.argsort(sector.bar_band[sector.ropes], kind="stable")
-        rows, real = sector.bar_band[sector.ropes][by_row], (sector.rope_share * tension[sector.ropes])[by_row]
-        pulls = np.append(pulls, np.interp(wider.bar_band[wider.ropes], rows, real) / wider.rope_share)
+        pulls = np.append(pulls, _rope_pulls(sector, tension, wider))
         nodes.append(wider.net.positions[len(wider.net.positions) - wider.anchors :])
     return Solution(np.concatenate(nodes), pulls, np.zeros(sector.bands), START)
+
+
+def _rope_pulls(sector: Bag, tension: Floats, wider: Bag) -> Floats:
+    """Tensions of the ropes of a wider bag, (ropes,), which pull as the smeared ones of a sector do in their rows."""
+    by_row = np.argsort(sector.bar_band[sector.ropes], kind="stable")
+    rows, real = sector.bar_band[sector.ropes][by_row], (sector.rope_share * tension[sector.ropes])[by_row]
+    merged = sector.bands // wider.bands
+    return np.asarray(np.interp(merged * wider.bar_band[wider.ropes], rows, real) / wider.rope_share)
 
 
 def windowed_start(wider: BagModel, sector: Bag, found: Solution) -> Solution:
@@ -49,6 +55,8 @@ def windowed_start(wider: BagModel, sector: Bag, found: Solution) -> Solution:
     for twine in (True, False):
         there = whole.bar_is_twine == twine
         pulls[there] = _band_means(sector, found.bar_tension, twine)[whole.bar_band[there]]
+    if len(whole.ropes):
+        pulls[whole.ropes] = _rope_pulls(sector, found.bar_tension, whole)
     for number, (window, hole) in enumerate(zip(wider.plan.window, wider.plan.holes, strict=True)):
         lines = (
             window.meshes_round * window.rows_per_mesh / (hole.across * wider.plan.netting[hole.section].rows_per_mesh)
@@ -127,19 +135,23 @@ def _band_means(bag: Bag, tension: Floats, twine: bool) -> Floats:
 
 
 def along_the_rows(narrow: Bag, solution: Solution, model: BagModel) -> Solution:
-    """A start for a wide sector or a full net of joined sections: the rows and tensions of one of nearly their ratio.
+    """A start for a wide sector or a full net of joined or tapering sections: the rows and tensions of a narrow one.
 
-    Every ring is a circle at the mean place of the narrow one's knots, every twine and knot of a band pulls as the mean
-    of its own do.
+    That has nearly the ratio of their counts. Every ring is a circle at the mean place of the narrow one's knots, every
+    twine and knot of a band pulls as the mean of its own do, every rope as the smeared ones.
     """
-    g = model.globalisation
-    x, radius = ring_means(narrow.structure, solution.positions)
-    bag = build_bag(model.plan, globalisation=g, sectors=model.sectors, rows=(x[::g], radius[::g]), near=model.near)
-    of_twine, of_knots = (_band_means(narrow, solution.bar_tension, twine)[::g] for twine in (True, False))
+    merged = narrow.bands // model.bag.bands
+    x, radius = (values[::merged] for values in ring_means(narrow.structure, solution.positions))
+    bag = build_bag(
+        model.plan, globalisation=model.globalisation, sectors=model.sectors, rows=(x, radius), near=model.near
+    )
+    of_twine, of_knots = (_band_means(narrow, solution.bar_tension, twine)[::merged] for twine in (True, False))
     # straps begin slack
-    pulls = np.where(bag.bar_is_twine, of_twine[bag.bar_band], of_knots[bag.bar_band])
+    pulls = merged * np.where(bag.bar_is_twine, of_twine[bag.bar_band], of_knots[bag.bar_band])
     pulls[bag.straps] = 0.0
-    return Solution(bag.net.positions, g * pulls, np.zeros(bag.bands), START)
+    if len(bag.ropes):
+        pulls[bag.ropes] = _rope_pulls(narrow, solution.bar_tension, bag)
+    return Solution(bag.net.positions, pulls, np.zeros(bag.bands), START)
 
 
 def laid_out(model: BagModel, shape: MeridianShape) -> Solution:

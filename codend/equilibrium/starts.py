@@ -273,8 +273,9 @@ BRIEFLY: Final = (LED, ROWS, STIFF, CRUDE, MERIDIAN, STEPS, IN_FOLDS)
 """Those that take a wide joined net no minutes, where another model can stand in its place."""
 
 
-BETWEEN_ROPES: Final = (LED, A_SECTOR, THROUGH, CRUDE)
-"""Those that have led to large nets between real ropes, where smeared ones can stand in their place."""
+BETWEEN_ROPES: Final = (LED, A_SECTOR, THROUGH, CRUDE, IN_FOLDS_AT_GEAR)
+"""Those that have led to large nets between real ropes, where smeared ones can stand in their place. The last takes
+some 20 s of up to ``MOST_HUNG`` knots: who asks for no accuracy in opening has not asked for a quick look."""
 
 
 def _has_meridian(s: Situation) -> bool:

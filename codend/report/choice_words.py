@@ -1,8 +1,8 @@
 """Why a model is enough, in words."""
 
-from collections.abc import Sequence
-
+from codend.bag.near_ratio import NearRatio
 from codend.equilibrium.fidelity import Choice, Reason
+from codend.report.style import listed
 
 
 def reason_text(choice: Choice) -> str:
@@ -19,7 +19,7 @@ def reason_text(choice: Choice) -> str:
         case Reason.SMEARED:
             said = (
                 "Ropes smeared over all meshes round are near enough for the accuracy in opening that is asked for: "
-                f"one mesh is a sector, which costs {100.0 * choice.drag_error:.2g} % in drag"
+                f"{_smeared(choice)}, which costs {100.0 * choice.drag_error:.2g} % in drag"
             )
         case Reason.WINDOW:
             said = f"A window lies somewhere round the net: {_merged(choice)}"
@@ -68,7 +68,7 @@ def _model(choice: Choice) -> str:
         case "sector":
             return _sector(choice)
         case "smeared":
-            return "a sector one mesh wide with its share of the ropes"
+            return f"{_smeared(choice)}, with its share of the ropes"
         case "meridian":
             return "the netting as a membrane, the same all round"
         case "globalised":
@@ -80,10 +80,24 @@ def _model(choice: Choice) -> str:
 def _sector(choice: Choice) -> str:
     """The narrowest sector: of how many, and how many meshes of each section make it if it is not a single one."""
     if choice.order == 1:
-        return f"the full net (its mesh counts {_listed(choice.meshes_round)} have no common divisor)"
+        return f"the full net (its mesh counts {listed(choice.meshes_round)} have no common divisor)"
     wide = [count // choice.order for count in choice.meshes_round]
-    meshes = "" if wide == [1] else f", {_listed(wide)} meshes wide,"
+    meshes = "" if wide == [1] else f", {listed(wide)} meshes wide,"
     return f"one of {choice.order} equal sectors{meshes} of the real net"
+
+
+def _smeared(choice: Choice) -> str:
+    """What ropes are smeared over."""
+    if choice.near is None:
+        return "a sector one mesh wide"
+    wide, stands_for = _near(choice.near)
+    return f"a sector {wide} meshes wide, as of {stands_for} meshes round, that tapers along a seam of its own"
+
+
+def _near(near: NearRatio) -> tuple[str, str]:
+    """How many meshes a sector of nearly the ratio of the counts is wide, and of how many round it is one."""
+    wide = tuple(dict.fromkeys(near.columns))
+    return listed(wide), listed([f"{near.order * columns:.1f}" for columns in wide])
 
 
 def _sector_enough(choice: Choice) -> str:
@@ -91,11 +105,10 @@ def _sector_enough(choice: Choice) -> str:
     near = choice.near
     if near is None:
         return f"{_sector(choice)} is exact"
-    stands_for = [near.order * columns for columns in dict.fromkeys(near.columns)]
-    round_ = _listed([f"{count:.1f}" for count in stands_for])
+    wide, stands_for = _near(near)
     return (
-        f"{_sector(choice)} would be exact, but take minutes; in its place stands one {_listed(near.columns)} meshes "
-        f"wide, as of {round_} meshes round, which takes seconds and costs about {100.0 * choice.drag_error:.2g} % "
+        f"{_sector(choice)} would be exact, but take minutes; in its place stands one {wide} meshes "
+        f"wide, as of {stands_for} meshes round, which takes seconds and costs about {100.0 * choice.drag_error:.2g} % "
         f"in drag where {100.0 * choice.accuracy:g} % is allowed"
     )
 
@@ -106,9 +119,7 @@ def _time(choice: Choice) -> str:
         return ""
     wide = choice.fidelity == "sector" and len(choice.meshes_round) > 1
     narrower = "; meshes round with a larger common divisor make a narrower sector" if wide else ""
-    return f" Its {choice.knots} knots take seconds to minutes a case{narrower}."
-
-
-def _listed(counts: Sequence[object]) -> str:
-    *others, last = map(str, dict.fromkeys(counts))
-    return f"{', '.join(others)} and {last}" if others else last
+    quick = ""
+    if choice.real_ropes:
+        quick = " For a quick look model.opening_accuracy_deg lets ropes be smeared, which takes about a second."
+    return f" Its {choice.knots} knots take seconds to minutes a case{narrower}.{quick}"

@@ -10,6 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from codend.equilibrium.situation import MOST_HUNG
 from codend.equilibrium.stability import ranges_text
 from codend.io.names import as_text
 from codend.plan.plan import Plan
@@ -176,8 +177,9 @@ def cautions(study: Study) -> list[str]:
             found.append(f"{'In waves' if shapes else 'Wrinkles'}: {same}: {reason}.")
     for near in dict.fromkeys(result.stands_in for result in study.cases if result.stands_in is not None):
         same = _named([result for result in study.cases if result.stands_in == near], study)
-        wide = " and ".join(map(str, near.columns))
-        stands_for = " and ".join(f"{near.order * columns:.1f}" for columns in near.columns)
+        columns = dict.fromkeys(near.columns)
+        wide = " and ".join(map(str, columns))
+        stands_for = " and ".join(f"{near.order * column:.1f}" for column in columns)
         found.append(
             f"No equilibrium was found with the meshes round that the plan has: {same}. In its place stands a sector "
             f"{wide} meshes wide, as of {stands_for} meshes round; the estimates cover what that changes."
@@ -186,8 +188,9 @@ def cautions(study: Study) -> list[str]:
     if smeared := _named(of_smeared, study):
         found.append(
             f"No equilibrium was found with the ropes where they are: {smeared}. Between them netting hangs so slack "
-            "that it flutters, or lies in folds to which no start led. In their place ropes are smeared "
-            "over all meshes; the estimates cover what that changed on nets that were found both ways."
+            f"that it flutters, or lies in folds{_not_followed(study)}. In their place ropes are smeared "
+            f"over all meshes{', and the wet weight is left out' if study.choice.sees_weight else ''}; "
+            "the estimates cover what that changed on nets that were found both ways."
         )
     pressed = [result for result in study.cases if result.followed.contact_share > 0.0]
     if in_contact := _named(pressed, study):
@@ -234,6 +237,14 @@ def made_with() -> str:
 def _entries(table: dict[str, Any]) -> list[tuple[str, str]]:
     lists = {key: value if isinstance(value, list) else [value] for key, value in table.items()}
     return [(key, ", ".join(map(str, values))) for key, values in lists.items()]
+
+
+def _not_followed(study: Study) -> str:
+    """Whether folds between ropes were followed at all."""
+    knots = study.choice.knots
+    if knots <= MOST_HUNG:
+        return " to which no start led"
+    return f", which are not followed in sectors of more than {MOST_HUNG} knots (here {knots})"
 
 
 def _named(results: Sequence[CaseResult], study: Study) -> str:

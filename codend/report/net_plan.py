@@ -10,6 +10,7 @@ from codend.plan.plan import Plan
 from codend.plan.tables import Netting
 from codend.report.net_plan_shapes import Corner, Panel, Piece, panels_of
 from codend.report.size_words import mass_text
+from codend.report.style import listed
 
 HEIGHT_PX, WIDTH_PX, MARGIN_PX, LINE_PX = 560.0, 360.0, 30.0, 16.0
 """Most room for the pieces of a panel, and of all panels; margins; lines of text."""
@@ -50,7 +51,7 @@ def _panel(plan: Plan, panel: Panel, column: int, scale: float, middle: float, t
 
     parts = []
     if panel.names:
-        parts.append(_text(middle, top - 1.5 * LINE_PX, " and ".join(panel.names), anchor="middle", bold=True))
+        parts.append(_text(middle, top - 1.5 * LINE_PX, listed(panel.names), anchor="middle", bold=True))
     for piece in panel.pieces:
         name = f"section-{piece.section}" + (f"-{panel.names[0]}" if column else "")
         outline = placed(piece.outline)
@@ -99,7 +100,8 @@ def _beside(plan: Plan, pieces: Sequence[Piece], scale: float, top: float, x: fl
     for piece, name, part in zip(pieces, plan.section_names, plan.netting, strict=True):
         y0, y1 = top + scale * piece.top, top + scale * (piece.top + piece.deep)
         y = max(y0 + LINE_PX, free_words + LINE_PX)
-        parts.append(_line([(x - GAP_PX / 2, (y0 + y1) / 2), (x - 6, y - 4)], 'stroke="#999"'))
+        # level where the words stand beside their section
+        parts.append(_line([(x - GAP_PX / 2, min(y - 4, y1)), (x - 6, y - 4)], 'stroke="#999"'))
         for words in _words(plan, name, part):
             parts.append(_text(x, y, words))
             y += LINE_PX

@@ -5,14 +5,25 @@ from codend.plan.tables import Netting
 from codend.plan.twines import DENSITY_KG_M3
 from codend.report.style import number_text
 
+LONGER = 1.02
+"""Stretched length of a window over that of its place from which it is told to be too long."""
+
 
 def size_sentences(plan: Plan) -> list[str]:
-    """A sentence a section about its mesh and, where a titre or a material is given, about its twine; the entry's."""
+    """A sentence a section and a window about its mesh and, where a titre or a material is given, about its twine."""
     found = []
-    for name, section in zip(plan.section_names, plan.netting, strict=True):
-        found.append(f"Section {name}: {_mesh(section)}.")
-        if twine := _twine(section):
-            found.append(f"Section {name}: {twine}.")
+    for name, netting in _named(plan):
+        found.append(f"{name}: {_mesh(netting)}.")
+        if twine := _twine(netting):
+            found.append(f"{name}: {twine}.")
+    for window, hole in zip(plan.window, plan.holes, strict=True):
+        part = plan.netting[hole.section]
+        own_m, place_m = _stretched_m(window, window.meshes_long), _stretched_m(part, hole.deep)
+        if own_m > LONGER * place_m:
+            found.append(
+                f"Window {window.name or 1 + plan.window.index(window)}: stretched {own_m:.3g} m long in a place that "
+                f"is {place_m:.3g} m stretched: what is too long hangs slack or in folds, and may have no equilibrium."
+            )
     if plan.entry.hanging_ratio is not None:
         found.append(
             f"Entry: radius {plan.entry_radius_m:.4g} m from the hanging ratio {plan.entry.hanging_ratio:g} times "
@@ -23,8 +34,21 @@ def size_sentences(plan: Plan) -> list[str]:
 
 def derived_sizes(plan: Plan) -> list[str]:
     """Those of the sentences that tell what follows from a gauge, a titre, a material or a hanging ratio."""
-    plain = [f"Section {name}: bar" for name in plan.section_names]
+    plain = [f"{name}: bar" for name, _ in _named(plan)]
     return [sentence for sentence in size_sentences(plan) if not sentence.startswith(tuple(plain))]
+
+
+def _stretched_m(netting: Netting, meshes_long: float) -> float:
+    """Length of so many meshes stretched along the net, m."""
+    return netting.rows_per_mesh * meshes_long * (netting.bar_m + netting.knot_along_m)
+
+
+def _named(plan: Plan) -> list[tuple[str, Netting]]:
+    """Sections and windows, each with what sentences call it."""
+    names = [f"Section {name}" for name in plan.section_names] + [
+        f"Window {window.name or number}" for number, window in enumerate(plan.window, start=1)
+    ]
+    return list(zip(names, (*plan.netting, *plan.window), strict=True))
 
 
 def mass_text(kg: float) -> str:
@@ -61,7 +85,11 @@ def _twine(section: Netting) -> str:
             "Workbook (FAO 1990) has it"
         )
     if section.twine_density_kg_m3 is None and section.material is not None:
-        said.append(f"density {DENSITY_KG_M3[section.material]:g} kg/m3, that of {section.material}")
+        density = f"density {DENSITY_KG_M3[section.material]:g} kg/m3, that of {section.material}"
+        if section.rtex_g_km is None:
+            solid_tex = 1e6 * section.mass_kg_m / section.twines
+            density += f"; as a solid rod it is R{solid_tex:.0f} tex, real twine is lighter: give rtex or runnage_m_kg"
+        said.append(density)
     return "twine " + ", ".join(said) if said else ""
 
 

@@ -1,6 +1,7 @@
 """The look that all plots share, and numbers as readers expect them."""
 
 import math
+from collections.abc import Sequence
 from io import BytesIO
 from typing import TYPE_CHECKING, Literal
 
@@ -141,3 +142,9 @@ def worth(value: float, error: float, digits: int = 4) -> tuple[str, str]:
         decimals = min(decimals, -first + (error < 2.0 * 10.0**first))
         told = f"{round(error, decimals):.{max(decimals, 0)}f}"
     return f"{round(value, decimals):.{max(decimals, 0)}f}", told
+
+
+def listed(words: Sequence[object]) -> str:
+    """Words one after the other, each once, "and" before the last."""
+    *others, last = map(str, dict.fromkeys(words))
+    return f"{', '.join(others)} and {last}" if others else last

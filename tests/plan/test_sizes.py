@@ -121,3 +121,25 @@ def test_contradictions_of_sizes_are_one_line_that_names_the_key(name):
         plan(**keys)
     assert caught.value.key == key
     assert len(str(caught.value).splitlines()) == 1
+
+
+def test_windows_are_sized_and_solid_twine_is_said_to_be_heavier_than_real():
+    window = {"netting": "codend", "mesh": "square", "meshes_round": 4, "meshes_long": 8, "bar_mm": 50.0}
+    window |= {"meshes_across": 4, "meshes_from_codline": [4, 8], "material": "PA", "twine_mm": 4.0}
+    sizes = {
+        "title": "sizes",
+        "tow": {"speed_m_s": 1.2},
+        "entry": {"radius_m": 0.5},
+        "netting": [SECTION | GAUGE | {"twine_mm": 4.0}],
+        "catch": {"filled_meshes": 10},
+    }
+    said = size_sentences(plan_from_dict(sizes | {"window": [window]}))
+    assert any(sentence.startswith("Window 1: bar 50 mm") for sentence in said)
+    solid = 1140.0 * math.pi / 4 * 0.004**2 * 1e6
+    assert any(
+        f"Window 1: twine density 1140 kg/m3, that of PA; as a solid rod it is R{solid:.0f} tex" in s for s in said
+    )
+    # 8 bars of 50 mm in the place of 4 meshes of 112 mm
+    assert not any("too long" in sentence for sentence in said)
+    longer = size_sentences(plan_from_dict(sizes | {"window": [window | {"meshes_long": 10}]}))
+    assert any("Window 1: stretched 0.5 m long in a place that is 0.448 m stretched" in sentence for sentence in longer)
