@@ -203,7 +203,7 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     followed = follow(model, case, problem, solution, stability, progress)
     shape = followed.shape
     if shape is None:
-        return replace(result, followed=followed)
+        return replace(result, followed=replace(followed, folds=followed.folds or lying))
     report = replace(
         shape.solution.report,
         attempts=(*solution.report.attempts, followed.reason, *shape.solution.report.attempts),

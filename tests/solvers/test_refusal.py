@@ -18,10 +18,17 @@ from codend.solvers import dynamic_relaxation, newton
 from codend.solvers.dynamic_relaxation import RelaxationSettings
 from codend.solvers.newton import DIRECT
 from codend.solvers.outcome import Outcome
-from codend.solvers.refusal import passage, refusal
+from codend.solvers.refusal import layers_touch, passage, refusal
 from codend.studies.study import solve
 from tests.plans import make_plan
-from validation.passing_through import MODELS, crossed_rings, fault, piercing_bars, set_all_round
+from validation.passing_through import (
+    MODELS,
+    crossed_rings,
+    fault,
+    pierced_however_divided,
+    piercing_bars,
+    set_all_round,
+)
 from validation.passing_through import solved as random_plan_solved
 
 KINDS = [("diamond", {}), ("diamond", {"knot_mm": 8.0}), ("t90", {"knot_mm": 8.0}), ("square", {})]
@@ -249,6 +256,15 @@ def test_random_plans_give_no_net_that_passes_through_itself(model):
         assert result is None or not result.converged or fault(result) == ""
 
 
+def test_layers_that_lie_on_each_other_are_told_where_following_ends_at_no_shape():
+    result = random_plan_solved(245, "sector", "dynamic-relaxation")
+    assert layers_touch(result.problem, result.positions)
+    assert result.converged
+    assert result.followed.shape is None
+    assert result.followed.folds
+    assert fault(result) == ""
+
+
 @pytest.mark.parametrize("away", [-1e4, -3.0, 3.0, 1e4])
 @pytest.mark.parametrize("axis", range(3))
 def test_bars_far_from_all_netting_pierce_none(axis, away):
@@ -261,3 +277,21 @@ def test_bars_far_from_all_netting_pierce_none(axis, away):
     sheet = facets, np.zeros((1, 3), dtype=np.int32), np.ones(1), 1.0
     assert first_pierced(positions, first, second, none, *sheet, 1e-3) == (-1, -1)
     assert first_pierced(positions, first + 2, second + 2, none, *sheet, 1e-3) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "by_sum", "through"),
+    [
+        ([0.9, 0.1, 0.5], [0.1, 0.9, 0.5], 1, False),
+        ([0.5, 0.4, -1.0], [0.5, 0.4, 2.0], 1, True),
+        ([0.5, 0.4, -1.0], [0.5, 0.4, 0.4], 0, False),
+    ],
+    ids=["in and out by one covering", "by both", "ends between them"],
+)
+def test_folds_are_passed_through_where_both_coverings_of_a_quadrangle_are(start, end, by_sum, through):
+    corners = [[0, 0, 0], [1, 0, 1], [1, 1, 0], [0, 1, 1]]
+    facets = [[0, 1, 2], [0, 2, 3], [0, 1, 3], [1, 2, 3]]
+    net = Net.from_bars([*corners, start, end], [[4, 5]], np.zeros(6, dtype=bool), facets=facets)
+    net = replace(net, facet_weight=np.full(4, 0.5))
+    assert len(piercing_bars(net, net.positions, 0.01)) == by_sum
+    assert (len(pierced_however_divided(net, net.positions, 0.01)) > 0) == through
