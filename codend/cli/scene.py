@@ -161,7 +161,7 @@ def scene(scene: str, folder: Path, changes: tuple[str, ...], files: tuple[str, 
     shown_tables = ((ropes, TABLE), (pd.DataFrame(netting), NETTING_TABLE), (frame, FRAME_TABLE), (floats, FLOAT_TABLE))
     for table, heads in shown_tables:
         shown = _columns(table, (*heads, "peak_tension_n", "peak_time_s"))
-        if shown:
+        if shown and len(table):
             words = [heads.get(column, column) for column in shown]
             click.echo(text_table(words, table[shown].itertuples(index=False, name=None)))
     for note in notes:

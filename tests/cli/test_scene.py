@@ -58,18 +58,35 @@ def test_an_equilibrium_is_tables_a_picture_a_vtk_file_and_a_page(scene, tmp_pat
     assert "le-bris-1999" in (tmp_path / "out" / "report.html").read_text()
 
 
-def test_a_table_shows_forces_across_the_tow_where_there_are_some(tmp_path):
-    wall = {"name": "wall", "mesh": "diamond", "bar_mm": 50.0, "twine_mm": 2.0, "meshes_across": 4, "meshes_long": 4}
-    table = "\n".join(f"{key} = {value!r}" for key, value in wall.items())
-    corners = 'fore = "ground"\ncorners = [[0, 0, 0], [0, 0.3, 0], [0, 0.3, -0.2], [0, 0, -0.2]]'
-    told = []
-    for y in (0.0, 0.5):
-        path = tmp_path / f"{y}.toml"
-        path.write_text(f'title = "A wall"\nwater.flow_m_s = [0.5, {y}, 0]\n[[netting]]\n{table}\n{corners}\n')
-        done = CliRunner().invoke(main, ["scene", str(path), "--out", str(tmp_path / "out")])
-        assert done.exit_code == 0, done.output
-        told.append("side" in done.output)
-    assert told == [False, True]
+WALL = """title = "A wall"
+[[netting]]
+name = "wall"
+mesh = "diamond"
+bar_mm = 50.0
+twine_mm = 2.0
+meshes_across = 4
+meshes_long = 4
+fore = "ground"
+corners = [[0, 0, 0], [0, 0.3, 0], [0, 0.3, -0.2], [0, 0, -0.2]]
+"""
+
+
+@pytest.mark.parametrize(("flow_y", "told"), [(0.0, False), (0.5, True)])
+def test_a_table_shows_forces_across_the_tow_where_there_are_some(tmp_path, flow_y, told):
+    path = tmp_path / "wall.toml"
+    path.write_text(WALL + f"[water]\nflow_m_s = [0.5, {flow_y}, 0.0]\n")
+    done = CliRunner().invoke(main, ["scene", str(path), "--out", str(tmp_path / "out")])
+    assert done.exit_code == 0, done.output
+    assert ("side" in done.output) is told
+
+
+def test_netting_without_ropes_has_no_table_of_them(tmp_path):
+    path = tmp_path / "wall.toml"
+    path.write_text(WALL + "[water]\nflow_m_s = [0.5, 0.0, 0.0]\n[time]\nend_s = 0.2\noutput_s = 0.1\n")
+    done = CliRunner().invoke(main, ["scene", str(path), "--out", str(tmp_path / "out")])
+    assert done.exit_code == 0, done.output
+    assert "peak_tension_n" not in done.output
+    assert not (tmp_path / "out" / "ropes.csv").exists()
 
 
 def test_a_mistake_ends_the_run_with_one_line_and_nothing_written(scene, tmp_path):
