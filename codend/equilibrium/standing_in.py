@@ -36,7 +36,7 @@ def solve(
     automatic = plan.model.fidelity == plan.model.method == "auto" and choice.fidelity == "sector"
     others = [model_of(plan, 1, 1, near=near) for near in stand_ins(plan)] if automatic else []
     starts: tuple[Start, ...] = BRIEFLY
-    if automatic and plan.rope and not (plan.tapers or plan.layer):
+    if automatic and plan.rope and not plan.tapers:
         others = [model_of(plan, 1, 1, smeared=True)]
         starts = BETWEEN_ROPES if len(model.bag.net.positions) > MOST_RELAXED else STARTS["auto"]
     problem, solution = equilibrium.solve(model, case, known, progress, starts if others else None)
