@@ -32,6 +32,7 @@ def plans() -> dict[str, Plan]:
     stiff = KNOTTED | {"bending_stiffness_n_m2": 0.002, "rest_opening_deg": 30.0}
     heavy = DIAMOND | {"meshes_round": 20, "meshes_long": 14, "twine_density_kg_m3": 2500.0}
     turned = KNOTTED | {"mesh": "t90", "meshes_round": 20, "meshes_long": 15}
+    small = DIAMOND | {"meshes_round": 24, "meshes_long": 16}
     strap = {"meshes_from_codline": 6, "circumference_share": 0.5}
     rope = {"number": 2, "shortening": 0.15, "diameter_mm": 24.0}
     dense = {"filled_meshes": 7, "density_kg_m3": 1060}
@@ -50,6 +51,9 @@ def plans() -> dict[str, Plan]:
         "two sections": plan([DIAMOND | {"meshes_long": 10}, turned], 6, 0.5, 6, 0.2, model=SECTOR),
         "strap": plan([DIAMOND], 10, 0.5, 6, model=SECTOR, strap=[strap]),
         "smeared ropes": plan([DIAMOND], 7, 0.5, 6, model={"fidelity": "smeared"}, rope=[rope]),
+        "ropes": plan([DIAMOND], 7, 0.5, 6, model=SECTOR, rope=[rope]),
+        "ropes, full net": plan([small], 5, 0.5, 6, 0.15, model=FULL, rope=[rope | {"number": 3, "shortening": 0.1}]),
+        "full net": plan([small], 5, 0.5, 6, 0.15, model=FULL),
         "cover": plan([DIAMOND], 7, 0.5, 6, layer=[cover]),
         "weight, full net": plan([heavy], 4, 0.3, 6, 0.15, model=FULL),
     }  # fmt: skip

@@ -72,8 +72,12 @@ class Bag:
     anchors: int = 0
     """Nodes of the hoop that only ropes start from, behind all others."""
 
+    layers: tuple[Netting, ...] = ()
+    """Netting of the second layers over it."""
     layer_bands: tuple[Ints, ...] = ()
-    """Bands that each second layer lies over, in the order of the net's ``wrap_ring``."""
+    """Band that each cell of each second layer lies over, in the order of the net's ``wrap_node``."""
+    layer_rows: tuple[Ints, ...] = ()
+    """Row of knots in which its base is, likewise."""
 
     @property
     def bands(self) -> int:

@@ -77,9 +77,6 @@ def build_bag(
     if plan.model.bars_per_side == 2:
         bag = with_hinges(bag)
     bag = with_ropes(with_straps(bag, plan, knots, drag_law), plan, knots, drag_law, smeared)
-    if not plan.layer:
-        return bag
-    _check_layers(plan, lattice)
     return with_layers(bag, plan, knots)
 
 
@@ -144,19 +141,6 @@ def _check_bending(plan: Plan) -> None:
                 continue
             key = f"{table}.{index}.bending_stiffness_n_m2"
             raise InputError(plan.source, key, section.bending_stiffness_n_m2, allowed)
-
-
-def _check_layers(plan: Plan, lattice: Lattice) -> None:
-    """Refuse layers where they have no model: anything but a sector one mesh wide of meshes that bars alone make up."""
-    if lattice.order == 1 or (lattice.columns != 1).any() or any(part.has_seams for part in plan.netting):
-        for index, part in enumerate(plan.netting):
-            if part.panels > 1:
-                allowed = "1 under a [[layer]], which is modelled all round alike"
-                raise InputError(plan.source, f"netting.{index}.panels", part.panels, allowed)
-        allowed = '"auto" or "sector", sections of as many meshes round, and "auto" or "smeared" with ropes, under a '
-        raise InputError(plan.source, "model.fidelity", plan.model.fidelity, f"{allowed}[[layer]]")
-    if plan.model.bars_per_side != 1:
-        raise InputError(plan.source, "model.bars_per_side", plan.model.bars_per_side, "1 under a [[layer]]")
 
 
 def _check_edges(plan: Plan, lattice: Lattice) -> None:

@@ -7,8 +7,12 @@ import numpy as np
 from codend.bag.bag import Bag
 from codend.mechanics import wrap
 from codend.mechanics.problem import Problem
-from codend.net.net import Floats, bar_vectors
+from codend.mechanics.structure import Structure
+from codend.net.net import Floats, Ints, bar_vectors
 from codend.solvers.outcome import Solution
+
+LEAST_RADIUS_M = 1e-9
+"""Of the codline, round which nothing pulls."""
 
 
 @dataclass(frozen=True)
@@ -21,41 +25,107 @@ class LayerRows:
     radius_m: Floats
     opening_deg: Floats
     bar_tension_n: Floats
-    """Of the layer's real bars."""
+    """Largest of the layer's real bars."""
     hoop_share: Floats
-    """Share of the hoop load of both that the layer carries; 0 where neither is under any."""
+    """Share of the hoop load of the netting and all layers there that this one carries; 0 where there is none."""
     axial_share: Floats
     """Share of the load along the meridian, likewise."""
     hoop_load: Floats
-    """Inward pull of both on a sector, N."""
+    """Inward pull of all on a sector, N."""
 
 
 def measure_layers(bag: Bag, problem: Problem, solution: Solution) -> list[LayerRows]:
     """The layers of a bag, in the order of its plan."""
     position, structure = np.ascontiguousarray(solution.positions), problem.structure
+    (x_of_row, radius_of_row), cells = _rings(bag, position), _cells(bag, structure, position)
     hoop, axial = _loads_below(bag, solution)
-    found, start = [], 0
-    for bands in bag.layer_bands:
-        values = []
-        for number in range(start, start + len(bands)):
-            law, ring = structure.wrap_law[number], structure.wrap_ring[number]
-            t, q, _, _, _ = wrap.diagonals(position, structure, number)
-            pull = wrap.stretch_of(law, t, q)
-            x, r = position[ring, 0].mean(), np.hypot(position[ring, 1], position[ring, 2]).mean()
-            opening = 90.0 if law[wrap.SQUARE] else np.degrees(2.0 * np.arctan2(t, q))
-            of_layer = law[wrap.ROUND] * pull.by_t, pull.by_q / law[wrap.ROWS]
-            values.append((x, r, opening, pull.tension, *of_layer))
-        x, r, opening, tension, own_hoop, own_axial = np.array(values).T
-        start += len(bands)
-        hoop_share, axial_share = _share(own_hoop, hoop[bands]), _share(own_axial, axial[bands])
-        load = own_hoop + hoop[bands]
-        found.append(LayerRows(bands.astype(float), x, r, opening, tension, hoop_share, axial_share, load))
+    for one in cells:
+        hoop += one.by_band(one.round_n / np.maximum(radius_of_row[one.row], LEAST_RADIUS_M), bag.bands)
+        axial += one.by_band(one.along_n, bag.bands)
+    found = []
+    for one in cells:
+        bands = np.unique(one.band)
+        own_hoop = one.by_band(one.round_n / np.maximum(radius_of_row[one.row], LEAST_RADIUS_M), bag.bands)
+        across, along = one.by_band(one.across_m, bag.bands), one.by_band(one.length_m, bag.bands)
+        opening = np.full(bag.bands, 90.0) if one.square else np.degrees(2.0 * np.arctan2(across, along))
+        found.append(
+            LayerRows(
+                band=bands.astype(float),
+                x_m=0.5 * (x_of_row[bands] + x_of_row[bands + 1]),
+                radius_m=0.5 * (radius_of_row[bands] + radius_of_row[bands + 1]),
+                opening_deg=opening[bands],
+                bar_tension_n=np.array([one.largest_tension_n(band) for band in bands]),
+                hoop_share=_share(own_hoop, hoop)[bands],
+                axial_share=_share(one.by_band(one.along_n, bag.bands), axial)[bands],
+                hoop_load=hoop[bands],
+            )
+        )
     return found
 
 
-def _share(own: Floats, below: Floats) -> Floats:
-    both = own + below
-    return np.divide(own, both, out=np.zeros_like(own), where=both > 0.0)
+@dataclass(frozen=True)
+class _Cells:
+    """Cells of a layer; arrays (cells,)."""
+
+    square: bool
+    band: Ints
+    row: Ints
+    """Row of the base."""
+    across_m: Floats
+    """Half diagonal of its meshes across."""
+    length_m: Floats
+    """And along."""
+    round_n: Floats
+    """Pull along the base times its length, N m."""
+    along_n: Floats
+    tension_n: Floats
+    """Largest of its bars."""
+
+    def largest_tension_n(self, band: int) -> float:
+        """Largest of a band's bars, each as long as the mean of the cells on either row's sides makes it."""
+        here = self.band == band
+        fore, aft = (self.tension_n[here & (self.row == row)] for row in (band, band + 1))
+        side = np.arange(max(len(fore), len(aft)))
+        return float(np.max(fore[side * len(fore) // len(side)] + aft[side * len(aft) // len(side)])) / 2.0
+
+    def by_band(self, values: Floats, bands: int) -> Floats:
+        """Values added up in each of all bands."""
+        return np.asarray(np.bincount(self.band, values, bands), dtype=float)
+
+
+def _cells(bag: Bag, structure: Structure, position: Floats) -> list[_Cells]:
+    span, diagonal, pull, tension = wrap.of_cells(position, structure)
+    across, length = np.linalg.norm(diagonal, axis=2).T
+    work, found, start = np.einsum("wki,wki->kw", span, pull), [], 0
+    along = work[1] / np.linalg.norm(span[:, 1], axis=1)
+    for band, row in zip(bag.layer_bands, bag.layer_rows, strict=True):
+        own = slice(start, start + len(band))
+        start += len(band)
+        square = bool(structure.wrap_law[own][0, wrap.SQUARE])
+        found.append(_Cells(square, band, row, across[own], length[own], work[0, own], along[own], tension[own]))
+    return found
+
+
+def _share(own: Floats, whole: Floats) -> Floats:
+    return np.divide(own, whole, out=np.zeros_like(own), where=whole > 0.0)
+
+
+def _rings(bag: Bag, position: Floats) -> tuple[Floats, Floats]:
+    """Mean place along the axis and radius of every row of knots, each (rows,)."""
+    ring = np.flatnonzero(bag.node_row >= 0)
+    row, place = bag.node_row[ring], position[ring]
+    radius = np.linalg.norm((place - _middles(bag, position)[row])[:, 1:], axis=1)
+    rows, size = bag.bands + 1, bag.ring_size
+    return np.bincount(row, place[:, 0], rows) / size, np.bincount(row, radius, rows) / size
+
+
+def _middles(bag: Bag, position: Floats) -> Floats:
+    """Middle of every row's ring of a whole net, and the axis of a sector, (rows, 3)."""
+    middle = np.zeros((bag.bands + 1, 3))
+    if bag.net.order == 1:
+        ring = np.flatnonzero(bag.node_row >= 0)
+        np.add.at(middle, bag.node_row[ring], position[ring] / bag.ring_size[bag.node_row[ring], None])
+    return middle
 
 
 def _loads_below(bag: Bag, solution: Solution) -> tuple[Floats, Floats]:
@@ -64,7 +134,9 @@ def _loads_below(bag: Bag, solution: Solution) -> tuple[Floats, Floats]:
     vector = bar_vectors(net, solution.positions)
     length = np.linalg.norm(vector, axis=1)
     first = solution.positions[net.bars[:, 0]]
-    middle = first[:, 1:] + 0.5 * vector[:, 1:]
+    bands = bag.bar_band
+    centre = _middles(bag, solution.positions)
+    middle = first[:, 1:] + 0.5 * vector[:, 1:] - 0.5 * (centre[bands] + centre[bands + 1])[:, 1:]
     radius = np.hypot(middle[:, 0], middle[:, 1])
     with np.errstate(invalid="ignore", divide="ignore"):
         outward = (vector[:, 1:] * middle).sum(axis=1) / radius

@@ -1,5 +1,6 @@
 """What ``codend scene`` does with a codend's plan: it pulses under a vessel that heaves."""
 
+from itertools import product
 from pathlib import Path
 
 import click
@@ -50,12 +51,14 @@ def pulse_codend(file: str, folder: Path, changes: tuple[str, ...], species_file
         with shown_progress() as progress:
             study = studies.solve(plan, progress)
             solved = [result for result in study.cases if result.converged]
-            pulsing = []
-            try:
-                for result in solved:
-                    pulsing += [pulse(plan, result, period, progress) for period in plan.vessel.period_s]
-            except ArithmeticError as error:
-                raise Stopped(f"{file}: {error}; a smaller time.step_s may help", NOT_CONVERGED) from error
+            pulsing, failed = [], []
+            for result, period in product(solved, plan.vessel.period_s):
+                try:
+                    pulsing.append(pulse(plan, result, period, progress))
+                except ArithmeticError as error:
+                    failed.append(f"case {result.case.number}, period {period:g} s: {error}")
+            if failed and not pulsing:
+                raise Stopped(f"{file}: {failed[0]}", NOT_CONVERGED)
         write_table(study.table, folder / "results.csv")
         if not pulsing:
             explain_failures(study)
@@ -71,6 +74,16 @@ def pulse_codend(file: str, folder: Path, changes: tuple[str, ...], species_file
             of = f"case {one.least.case.number}, period {one.table['period_s'].iloc[0]:g} s"
             by = f"{one.off['opening_ahead_deg']:.2g} degrees and that of drag by {one.off['drag_n']:.3g} N"
             click.echo(f"Of {of}, steps half as long still changed the range of openings by {by}: {SNAPS}.")
+    for number in sorted(
+        {
+            one.least.case.number
+            for one in pulsing
+            if (judged := one.least.stability) is not None and judged.stable == "no"
+        }
+    ):
+        click.echo(f"Case {number} would not keep the shape from which it pulses: stable = no in results.csv.")
+    for said in failed:
+        click.echo(f"Not followed: {said}.")
     click.echo(ASSUMED)
     explain_failures(study)
-    return 0 if study.converged else NOT_CONVERGED
+    return 0 if study.converged and not failed else NOT_CONVERGED

@@ -10,6 +10,8 @@ from codend.cli.console import shown_progress, text_table
 from codend.errors import OPTIONS, InputError
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from codend.net.net import Floats
     from codend.scenes.build import BuiltScene
 
@@ -30,7 +32,8 @@ TABLE = {
 }
 NETTING_TABLE = {
     "name": "netting",
-    "drag_n": "drag N",
+    "drag_n": "drag along x N",
+    "side_force_n": "side force N",
     "lift_n": "lift N",
     "max_bar_tension_n": "largest in a bar N",
     "opening_deg": "opening deg",
@@ -45,8 +48,14 @@ FRAME_TABLE = {
     "trim_deg": "trim deg",
     "yaw_deg": "yaw deg",
     "force_x_n": "held by x N",
+    "force_y_n": "y N",
     "force_z_n": "z N",
 }
+ACROSS = ("side_force_n", "force_y_n")
+"""Forces along y, across the tow."""
+FORCES = ("drag_n", "lift_n", "force_x_n", "force_z_n", *ACROSS)
+NONE_ACROSS = 1e-6
+"""Of the largest of the others, or of 1 N."""
 FLOAT_TABLE = {"name": "float", "draft_m": "draft m", "immersed_share": "immersed", "buoyancy_n": "buoyancy N"}
 
 
@@ -151,13 +160,22 @@ def scene(scene: str, folder: Path, changes: tuple[str, ...], files: tuple[str, 
         (folder / GOES_ON).unlink(missing_ok=True)
     shown_tables = ((ropes, TABLE), (pd.DataFrame(netting), NETTING_TABLE), (frame, FRAME_TABLE), (floats, FLOAT_TABLE))
     for table, heads in shown_tables:
-        shown = [column for column in (*heads, "peak_tension_n", "peak_time_s") if column in table]
-        if shown:
+        shown = _columns(table, (*heads, "peak_tension_n", "peak_time_s"))
+        if shown and len(table):
             words = [heads.get(column, column) for column in shown]
             click.echo(text_table(words, table[shown].itertuples(index=False, name=None)))
     for note in notes:
         click.echo(note)
     return 0 if found.converged or (moved and placed and checked.netting) else NOT_CONVERGED
+
+
+def _columns(table: "pd.DataFrame", wanted: tuple[str, ...]) -> list[str]:
+    """Those of a table that are to be shown: forces across the tow only where there are some."""
+    shown = [column for column in wanted if column in table]
+    forces = table[[column for column in shown if column in FORCES]].abs().max()
+    return [
+        column for column in shown if column not in ACROSS or not forces[column] <= NONE_ACROSS * max(forces.max(), 1.0)
+    ]
 
 
 def _clear(folder: Path) -> None:

@@ -94,8 +94,8 @@ _rings: LastMade[Ring] = LastMade(1)
 def _joints(structure: Structure, bands: int) -> tuple[Hashable, ...]:
     """All that the numbering of a net's unknowns depends on: what is joined, what is held, and the bands of a catch."""
     s = structure
-    joined = (s.first, s.second, s.image, s.facets, s.facet_image, s.corners, s.corner_image, s.wrap_ring, s.free)
-    return (bands, *(array.tobytes() for array in joined))
+    joined = (s.first, s.second, s.image, s.facets, s.facet_image, s.corners, s.corner_image, s.free)
+    return (bands, *(array.tobytes() for array in (*joined, s.wrap_node, s.wrap_image)))
 
 
 @lru_cache(maxsize=1)

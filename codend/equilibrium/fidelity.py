@@ -44,10 +44,6 @@ class Reason(Enum):
     """The plan is the same all round, and nothing is given a density other than the water's."""
     LITTLE_WEIGHT = auto()
     """The plan is the same all round but for a wet weight that does not matter."""
-    LAYER_OVER_ROPES = auto()
-    """Second layers have a place beside ropes that are smeared over all meshes alone."""
-    LAYER = auto()
-    """Second layers have a place in sectors alone, which leave out a wet weight that matters."""
     WEIGHT = auto()
     """Wet weight breaks the symmetry; meshes are merged as the accuracy allows."""
     TIPS = auto()
@@ -118,8 +114,7 @@ def choose(plan: Plan) -> Choice:
     large that such sectors, which know none, tell nothing.
     """
     asked = plan.model.fidelity
-    over_ropes = bool(plan.layer and plan.ropes)  # layers have a place beside smeared ropes alone
-    sector = bag_of(plan, 1, 1, over_ropes).net
+    sector = bag_of(plan, 1, 1).net
     # twine that floats counts like twine that sinks: in different sections they bend the bag all the same
     weight = sector.order * float(np.abs(wet_weight(sector, plan.tow.water_density_kg_m3)).sum())
     heavy_catch = catch_weight_density(plan) != 0.0
@@ -167,12 +162,6 @@ def choose(plan: Plan) -> Choice:
     if plan.window and asked in ("sector", "smeared", "meridian"):
         allowed = '"auto", "full" or "globalised": a window lies somewhere round the net, where a sector has no place'
         raise InputError(plan.source, "model.fidelity", asked, allowed)
-    if plan.layer and asked == "auto":
-        # layers meet all round alike, or not at all in this model
-        if over_ropes:
-            drag_error = max(by_sector.drag_error, float(smeared_errors(plan)[0]))
-            by_sector = replace(by_sector, fidelity="smeared", reason=Reason.LAYER_OVER_ROPES, drag_error=drag_error)
-        return replace(by_sector, reason=Reason.LAYER) if by_sector.weight_matters else by_sector
     match asked:
         case "sector":
             return replace(by_sector, reason=Reason.ASKED)

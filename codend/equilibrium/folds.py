@@ -54,7 +54,7 @@ def follow_under_contact(
     else:
         return None
     tolerance = model.plan.model.tolerance
-    motion = gentle.follow(touching, tolerance, start, model.prepared, progress, steps_allowed)
+    motion = gentle.follow(touching, tolerance, start, model.prepared, progress, steps_allowed, rest.positions)
     if motion.end is not End.SETTLED:
         return touching, motion
     return touching.touching_at(motion.solution.positions), motion

@@ -63,8 +63,6 @@ def follow(
     """Follow what grows of an equilibrium from a few starts."""
     if len(model.bag.ropes):
         return replace(NOT_FOLLOWED, reason="not followed: ropes along the netting have no place in wider sectors yet")
-    if model.bag.layer_bands:
-        return replace(NOT_FOLLOWED, reason="not followed: second layers have no place in wider sectors yet")
     if model.near is not None:
         return replace(NOT_FOLLOWED, reason='not followed: fidelity = "sector" asks for the exact ratio of the counts')
     with Clock() as clock:

@@ -202,18 +202,12 @@ class Situation:
     @property
     def may_hang(self) -> bool:
         """Whether layers of the net may lie on each other under its weight, and it can be followed until they do."""
-        return (
-            self.heavy
-            and not self.geared
-            and self._small
-            and self.plan.model.contact is not False
-            and not self.plan.layer
-        )
+        return self.heavy and not self.geared and self._small and self.plan.model.contact is not False
 
     @property
     def may_fold_at_gear(self) -> bool:
         """Whether netting between ropes and beside windows can be followed until it lies in folds."""
-        followed = self.geared and self._small and self.plan.model.contact is not False and not self.plan.layer
+        followed = self.geared and self._small and self.plan.model.contact is not False
         start = self.sector_all_round if followed else None
         return start is not None and passage(self.touching, start.positions) is None
 

@@ -107,7 +107,7 @@ def _by_harmonics_of_whole(model: BagModel, tangent: TangentAtEquilibrium, scale
     """That of a whole net in a shape that is the same all round, by one sector of it; None where it is not."""
     bag, plan, loading = model.bag, model.plan, tangent.problem.loading
     weighs = loading.dead.any() or loading.catch.weight_density != 0.0
-    if weighs or len(loading.contact.kind) or plan.rope or plan.window or plan.layer:
+    if weighs or len(loading.contact.kind) or plan.rope or plan.window:
         return None
     sector = model_of(plan, model.globalisation, 1)
     solution = narrowed(sector.bag, bag, tangent.solution)

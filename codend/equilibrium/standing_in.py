@@ -37,7 +37,7 @@ def solve(
     by_ratio = stand_ins(plan) if automatic and choice.fidelity == "sector" else []
     others = [model_of(plan, 1, 1, near=near) for near in by_ratio]
     starts: tuple[Start, ...] = BRIEFLY
-    if automatic and plan.rope and not (model.smeared or plan.layer or plan.window):
+    if automatic and plan.rope and not (model.smeared or plan.window):
         others = [model_of(plan, 1, 1, smeared=True, near=near) for near in smeared_sectors(plan)]
         starts = BETWEEN_ROPES if len(model.bag.net.positions) > MOST_RELAXED else STARTS["auto"]
     if choice.fidelity == "smeared" and choice.near is not None:

@@ -227,8 +227,11 @@ def shortest_period(body: Body) -> float:
 def attitude_deg(turn: Floats) -> tuple[float, float, float]:
     """Heel about x, trim about y and yaw about z, in this order about the body's own axes from the last, degrees.
 
-    Heel is above 0 where the side y > 0 comes up, trim where the side x > 0 goes down, yaw from x towards y.
+    Heel is above 0 where the side y > 0 comes up, trim where the side x > 0 goes down, yaw from x towards y. All are
+    nan of a body whose place is not known.
     """
+    if not np.isfinite(turn).all():
+        return np.nan, np.nan, np.nan
     from scipy.spatial.transform import Rotation
 
     yaw, trim, heel = Rotation.from_matrix(turn).as_euler("ZYX", degrees=True)

@@ -34,7 +34,9 @@ class Structure(NamedTuple):
     corner_image: Ints
     corner_stiffness: Floats
     corner_rest: Floats
-    wrap_ring: Ints
+    wrap_node: Ints
+    wrap_image: Ints
+    wrap_weight: Floats
     wrap_law: Floats
     free: Floats
     """1 for coordinates that move, 0 for held ones, (n, 3)."""
@@ -53,7 +55,7 @@ def structure_of(net: Net) -> Structure:
     first = np.where(swap, net.bars[:, 1], net.bars[:, 0])
     second = np.where(swap, net.bars[:, 0], net.bars[:, 1])
     image = np.where(swap, -net.bar_image, net.bar_image)
-    images = (image, net.facet_image, net.corner_image)
+    images = (image, net.facet_image, net.corner_image, net.wrap_image)
     reach = max(int(np.abs(part).max(initial=0)) for part in images)
     angle = 2.0 * np.pi * np.arange(-reach, reach + 1) / net.order
     return Structure(
@@ -77,7 +79,9 @@ def structure_of(net: Net) -> Structure:
         corner_image=net.corner_image,
         corner_stiffness=net.corner_stiffness,
         corner_rest=net.corner_rest,
-        wrap_ring=net.wrap_ring,
+        wrap_node=net.wrap_node,
+        wrap_image=net.wrap_image,
+        wrap_weight=net.wrap_weight,
         wrap_law=net.wrap_law,
         free=(~net.fixed).astype(np.float64),
         order=float(net.order),

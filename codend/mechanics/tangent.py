@@ -31,7 +31,7 @@ class Pattern(NamedTuple):
     contact_slot: Ints
     """Blocks of the four nodes of two parts near each other, (k, 4, 4)."""
     wrap_slot: Ints
-    """Blocks of the four nodes between which a layer lies, (w, 4, 4)."""
+    """Blocks of the nodes of the cells over which a layer lies, (w, k, k)."""
     diagonal: Ints
     """Blocks of the nodes with themselves, (n,)."""
     image: Ints
@@ -64,12 +64,12 @@ def pattern_of(structure: Structure, by_image: bool = False, near: tuple[Ints, I
         paired(structure.facets, structure.facet_image),
         paired(structure.corners, structure.corner_image),
         paired(*near),
-        paired(structure.wrap_ring, np.zeros_like(structure.wrap_ring)),
+        paired(structure.wrap_node, structure.wrap_image),
         paired(own, np.zeros_like(own)),
     )
     pairs = [part.ravel() for part in parts]
     keys, place = np.unique(np.concatenate(pairs), return_inverse=True)
-    place = place.astype(np.int32)
+    place, wide = place.astype(np.int32), structure.wrap_node.shape[1]
     bars_end, facets_end, corners_end, near_end, wraps_end = np.cumsum([part.size for part in pairs[:5]])
     return Pattern(
         row=(keys // (nodes * (2 * reach + 1))).astype(np.int32),
@@ -78,7 +78,7 @@ def pattern_of(structure: Structure, by_image: bool = False, near: tuple[Ints, I
         facet_slot=np.ascontiguousarray(place[bars_end:facets_end].reshape(-1, 3, 3)),
         corner_slot=np.ascontiguousarray(place[facets_end:corners_end].reshape(-1, 3, 3)),
         contact_slot=np.ascontiguousarray(place[corners_end:near_end].reshape(-1, 4, 4)),
-        wrap_slot=np.ascontiguousarray(place[near_end:wraps_end].reshape(-1, 4, 4)),
+        wrap_slot=np.ascontiguousarray(place[near_end:wraps_end].reshape(-1, wide, wide)),
         diagonal=np.ascontiguousarray(place[wraps_end:]),
         image=(keys // nodes % (2 * reach + 1) - reach).astype(np.int32),
     )

@@ -1,156 +1,242 @@
-"""Netting that lies over other netting, as a second layer does, and shares its meridian: kernels of a load.
+"""Netting that lies over other netting, as a second layer does, and moves with it: kernels of a load.
 
-Where all is the same all round, a layer over a band from ring A to ring B, at the mean radius r and ds along the
-meridian, has meshes of the half diagonals
+It is laid over cells of the net below, each a base e along a ring of knots and a height h from there to the next ring,
+both sums of its nodes' places with given weights. It is drawn out evenly over a cell, and its meshes there have the
+half diagonals
 
-    t = pi r / N - a across,    q = ds / n - l along
+    T = (c |e| - a) e / |e|,    Q = (|h| / n - l) h / |h|
 
-N its meshes round, n its rows over the band, a and l what its knots take across and along it. Its bars, of length b,
-reach t^2 + q^2 = b^2 and pull by EA beyond; in square mesh those round reach 2 t = b and those along q = b, apart. A
-layer that reaches farther than the netting below carries nothing.
+c its half meshes to a metre of base, n its rows over the height, a and l what its knots take across and along it. Its
+bars Q + T and Q - T, of length b, pull by EA beyond it; in square mesh 2 T and Q do, apart. Where they are shorter the
+layer carries nothing.
 """
-
-from typing import NamedTuple
 
 import numpy as np
 
 from codend.compiled import njit
+from codend.mechanics.images import add_turned_back, turned
 from codend.mechanics.structure import Structure
-from codend.mechanics.tangent import Pattern
+from codend.mechanics.tangent import Pattern, add_turned_block
 from codend.net.net import Floats
 
 ROUND, ACROSS, ROWS, ALONG, BAR, STIFFNESS, COUNT, SQUARE = range(8)
-"""Columns of ``Net.wrap_law``."""
+"""Columns of ``Net.wrap_law``: c (1/m), a, n, l, b, EA, bars of either way, and 1 of square mesh."""
 
 
-class Stretch(NamedTuple):
-    """What a layer does over a band, by t and q."""
-
-    tension: float
-    """Of the bars, of square mesh of those round, N."""
-    by_t: float
-    by_q: float
-    by_tt: float
-    by_tq: float
-    by_qq: float
+@njit(cache=True)
+def write_spans(position: Floats, structure: Structure, cell: int, span: Floats) -> None:
+    """Write base and height of a cell, (2, 3)."""
+    span[:] = 0.0
+    weight = structure.wrap_weight[cell]
+    for i in range(weight.shape[1]):
+        node = structure.wrap_node[cell, i]
+        y, z = turned(position[node, 1], position[node, 2], structure.wrap_image[cell, i], structure.rotations)
+        for k in range(2):
+            span[k, 0] += weight[k, i] * position[node, 0]
+            span[k, 1] += weight[k, i] * y
+            span[k, 2] += weight[k, i] * z
 
 
 @njit(cache=True, error_model="numpy")
-def stretch_of(law: Floats, t: float, q: float) -> Stretch:
-    """Energy of the bars of a layer over a band of a sector, differentiated by t and q."""
-    bar, count = law[BAR], law[COUNT]
-    rate = count * law[STIFFNESS] / bar
+def per_span(law: Floats, way: int) -> tuple[float, float]:
+    """How much of a span is a half diagonal, and what knots take of that."""
+    return (law[ROUND], law[ACROSS]) if way == 0 else (1.0 / law[ROWS], law[ALONG])
+
+
+@njit(cache=True, error_model="numpy")
+def write_diagonals(law: Floats, span: Floats, diagonal: Floats) -> None:
+    """Write T and Q, (2, 3)."""
+    for k in range(2):
+        per, knot = per_span(law, k)
+        length = np.sqrt(span[k, 0] ** 2 + span[k, 1] ** 2 + span[k, 2] ** 2)
+        factor = max(per - knot / length, 0.0) if length > 0.0 else 0.0
+        for i in range(3):
+            diagonal[k, i] = factor * span[k, i]
+
+
+@njit(cache=True)
+def parts(law: Floats, bar: int) -> tuple[float, float]:
+    """How much of T and of Q is in the first or the second bar of a mesh."""
     if law[SQUARE] > 0.0:
-        over_t, over_q = max(2.0 * t - bar, 0.0), max(q - bar, 0.0)
-        stiff_t, stiff_q = (4.0 * rate if over_t > 0.0 else 0.0), (rate if over_q > 0.0 else 0.0)
-        return Stretch(law[STIFFNESS] * over_t / bar, 2.0 * rate * over_t, rate * over_q, stiff_t, 0.0, stiff_q)
-    length = np.sqrt(t * t + q * q)
-    if length <= bar:
-        return Stretch(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    pull, ct, cq = rate * (length - bar), t / length, q / length
-    turn = pull / length
-    return Stretch(
-        law[STIFFNESS] * (length / bar - 1.0),
-        pull * ct,
-        pull * cq,
-        rate * ct * ct + turn * cq * cq,
-        (rate - turn) * ct * cq,
-        rate * cq * cq + turn * ct * ct,
-    )
+        return (2.0, 0.0) if bar == 0 else (0.0, 1.0)
+    return (1.0, 1.0) if bar == 0 else (-1.0, 1.0)
 
 
 @njit(cache=True, error_model="numpy")
-def diagonals(position: Floats, structure: Structure, band: int) -> tuple[float, float, float, float, float]:
-    """T and q of a layer over a band, the direction of the meridian there, and its length ds."""
-    rings, law = structure.wrap_ring, structure.wrap_law
-    x, r = np.zeros(2), np.zeros(2)
-    for i in range(4):
-        node = rings[band, i]
-        x[i // 2] += 0.5 * position[node, 0]
-        r[i // 2] += 0.5 * np.sqrt(position[node, 1] ** 2 + position[node, 2] ** 2)
-    along = np.sqrt((x[1] - x[0]) ** 2 + (r[1] - r[0]) ** 2)
-    t = max(0.5 * law[band, ROUND] * (r[0] + r[1]) - law[band, ACROSS], 0.0)
-    q = max(along / law[band, ROWS] - law[band, ALONG], 0.0)
-    return t, q, (x[1] - x[0]) / along, (r[1] - r[0]) / along, along
+def write_slopes(law: Floats, diagonal: Floats, slope: Floats) -> float:
+    """Write the derivatives of the energy by T and Q, N, (2, 3); returns the largest tension of a bar, N."""
+    slope[:] = 0.0
+    most = 0.0
+    rate = law[COUNT] * law[STIFFNESS] / law[BAR]
+    for bar in range(2):
+        of_t, of_q = parts(law, bar)
+        x, y, z = (
+            of_t * diagonal[0, 0] + of_q * diagonal[1, 0],
+            of_t * diagonal[0, 1] + of_q * diagonal[1, 1],
+            of_t * diagonal[0, 2] + of_q * diagonal[1, 2],
+        )
+        length = np.sqrt(x * x + y * y + z * z)
+        if length <= law[BAR]:
+            continue
+        pull = rate * (length - law[BAR]) / length
+        most = max(most, law[STIFFNESS] * (length / law[BAR] - 1.0))
+        for k in range(2):
+            of = of_t if k == 0 else of_q
+            slope[k, 0] += of * pull * x
+            slope[k, 1] += of * pull * y
+            slope[k, 2] += of * pull * z
+    return most
 
 
 @njit(cache=True, error_model="numpy")
-def _outwards(position: Floats, node: int) -> tuple[float, float, float]:
-    """Direction away from the axis, and the distance from it."""
-    y, z = position[node, 1], position[node, 2]
-    r = np.sqrt(y * y + z * z)
-    return (y / r, z / r, r) if r > 0.0 else (0.0, 0.0, 0.0)
+def turn_to_spans(law: Floats, span: Floats, diagonal: Floats, slope: Floats) -> None:
+    """Make derivatives by T and Q those by base and height, in place, (2, 3).
+
+    By a span s of a half diagonal  per s - knot s / |s|  derivatives p by that are  per p - knot (p - s (p s) / s^2) /
+    |s|  by s.
+    """
+    for k in range(2):
+        if diagonal[k, 0] == 0.0 and diagonal[k, 1] == 0.0 and diagonal[k, 2] == 0.0:
+            slope[k] = 0.0
+            continue
+        per, knot = per_span(law, k)
+        square, along = 0.0, 0.0
+        for i in range(3):
+            square += span[k, i] ** 2
+            along += span[k, i] * slope[k, i]
+        shortened = knot / np.sqrt(square)
+        for i in range(3):
+            slope[k, i] = per * slope[k, i] - shortened * (slope[k, i] - span[k, i] * along / square)
+
+
+@njit(cache=True, error_model="numpy")
+def of_cells(position: Floats, structure: Structure) -> tuple[Floats, Floats, Floats, Floats]:
+    """Base and height of every cell, T and Q, the pull along base and height, N, (w, 2, 3) each, and tension, N."""
+    cells = len(structure.wrap_law)
+    span, diagonal, pull = np.zeros((cells, 2, 3)), np.zeros((cells, 2, 3)), np.zeros((cells, 2, 3))
+    tension = np.zeros(cells)
+    for cell in range(cells):
+        law = structure.wrap_law[cell]
+        write_spans(position, structure, cell, span[cell])
+        write_diagonals(law, span[cell], diagonal[cell])
+        tension[cell] = write_slopes(law, diagonal[cell], pull[cell])
+        turn_to_spans(law, span[cell], diagonal[cell], pull[cell])
+    return span, diagonal, pull, tension
 
 
 @njit(cache=True, error_model="numpy")
 def add_force(position: Floats, structure: Structure, force: Floats) -> None:
     """Add the pull of layers to the nodal forces, N."""
-    for band in range(len(structure.wrap_ring)):
-        law = structure.wrap_law[band]
-        t, q, ex, er, _ = diagonals(position, structure, band)
-        pull = stretch_of(law, t, q)
-        if pull.by_t == 0.0 and pull.by_q == 0.0:
+    span, diagonal, slope = np.empty((2, 3)), np.empty((2, 3)), np.empty((2, 3))
+    for cell in range(len(structure.wrap_law)):
+        law, weight = structure.wrap_law[cell], structure.wrap_weight[cell]
+        write_spans(position, structure, cell, span)
+        write_diagonals(law, span, diagonal)
+        if write_slopes(law, diagonal, slope) == 0.0:
             continue
-        inwards, along = 0.25 * law[ROUND] * pull.by_t, 0.5 * pull.by_q / law[ROWS]
-        for i in range(4):
-            node = structure.wrap_ring[band, i]
-            y, z, _ = _outwards(position, node)
-            sense = 1.0 if i < 2 else -1.0
-            radial = sense * along * er - inwards
-            force[node, 0] += sense * along * ex
-            force[node, 1] += radial * y
-            force[node, 2] += radial * z
+        turn_to_spans(law, span, diagonal, slope)
+        for i in range(weight.shape[1]):
+            base, height = -weight[0, i], -weight[1, i]
+            add_turned_back(
+                force,
+                structure.wrap_node[cell, i],
+                base * slope[0, 0] + height * slope[1, 0],
+                base * slope[0, 1] + height * slope[1, 1],
+                base * slope[0, 2] + height * slope[1, 2],
+                structure.wrap_image[cell, i],
+                structure.rotations,
+            )
+
+
+@njit(cache=True, error_model="numpy")
+def _write_curvature(law: Floats, span: Floats, diagonal: Floats, slope: Floats, curvature: Floats) -> None:
+    """Write the second derivatives of the energy by base and height, (2, 2, 3, 3); ``slope`` is by T and Q.
+
+    With U by T and Q, and J = per I - knot (I - s s^T / s^2) / |s|, those by the spans are J U'' J, and of one span
+    knot (p_ s^T / |s| + s p_^T / |s| + (p s) / |s| (I - s s^T / s^2)) / s^2 besides, p_ what of p is across s.
+    """
+    curvature[:] = 0.0
+    rate = law[COUNT] * law[STIFFNESS] / law[BAR]
+    vector, turning, half = np.empty(3), np.zeros((2, 3, 3)), np.empty((3, 3))
+    for k in range(2):
+        if diagonal[k, 0] == 0.0 and diagonal[k, 1] == 0.0 and diagonal[k, 2] == 0.0:
+            continue
+        per, knot = per_span(law, k)
+        square, along = 0.0, 0.0
+        for i in range(3):
+            square += span[k, i] ** 2
+            along += span[k, i] * slope[k, i]
+        length = np.sqrt(square)
+        for i in range(3):
+            for j in range(3):
+                one = 1.0 if i == j else 0.0
+                across = one - span[k, i] * span[k, j] / square
+                turning[k, i, j] = per * one - knot / length * across
+                over_i, over_j = slope[k, i] - span[k, i] * along / square, slope[k, j] - span[k, j] * along / square
+                bent = over_i * span[k, j] + span[k, i] * over_j + along * across
+                curvature[k, k, i, j] = knot * bent / (square * length)
+    for bar in range(2):
+        of_t, of_q = parts(law, bar)
+        for i in range(3):
+            vector[i] = of_t * diagonal[0, i] + of_q * diagonal[1, i]
+        length = np.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+        if length <= law[BAR]:
+            continue
+        q = rate * (length - law[BAR]) / length
+        k2 = (rate - q) / (length * length)
+        for a in range(2):
+            of_a = of_t if a == 0 else of_q
+            for i in range(3):
+                for j in range(3):
+                    half[i, j] = 0.0
+                    for m in range(3):
+                        stiff = k2 * vector[m] * vector[j] + (q if m == j else 0.0)
+                        half[i, j] += of_a * turning[a, i, m] * stiff
+            for b in range(2):
+                of_b = of_t if b == 0 else of_q
+                for i in range(3):
+                    for j in range(3):
+                        for m in range(3):
+                            curvature[a, b, i, j] += of_b * half[i, m] * turning[b, m, j]
 
 
 @njit(cache=True, error_model="numpy")
 def add_tangent(position: Floats, structure: Structure, pattern: Pattern, blocks: Floats) -> None:
     """Add the layers' part to the tangent."""
-    for band in range(len(structure.wrap_ring)):
-        law = structure.wrap_law[band]
-        t, q, ex, er, along = diagonals(position, structure, band)
-        pull = stretch_of(law, t, q)
-        if pull.by_t == 0.0 and pull.by_q == 0.0:
+    span, diagonal, slope = np.empty((2, 3)), np.empty((2, 3)), np.empty((2, 3))
+    curvature, h = np.empty((2, 2, 3, 3)), np.empty((3, 3))
+    image, rotations = structure.wrap_image, structure.rotations
+    for cell in range(len(structure.wrap_law)):
+        law, weight = structure.wrap_law[cell], structure.wrap_weight[cell]
+        write_spans(position, structure, cell, span)
+        write_diagonals(law, span, diagonal)
+        if write_slopes(law, diagonal, slope) == 0.0:
             continue
-        nx, nr = -er, ex
-        dt = 0.25 * law[ROUND]
-        across = pull.by_q / (law[ROWS] * along)
-        for i in range(4):
-            node = structure.wrap_ring[band, i]
-            yi, zi, r = _outwards(position, node)
-            si = (-0.5 if i < 2 else 0.5) / law[ROWS]
-            for j in range(4):
-                yj, zj, _ = _outwards(position, structure.wrap_ring[band, j])
-                sj = (-0.5 if j < 2 else 0.5) / law[ROWS]
-                bend = across * (0.25 if (i < 2) == (j < 2) else -0.25)
-                xx = pull.by_qq * si * sj * ex * ex + bend * nx * nx
-                xr = pull.by_qq * si * sj * ex * er + pull.by_tq * si * dt * ex + bend * nx * nr
-                rx = pull.by_qq * si * sj * ex * er + pull.by_tq * sj * dt * ex + bend * nx * nr
-                rr = pull.by_tt * dt * dt + pull.by_tq * dt * (si + sj) * er
-                rr += pull.by_qq * si * sj * er * er + bend * nr * nr
-                slot = pattern.wrap_slot[band, i, j]
-                blocks[slot, 0, 0] += xx
-                blocks[slot, 0, 1] += xr * yj
-                blocks[slot, 0, 2] += xr * zj
-                blocks[slot, 1, 0] += rx * yi
-                blocks[slot, 2, 0] += rx * zi
-                blocks[slot, 1, 1] += rr * yi * yj
-                blocks[slot, 1, 2] += rr * yi * zj
-                blocks[slot, 2, 1] += rr * zi * yj
-                blocks[slot, 2, 2] += rr * zi * zj
-            if r > 0.0:
-                turning = (dt * pull.by_t + pull.by_q * si * er) / r
-                slot = pattern.wrap_slot[band, i, i]
-                blocks[slot, 1, 1] += turning * zi * zi
-                blocks[slot, 1, 2] -= turning * yi * zi
-                blocks[slot, 2, 1] -= turning * yi * zi
-                blocks[slot, 2, 2] += turning * yi * yi
+        _write_curvature(law, span, diagonal, slope, curvature)
+        for i in range(weight.shape[1]):
+            for j in range(weight.shape[1]):
+                for m in range(3):
+                    for n in range(3):
+                        h[m, n] = (
+                            weight[0, i] * weight[0, j] * curvature[0, 0, m, n]
+                            + weight[0, i] * weight[1, j] * curvature[0, 1, m, n]
+                            + weight[1, i] * weight[0, j] * curvature[1, 0, m, n]
+                            + weight[1, i] * weight[1, j] * curvature[1, 1, m, n]
+                        )
+                slot = pattern.wrap_slot[cell, i, j]
+                add_turned_block(blocks, slot, 1.0, h, image[cell, i], image[cell, j], rotations)
 
 
 @njit(cache=True, error_model="numpy")
 def add_bound(position: Floats, structure: Structure, bound: Floats) -> None:
     """Add the layers' part to the bound on each node's row of the stiffness, N/m."""
-    for band in range(len(structure.wrap_ring)):
-        law = structure.wrap_law[band]
+    for cell in range(len(structure.wrap_law)):
+        law, weight = structure.wrap_law[cell], structure.wrap_weight[cell]
         rate = law[COUNT] * law[STIFFNESS] / law[BAR]
-        for i in range(4):
-            bound[structure.wrap_ring[band, i]] += 4.0 * rate * (law[ROUND] ** 2 + 1.0 / law[ROWS] ** 2)
+        base, height = 2.0 * law[ROUND], 2.0 / law[ROWS]
+        whole = 0.0
+        for i in range(weight.shape[1]):
+            whole += base * abs(weight[0, i]) + height * abs(weight[1, i])
+        for i in range(weight.shape[1]):
+            own = base * abs(weight[0, i]) + height * abs(weight[1, i])
+            bound[structure.wrap_node[cell, i]] += rate * own * whole

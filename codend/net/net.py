@@ -82,10 +82,14 @@ class Net:
     point_lift_towards: Floats
     """Direction of its lift, of which the part across the flow counts, (p, 3)."""
 
-    wrap_ring: Ints = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int32))
-    """Two nodes each of two rings that follow one another, between which netting lies over the net, (w, 4)."""
+    wrap_node: Ints = field(default_factory=lambda: np.zeros((0, 1), dtype=np.int32))
+    """Nodes of the cells over which other netting lies, see ``mechanics.wrap``, (w, k)."""
+    wrap_image: Ints = field(default_factory=lambda: np.zeros((0, 1), dtype=np.int32))
+    """Images of those nodes, (w, k)."""
+    wrap_weight: Floats = field(default_factory=lambda: np.zeros((0, 2, 1)))
+    """What each counts in the base and in the height of its cell, (w, 2, k)."""
     wrap_law: Floats = field(default_factory=lambda: np.zeros((0, 8)))
-    """What that netting is made of, see ``mechanics.wrap``, (w, 8)."""
+    """What that netting is made of, (w, 8)."""
 
     @property
     def sectors(self) -> int:

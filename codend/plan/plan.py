@@ -134,7 +134,8 @@ class Plan(Table):
             yield Contradiction(f"netting.{len(self.netting) - 1}.meshes_long", allowed)
         if not astray and self.model.globalisation not in (divisors := self.globalisations):
             allowed = ", ".join(map(str, divisors))
-            and_straps = ", and of the rows from every strap to the codline" if self.strap else ""
+            rowed = [name for name in ("strap", "layer") if getattr(self, name)]
+            and_straps = f", and of the rows from every {' and '.join(rowed)} to the codline" if rowed else ""
             reason = f"divisors of all meshes_round and meshes_long{and_straps}"
             yield Contradiction("model.globalisation", f"{allowed} ({reason})")
 
@@ -327,8 +328,8 @@ class Plan(Table):
                 yield Contradiction(key, f"at most {meshes_long}, the sum of meshes_long")
             elif self.rows_to_codline(start) is None:
                 yield Contradiction(key, "a row of knots")
-        if self.layer and self.model.fidelity not in ("auto", "sector", "smeared"):
-            yield Contradiction("model.fidelity", '"auto", "sector" or, with ropes, "smeared", under a [[layer]]')
+        if self.layer and self.model.fidelity == "meridian":
+            yield Contradiction("model.fidelity", "any other under a [[layer]], which has no place on a membrane")
         if self.layer and self.model.method == "rigid-bars":
             yield Contradiction("model.method", '"auto", "newton" or "dynamic-relaxation", under a [[layer]]')
 
@@ -353,6 +354,12 @@ class Plan(Table):
     def rope_rows(self) -> tuple[int, ...]:
         """Rows from every end of a rope to the codline, where the plan says where it ends."""
         rows = (self.rows_to_codline(meshes) for rope in self.rope for meshes in rope.meshes_from_codline or ())
+        return tuple(count for count in rows if count is not None)
+
+    @property
+    def layer_rows(self) -> tuple[int, ...]:
+        """Rows from where every layer begins to the codline."""
+        rows = (self.rows_to_codline(layer.meshes_from_codline[1]) for layer in self.layer)
         return tuple(count for count in rows if count is not None)
 
     @property
@@ -389,13 +396,13 @@ class Plan(Table):
     def globalisations(self) -> tuple[int, ...]:
         """Meshes that can be merged, each way: divisors of every mesh count that leave at least 3 meshes round.
 
-        Rows that carry a strap stay rows.
+        Rows that carry a strap, or where a rope or a layer begins, stay rows.
         """
         counts = [count for part in self.netting for count in (*part.open_meshes, part.meshes_long)]
         counts += [count for window in self.window for count in (window.meshes_round, window.meshes_long)]
         counts += [count for hole in self.holes for count in (hole.fore, hole.deep, hole.across)]
         counts += [count // part.panels for part in self.netting if part.has_seams for count in part.open_meshes]
-        common = math.gcd(*counts, *self.strap_rows, *self.rope_rows)
+        common = math.gcd(*counts, *self.strap_rows, *self.rope_rows, *self.layer_rows)
         most = min(min(part.open_meshes) for part in self.netting) // 3
         divisors = (g for g in range(1, min(common, most) + 1) if common % g == 0)
         return tuple(g for g in divisors if self._windows_have_room(g))

@@ -13,13 +13,6 @@ def reason_text(choice: Choice) -> str:
             said = f"Asked for: {_model(choice)}"
             if choice.weight_matters and not choice.sees_weight:
                 said += f"; {_left_out(weighed)}"
-        case Reason.LAYER:
-            said = f"Second layers are modelled all round alike, {_sector(choice)}; {_left_out(weighed)}"
-        case Reason.LAYER_OVER_ROPES:
-            said = (
-                "Second layers are modelled all round alike, and so are the ropes, smeared over all meshes: one mesh "
-                f"is a sector, which costs {100.0 * choice.drag_error:.2g} % in drag"
-            )
         case Reason.ROPES:
             alike = "The plan is the same all round but for equal ropes or seams"
             said = f"{alike}: {_sector(choice)}, as they repeat, is exact"

@@ -16,6 +16,7 @@ from codend.io.names import as_text
 from codend.plan.plan import Plan
 from codend.report.answer import cards_of
 from codend.report.choice_words import reason_text
+from codend.report.layer_words import held_layers
 from codend.report.net_plan import plan_svg
 from codend.report.page_tables import results_tables, solving_table
 from codend.report.size_words import size_sentences
@@ -206,7 +207,7 @@ def cautions(study: Study) -> list[str]:
             f"Netting on the catch lies in folds, up to {most:.2g} % of it: {folded}. The catch's pressure is right in "
             "sum over the layers of a fold, not on each; no error estimate covers that."
         )
-    return found + slack_straps(study, _named)
+    return found + held_layers(study, _named) + slack_straps(study, _named)
 
 
 def input_sections(tables: Mapping[str, Any]) -> list[dict[str, Any]]:

@@ -66,6 +66,8 @@ def frame_cautions(built: BuiltScene, positions: Floats) -> list[str]:
     body, frame = built.frame, built.scene.frame
     if body is None or frame is None or not built.scene.afloat:
         return []
+    if not np.isfinite(positions).all():
+        return _why_it_may_not_float(built, body)
     found = ["The frame floats on a level surface, without waves."]
     turn = rigid.pose_of(body, positions).turn
     if turn[2, 2] < 0.0:
@@ -83,6 +85,22 @@ def frame_cautions(built: BuiltScene, positions: Floats) -> list[str]:
             found.append(f"Float {table.name} is under water, and carries no more however deep it goes.")
         elif foot > -reach or top < reach:
             found.append(f"The surface crosses the foot or top of float {table.name}: its lift is an approximation.")
+    return found
+
+
+def _why_it_may_not_float(built: BuiltScene, body: Body) -> list[str]:
+    """What of a frame for which no equilibrium was found speaks against one near to where it is placed."""
+    most = body.water_density * rigid.GRAVITY_M_S2 * float(body.column_area @ body.column_height)
+    found = []
+    if body.weight_n >= most:
+        weighs = f"weighs {body.weight_n:.4g} N in air"
+        found.append(f"The floats carry at most {most:.4g} N, and the frame with them {weighs}.")
+    net, scene = built.problem.net, built.scene
+    for table, name, nodes in zip(scene.rope, scene.rope_names, built.rope_nodes, strict=True):
+        ends = nodes[[0, -1]]
+        apart = float(np.linalg.norm(np.diff(net.positions[ends], axis=0)))
+        if table.axial_stiffness_n is None and net.fixed[ends].all() and apart >= table.length_m:
+            found.append(f"Rope {name} is {table.length_m:g} m long, and its ends are placed {apart:.4g} m apart.")
     return found
 
 

@@ -19,6 +19,11 @@ TO_AND_FRO_DEG, SEVERAL = 2.0, 2
 """Of a warp followed to 1 % no bar does so, of one that is off by 10 % or more 3 to 20 (motion as in
 ``validation.motion_map``, 10 bars or more)."""
 
+STRETCHES = 0.3
+"""Strain of a rope in equilibrium that is told: more than its axial stiffness, constant, is likely to be meant for."""
+NOTHING_PULLS = (
+    "Nothing pulls at anything here: any shape in which all is long enough is in balance, not this one alone."
+)
 LIES_ON_NETTING = (
     "Netting lies on netting here and presses on it without friction: of several shapes in balance this is the one to "
     "which the net moves when the current sets in on the net at rest."
@@ -116,7 +121,7 @@ def rope_rows(result: SceneResult) -> list[dict[str, Any]]:
                 "max_tension_n": float(max(first, last, tension.max())),
                 "min_tension_n": float(min(first, last, tension.min())),
                 "slack_share": float(np.mean(tension <= 0.0)),
-                "deepest_m": float(-places[:, 2].min()),
+                "deepest_m": float(0.0 - places[:, 2].min()),
                 "law": rope.drag[0],
             }
         )
@@ -159,7 +164,7 @@ def result_row(result: SceneResult) -> dict[str, Any]:
         "pull_ahead_n": float(-towed[0]),
         "max_rope_tension_n": top["max_tension_n"] if ropes else np.nan,
         "max_tension_rope": top["name"] if ropes and result.converged else "",
-        "deepest_m": float(-result.solution.positions[:, 2].min()),
+        "deepest_m": float(0.0 - result.solution.positions[:, 2].min()),
         "highest_m": float(result.solution.positions[:, 2].max()),
         "volume_m3": volume_m3(built, result.solution.positions),
         "contact_share": contact_share(built, result.solution.positions),
@@ -193,7 +198,7 @@ def settled(built: BuiltScene, positions: Floats, bar_tension: Floats) -> SceneR
 def balance_error(result: SceneResult) -> float:
     """What loads and supports leave over together, over the sum of the sizes of the supports' forces and the loads.
 
-    A frame that floats is no support: its weight and what carries it are loads.
+    A frame that floats is no support: its weight and what carries it are loads. Where nothing pulls, nothing is left.
     """
     problem = result.built.problem
     held = np.where(problem.net.fixed, result.support, 0.0)
@@ -202,7 +207,7 @@ def balance_error(result: SceneResult) -> float:
         held[body.nodes] = 0.0
         own, own_size = load(body, pose_of(body, result.solution.positions))[:3], 2.0 * body.weight_n
     sizes = np.linalg.norm(result.load, axis=1).sum() + np.linalg.norm(held, axis=1).sum() + own_size
-    return float(np.linalg.norm((result.load + held).sum(axis=0) + own) / sizes)
+    return float(np.linalg.norm((result.load + held).sum(axis=0) + own) / sizes) if sizes != 0.0 else 0.0
 
 
 def _highest(result: SceneResult) -> float:
@@ -212,20 +217,36 @@ def _highest(result: SceneResult) -> float:
     return float((heights if body is None else np.delete(heights, body.nodes)).max(initial=-np.inf))
 
 
+def _highest_point(built: BuiltScene) -> float:
+    """Height of the highest point as it was placed, at least that of the surface, m."""
+    return max([0.0, *(float(built.problem.net.positions[node, 2]) for node in built.node_of.values())])
+
+
+def _stretched(result: SceneResult) -> list[str]:
+    """What is to be told of ropes that stretch by more than ropes do."""
+    rows = [(row["name"], row["length_under_load_m"] / row["length_m"] - 1.0) for row in rope_rows(result)]
+    return [
+        f"{name} is stretched by {100.0 * strain:.3g} %: look at its axial_stiffness_n, which is in N."
+        for name, strain in rows
+        if strain > STRETCHES
+    ]
+
+
 def cautions(result: SceneResult) -> list[str]:
     """What a reader must know before using the numbers."""
     found = []
     scene = result.built.scene
     if not result.converged:
         found.append(f"No equilibrium was found: {result.solution.report.outcome.value}")
-    elif (highest := _highest(result)) > max(
-        0.0, *(float(result.built.problem.net.positions[n, 2]) for n in result.built.node_of.values())
-    ) + 1e-6:
+    elif (highest := _highest(result)) > _highest_point(result.built) + 1e-6:
         found.append(
             f"Something lies {highest:.3g} m above the surface, of which the model knows nothing: it is in water there."
         )
+    found += frame_cautions(result.built, result.solution.positions)
+    if result.converged and not result.load.any():
+        found.append(NOTHING_PULLS)
     if result.converged:
-        found += frame_cautions(result.built, result.solution.positions)
+        found += _stretched(result)
     if result.converged and contact_share(result.built, result.solution.positions) > 0.0:
         found.append(LIES_ON_NETTING)
     if "density_kg_m3" not in scene.water.model_fields_set:

@@ -43,7 +43,7 @@ def netting_rows(built: BuiltScene, positions: Floats, bar_tension: Floats) -> l
                 "max_bar_tension_n": float(real.max()),
                 "slack_share": float(np.mean(real <= 0.0)),
                 "opening_deg": float(np.mean(openings)) if len(openings) else np.nan,
-                "deepest_m": float(-positions[nodes, 2].min()),
+                "deepest_m": float(0.0 - positions[nodes, 2].min()),
                 "law": table.drag[0],
                 "speed_share": met,
             }

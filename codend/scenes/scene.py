@@ -19,7 +19,7 @@ from codend.plan.tables import Table, Text
 from codend.scenes.frame_checks import ballast_contradictions, frame_contradictions
 from codend.scenes.frame_tables import FRAME, BallastTable, FloatTable, FrameTable
 from codend.scenes.netting_checks import carried, links_of, netting_contradictions
-from codend.scenes.netting_tables import SeamTable, SheetTable
+from codend.scenes.netting_tables import CORNERS, PLANES, SeamTable, SheetTable
 from codend.scenes.tables import (
     FASTEST_M_S,
     VESSEL,
@@ -37,6 +37,8 @@ FAST = ("vessel", "ground", FRAME)
 """What holds a point every way."""
 NETTING_LENGTH_ERROR = 0.05
 """Netting that flaps is followed with so much in a step; the next one mends it."""
+FULL_WIDTH = 1e-9
+"""By how much, relative, the corners of a held edge may be farther apart than it is long: round-off."""
 STEPS_A_PERIOD = 20
 """Fewest time steps in a period of heave: of fewer the motion would be another."""
 
@@ -122,6 +124,7 @@ class Scene(Table):
                 yield Contradiction(f"point.{index}.at", "where it starts: [x, y, z] in m", "is missing")
         yield from self._not_held()
         yield from self._too_short()
+        yield from self._across_its_plane()
 
     def _cannot_hold(self) -> dict[str, str]:
         """What can hold nothing here, and what is allowed instead."""
@@ -167,13 +170,29 @@ class Scene(Table):
                     yield Contradiction(f"rope.{index}.length_m", f"above {apart:g}, the distance of its held ends")
         for index, sheet in enumerate(self.netting):
             for edge in EDGES if sheet.twine.axial_stiffness_n is None else ():
-                ends = [places[corner] for corner in sheet.corner_names(edge) if corner in places]
-                if sheet.hold_of(edge) in FAST or len(ends) < 2:
+                held = sheet.hold_of(edge) in FAST
+                on = [sheet.corners[corner] for corner in CORNERS[edge]]
+                ends = [places.get(corner) if isinstance(corner, str) else corner if held else None for corner in on]
+                if ends[0] is None or ends[1] is None:
                     continue
                 apart, reach = float(np.linalg.norm(np.subtract(ends[0], ends[1]))), sheet.reach_m(edge)
-                if apart >= reach:
+                # of an edge that is held all along no bar has to pull
+                if apart > reach * (1.0 + FULL_WIDTH) or (apart >= reach and not held):
                     allowed = f"given, or the held corners of its {edge} edge nearer than {reach:g} m, not {apart:g} m"
                     yield Contradiction(f"netting.{index}.axial_stiffness_n", allowed, "is missing")
+
+    def _across_its_plane(self) -> Iterator[Contradiction]:
+        """A current across a plane beyond which there is the same again."""
+        edges = [hold for sheet in self.netting for edge in EDGES if (hold := sheet.hold_of(edge)) in PLANES]
+        if not edges and not any(point.held == "symmetry" for point in self.point):
+            return
+        where = "symmetry" if not edges or "symmetry" in edges else "repeats"
+        allowed = f'[x, 0, z] beside what is held by "{where}", for it goes on beyond as in a mirror'
+        for index, layer in enumerate(self.water.profile):
+            if layer.flow_m_s[1] != 0.0:
+                yield Contradiction(f"water.profile.{index}.flow_m_s", allowed)
+        if self.water.flow_m_s[1] != 0.0:
+            yield Contradiction("water.flow_m_s", allowed)
 
     @property
     def afloat(self) -> bool:

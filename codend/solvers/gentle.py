@@ -23,7 +23,7 @@ from codend.net.net import Floats
 from codend.solvers import newton
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import as_built
-from codend.solvers.newton import DIRECT
+from codend.solvers.newton import DIRECT, NewtonSettings
 from codend.solvers.outcome import Outcome, Progress, Solution
 from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.refusal import passage
@@ -40,6 +40,12 @@ CALM, CALMER = 1e-6, (1e-6, 1e-6, 1e-7, 1e-9)
 it, those at which it does again."""
 POLISH = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=25)
 """How it is tried at the first of these under contact."""
+BRIEFLY = replace(POLISH, iterations_allowed=10)
+"""The same without contact, at all but the last: where a net drifts off an equilibrium it leads nowhere, however
+long."""
+FINEST = 1e-11
+"""Residual to which it goes where a net leaves a shape, as long as it is about as near to that as it began, and
+without contact at all levels but the last: along what hardly grows a larger one tells nothing."""
 BETWEEN = 6
 """Steps before it is tried again."""
 KINKED, SEEN = 0.1, 1e-4
@@ -94,9 +100,10 @@ def follow(
         progress: told the residual of every step.
         steps_allowed: before it is given up.
         left: an equilibrium that the net is to leave, (n, 3): Newton's method may lead back to it from a start where
-            little is out of balance yet.
+            little is out of balance yet, or nothing to the tolerance.
     """
-    steps, calm, waits = _Steps(problem, start, prepared), [CALM, *CALMER], 0
+    steps, calm, waits = _Steps(problem, start, prepared, FIRST_SHIFT), [CALM, *CALMER], 0
+    departed = 0.0 if left is None else 2.0 * _apart(start, left)
     for number in range(1, steps_allowed + 1):
         steps.turn()
         size = steps.take()
@@ -108,36 +115,49 @@ def follow(
             break
         if steps.residual <= calm[0] and size >= 0.5 and number >= waits:
             reached = _as_is(problem, start, steps.here)
-            how = DIRECT if problem.surface is None or calm[0] < CALM else POLISH
-            polished = newton.solve(problem, tolerance, reached, how, progress, prepared)
+            how, finer = _polish(problem.surface is not None, calm), tolerance
+            if left is not None and _apart(reached, left) <= departed:
+                how, finer = replace(how, least_iterations=1), min(tolerance, FINEST)
+            elif left is not None and problem.surface is None and len(calm) > 1:
+                finer = min(tolerance, FINEST)
+            polished = newton.solve(problem, finer, reached, how, progress, prepared)
             if polished.report.outcome is Outcome.PASSED_THROUGH:
                 return Motion(End.TOUCHING, reached, number)
             near = np.abs(polished.positions - reached.positions).max() <= LONGEST * steps.bar
-            if polished.report.outcome.converged and near and not _back(polished, reached, left):
+            back = left is not None and _apart(polished, left) < 0.5 * _apart(reached, left)
+            if polished.report.outcome.converged and near and not back:
                 return Motion(End.SETTLED, polished, number)
-            if len(calm) == 1:
+            if not back:
+                calm = calm[1:]
+            if not calm:
                 break
             # Newton's method works in the same room
-            steps, calm, waits = _Steps(problem, reached, prepared), calm[1:], number + BETWEEN
+            shift = FIRST_SHIFT if problem.surface is not None else steps.shift
+            steps, waits = _Steps(problem, reached, prepared, shift), number + BETWEEN
     return Motion(End.STEPS_SPENT, _as_is(problem, start, steps.here), number)
 
 
-def _back(polished: Solution, reached: Solution, left: Floats | None) -> bool:
-    """Whether what was reached is on its way from an equilibrium that it was polished back to."""
-    if left is None:
-        return False
-    return bool(np.abs(polished.positions - left).max() < 0.5 * np.abs(reached.positions - left).max())
+def _polish(touching: bool, calm: list[float]) -> NewtonSettings:
+    """How Newton's method is tried, by the residuals at which it is yet to be."""
+    if touching:
+        return DIRECT if calm[0] < CALM else POLISH
+    return DIRECT if len(calm) == 1 else BRIEFLY
+
+
+def _apart(one: Solution, left: Floats) -> float:
+    """Farthest that a knot lies from where it was, m."""
+    return float(np.abs(one.positions - left).max())
 
 
 class _Steps:
     """Implicit steps from a start to wherever they lead."""
 
-    def __init__(self, problem: Problem, start: Solution, prepared: Prepared) -> None:
+    def __init__(self, problem: Problem, start: Solution, prepared: Prepared, shift: float) -> None:
         self.problem, self.structure, self.watched = problem, problem.structure, Watched(problem, prepared)
         self.here, self.there, _ = prepared.states
         self.tension = start.mean_tension
         self.bar = float(np.median(self.structure.length))
-        self.shift, self.exact = FIRST_SHIFT, 0.0
+        self.shift, self.exact = shift, 0.0
         self.moved, self.before = np.inf, np.zeros_like(start.positions)
         self.here.position[:] = start.positions
         bar_lengths(start.positions, self.structure, self.here.length)

@@ -201,7 +201,7 @@ def _largest_load(problem: Problem, tension: float, state: State) -> float:
     in a crude shape that may be any size.
     """
     structure = problem.structure
-    bare = structure._replace(wrap_ring=structure.wrap_ring[:0])
+    bare = structure._replace(wrap_law=structure.wrap_law[:0])
     state.density[:] = tension / structure.length
     measure(bare, problem.loading, tension, 1.0, KEPT_TAUT, state)
     return kernels.largest_force(structure, state.load)

@@ -29,6 +29,7 @@ STABLE = 0.5
 OPENING_MET_DEG, DRAG_MET = 0.3, 0.02
 """By how much the least and the most open, and the least and the most drag over its mean, may change with steps half as
 long: of a method of the second order three times what is left."""
+LIES_ON_ITSELF = "its netting lies on itself, and what layers press on each other with is not followed in motion"
 RUNS, MOST_BAR_STEPS = 8, 20_000_000
 """Most runs in steps ever half as long, and bars times steps beyond which no run after the second is tried."""
 
@@ -89,9 +90,11 @@ def pulse(plan: Plan, result: CaseResult, period_s: float, progress: StudyProgre
         progress: told how many rows are done.
 
     Raises:
-        ArithmeticError: the motion cannot be followed.
+        ArithmeticError: the motion cannot be followed, or the netting presses on itself.
     """
     assert plan.vessel is not None
+    if result.followed.contact_share > 0.0:
+        raise ArithmeticError(LIES_ON_ITSELF)
     following, steps = plan.time or Following(), first_steps(plan, result, period_s)
     found: Pulse | None = None
     failed: ArithmeticError | None = None
@@ -109,7 +112,8 @@ def pulse(plan: Plan, result: CaseResult, period_s: float, progress: StudyProgre
                 return now
         found, steps = now or found, 2 * steps
     if found is None or not found.off:
-        raise failed or ArithmeticError("the motion cannot be followed in steps of a length that is not too much work")
+        why = failed or "the motion cannot be followed in steps of a length that is not too much work"
+        raise ArithmeticError(f"{why}; a smaller time.step_s may help")
     return found
 
 

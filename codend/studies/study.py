@@ -180,9 +180,10 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     plan, case, problem, solution = model.plan, result.case, result.problem, result.solution
     tangent = tangent_of(model, problem, solution)
     stability = stability_of(model, tangent, thorough=True)
-    # sectors of diamond netting that are stable lie on themselves nowhere
+    # sectors of diamond netting of one count that are stable lie on themselves nowhere
     turned = any(part.knot_across_m > 0.0 for part in plan.netting)
-    may_touch = stability.stable != "yes" or turned or result.net.order == 1
+    joined = len({count for part in plan.netting for count in part.open_meshes}) > 1
+    may_touch = stability.stable != "yes" or turned or joined or result.net.order == 1
     touching = may_touch and layers_touch(problem, solution.positions)
     pressed = in_contact_share(problem, solution) > 0.0
     # what others of nearly the ratio, in folds likewise, differ by is in the estimates

@@ -12,6 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from codend.cli.main import main
+from codend.cli.scene import _columns
 
 SCENE = """
 title = "One warp"
@@ -56,6 +57,43 @@ def test_an_equilibrium_is_tables_a_picture_a_vtk_file_and_a_page(scene, tmp_pat
     assert rope["name"] == "warp"
     assert row["pull_n"] == pytest.approx(rope["tension_from_n"], rel=1e-3)
     assert "le-bris-1999" in (tmp_path / "out" / "report.html").read_text()
+
+
+WALL = """title = "A wall"
+[[netting]]
+name = "wall"
+mesh = "diamond"
+bar_mm = 50.0
+twine_mm = 2.0
+meshes_across = 4
+meshes_long = 4
+fore = "ground"
+corners = [[0, 0, 0], [0, 0.3, 0], [0, 0.3, -0.2], [0, 0, -0.2]]
+"""
+
+
+@pytest.mark.parametrize(("side_n", "told"), [(3e-7, False), (0.1, True)])
+def test_a_table_shows_forces_across_the_tow_where_there_are_some(side_n, told):
+    table = pd.DataFrame([{"name": "wall", "drag_n": 0.3, "side_force_n": side_n, "lift_n": 0.01}])
+    shown = ["name", "drag_n", "side_force_n", "lift_n"]
+    assert _columns(table, (*shown, "opening_deg")) == [name for name in shown if told or name != "side_force_n"]
+
+
+def test_a_current_to_the_side_is_seen_in_the_table(tmp_path):
+    path = tmp_path / "wall.toml"
+    path.write_text(WALL + "[water]\nflow_m_s = [0.5, 0.5, 0.0]\n")
+    done = CliRunner().invoke(main, ["scene", str(path), "--out", str(tmp_path / "out")])
+    assert done.exit_code == 0, done.output
+    assert "side" in done.stdout.split()
+
+
+def test_netting_without_ropes_has_no_table_of_them(tmp_path):
+    path = tmp_path / "wall.toml"
+    path.write_text(WALL + "[water]\nflow_m_s = [0.5, 0.0, 0.0]\n[time]\nend_s = 0.2\noutput_s = 0.1\n")
+    done = CliRunner().invoke(main, ["scene", str(path), "--out", str(tmp_path / "out")])
+    assert done.exit_code == 0, done.output
+    assert "peak_tension_n" not in done.stdout
+    assert not (tmp_path / "out" / "ropes.csv").exists()
 
 
 def test_a_mistake_ends_the_run_with_one_line_and_nothing_written(scene, tmp_path):

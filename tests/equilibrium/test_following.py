@@ -193,13 +193,31 @@ def test_random_plans_come_back_when_shaken_or_lie_within_their_errors(number, s
     assert max(value for name, value in row.items() if name.endswith("over its error")) <= 1.0
 
 
-@pytest.mark.parametrize(("seed", "number", "at_least"), [(40, 6, 0.1), (41, 6, 0.01), (44, 56, 0.01)])
+@pytest.mark.parametrize(("seed", "number", "at_least"), [(40, 6, 0.1), (41, 6, 0.01), (46, 39, 0.002)])
 def test_errors_cover_a_bag_that_swings_on_its_hoop_however_weakly_that_grows(seed, number, at_least):
-    """Square mesh and diamond netting, one all but stable; a part of ``python -m validation.swinging``."""
+    """Square mesh and diamond netting, one joined and all but stable; a part of ``python -m validation.swinging``."""
     row = swinging.row_of(weighed_plan(seed, number)[0])
     assert (row["harmonics"], row["followed is stable"]) == ("1", "yes")
     assert row["drag_n"] > at_least
     assert max(value for name, value in row.items() if name.endswith("over its error")) <= 1.0
+
+
+def test_what_hardly_grows_is_followed_whatever_residual_the_plan_allows():
+    """A start along a growth of 2e-6 is in balance to 1e-6 as it stands, and was taken for the shape looked for."""
+    tables = weighed_plan(44, 56)[0].to_dict()
+    tables["netting"][0] |= {"meshes_round": 12, "meshes_long": 14}
+    tables |= {"entry": {"radius_m": 0.0714}, "catch": {"filled_meshes": 7.6}}
+    found = []
+    for tolerance in (1e-6, 1e-9):
+        tables["model"] |= {"tolerance": tolerance, "wrinkles": True}
+        found.append(solve(plan_from_dict(tables)).cases[0])
+    loose, strict = found
+    assert loose.stability.stable == strict.stability.stable == "yes"
+    assert loose.measures.drag_n == pytest.approx(strict.measures.drag_n, rel=1e-6)
+    at_rest = solve(swinging.with_wrinkles(plan_from_dict(tables), False)).cases[0]
+    assert (at_rest.stability.stable, at_rest.stability.growing) == ("no", (1,))
+    assert abs(at_rest.measures.drag_n / loose.measures.drag_n - 1.0) > 2e-5
+    assert loose.errors.drag_error_n < 1e-4 * loose.measures.drag_n
 
 
 def test_a_swinging_bag_is_followed_to_where_little_weight_hangs_it():

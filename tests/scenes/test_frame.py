@@ -158,6 +158,45 @@ def test_the_command_writes_frame_and_floats(tmp_path):
     assert {"front", "rear"} <= set(motion["name"])
 
 
+def test_a_frame_that_is_not_found_ends_in_words_that_say_what_speaks_against_it(tmp_path):
+    scene = tmp_path / "frame.toml"
+    more = """
+        [[point]]
+        name = "b"
+        at = [2.0, 0.0, 0.0]
+        held = "frame"
+        [[point]]
+        name = "B"
+        at = [9.0, 0.0, -5.0]
+        held = "ground"
+        [[rope]]
+        from = "b"
+        to = "B"
+        length_m = 5.0
+        diameter_mm = 20.0
+        mass_kg_m = 1.0
+        bars = 8
+    """
+    point = '[[point]]\nname = "a"\nat = [-2.0, 0.0, 0.0]\nheld = "frame"\n'
+    point += '[[point]]\nname = "A"\nat = [-9.0, 0.0, -5.0]\nheld = "ground"\n'
+    rope = '[[rope]]\nfrom = "a"\nto = "A"\nlength_m = 5.0\ndiameter_mm = 20.0\nmass_kg_m = 1.0\nbars = 8\n'
+    still = [line for line in TOML.splitlines() if not line.startswith(("time =", "point =", "rope ="))]
+    scene.write_text("\n".join(still) + "\n" + point + rope + more)
+    result = CliRunner().invoke(main, ["scene", str(scene), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 3, result.output
+    assert "No equilibrium was found" in result.output
+    assert "Rope rope 1 is 5 m long, and its ends are placed 8.602 m apart." in result.output
+
+
+def test_a_frame_heavier_than_its_floats_carry_is_told_so_where_it_is_not_found():
+    data = beams()
+    data["frame"] = {**data["frame"], "mass_kg": 1e5}
+    result = solve_scene(build(scene_from_dict(data)))
+    assert not result.converged
+    assert "The floats carry at most" in " ".join(frame_cautions(result.built, result.solution.positions))
+    assert np.isnan(frame_rows(result.built, result.solution.positions, result.support)[0]["heel_deg"])
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -248,6 +248,10 @@ def test_netting_that_a_rope_pierces_is_seen():
         ({"knot_mm": 3.0}, "netting.0.knot_mm = 3.0 is not a known key"),
         ({"name": "head"}, "allowed: a name that no other netting, rope or point has"),
         ({"meshes_across": 80, "globalisation": 20}, "netting.0.axial_stiffness_n is missing"),
+        (
+            {"fore": "vessel", "corners": [[0, -11, 0], [0, 11, 0], "d", "c"]},
+            "or the held corners of its fore edge nearer than 20 m, not 22 m",
+        ),
     ],
 )
 def test_mistakes_in_netting_are_one_line_with_the_key(change, message):

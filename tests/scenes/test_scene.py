@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 from codend.errors import InputError
 from codend.scenes.build import build
-from codend.scenes.measures import cautions, point_rows, result_row, rope_rows, solve_scene
+from codend.scenes.measures import NOTHING_PULLS, cautions, point_rows, result_row, rope_rows, solve_scene
 from codend.scenes.scene import scene_from_dict
 
 WATER, SPEED, DIAMETER_M, NORMAL, TANGENTIAL, G = 1025.0, 1.8, 0.012, 1.36, 0.07, 9.80665
@@ -176,6 +176,20 @@ def test_cautions_name_the_law_and_what_floats_above_the_surface():
     assert any("above the surface" in note for note in notes)
 
 
+def test_a_scene_in_which_nothing_pulls_leaves_nothing_over_and_says_so():
+    still = {"vessel": {}, "water": {"density_kg_m3": WATER}}
+    result = solved(tow({"mass_kg_m": NEUTRAL_KG_M}, {"wet_weight_n": 0.0}, **still))
+    assert result_row(result)["balance_error"] == 0.0
+    assert NOTHING_PULLS in cautions(result)
+    assert NOTHING_PULLS not in cautions(solved(tow()))
+
+
+@pytest.mark.parametrize(("stiffness_n", "told"), [(1e3, True), (1e6, False)])
+def test_a_rope_that_stretches_as_no_rope_does_is_told(stiffness_n, told):
+    notes = cautions(solved(tow({"axial_stiffness_n": stiffness_n})))
+    assert any("look at its axial_stiffness_n" in note for note in notes) is told
+
+
 HELD = {"name": "gear", "held": "ground", "at": [0, 0, -10]}
 
 
@@ -221,6 +235,17 @@ HELD = {"name": "gear", "held": "ground", "at": [0, 0, -10]}
         ),
         ({"time": {"end_s": 1.0, "output_s": 2.0}}, "time.output_s = 2.0 is not allowed; allowed: at most 1, end_s"),
         ({"seabed": {"depth_m": 0.0}}, "seabed.depth_m"),
+        (
+            {"point": [{**GEAR, "at": [99.0, 0.0, 0.0], "held": "symmetry"}], "water": {"flow_m_s": [0.0, 0.5, 0.0]}},
+            'water.flow_m_s = [0.0, 0.5, 0.0] is not allowed; allowed: [x, 0, z] beside what is held by "symmetry"',
+        ),
+        (
+            {
+                "point": [{**GEAR, "at": [99.0, 0.0, 0.0], "held": "symmetry"}],
+                "water": {"profile": [{"depth_m": 0.0, "flow_m_s": [0.1, 0.2, 0.0]}]},
+            },
+            "water.profile.0.flow_m_s = [0.1, 0.2, 0.0] is not allowed",
+        ),
     ],
 )
 def test_mistakes_are_one_line_with_the_key(change, message):

@@ -1,5 +1,7 @@
 """Pulsing codends: slow heave follows the equilibria, a sector is the whole net, and what is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -19,6 +21,14 @@ PLAN = {
     "catch": {"filled_meshes": 4.0},
     "model": {"fidelity": "sector"},
 }
+
+
+SMALL = (
+    'title = "p"\n[tow]\nspeed_m_s = 1.5\n[entry]\nradius_m = 0.2\n[catch]\nfilled_meshes = 4.0\n'
+    '[model]\nfidelity = "sector"\n[vessel]\nheave_m = 0.2\nperiod_s = [4.0, 6.0]\n'
+    "[time]\nperiods = 3\noutputs_a_period = 8\nstep_s = 0.02\n[[netting]]\n"
+    'mesh = "diamond"\nmeshes_round = 24\nmeshes_long = 12\nbar_mm = 60.0\ntwine_mm = 4.0\n'
+)
 
 
 def heaved(period_s, heave_m, **more):
@@ -57,6 +67,43 @@ def test_a_pulsing_sector_is_the_pulsing_net():
     for column in ("drag_n", "opening_ahead_deg", "speed_m_s"):
         # a full net has no axis to hold its codline to: round-off grows
         assert found[1][column].to_numpy() == pytest.approx(found[0][column].to_numpy(), rel=1e-6)
+
+
+def test_a_pulsing_sector_between_real_ropes_is_the_pulsing_net():
+    rope = {"number": 2, "shortening": 0.1, "diameter_mm": 24.0}
+    found = []
+    for fidelity in ("sector", "full"):
+        plan = heaved(2.0, 0.1, model={"fidelity": fidelity}, rope=[rope], time={"periods": 3, "outputs_a_period": 8})
+        result = codend.solve(plan).cases[0]
+        assert result.net.order == (2 if fidelity == "sector" else 1)
+        found.append(in_steps(plan, result, 2.0, 32).table)
+    for column in ("drag_n", "opening_ahead_deg", "speed_m_s"):
+        assert found[1][column].to_numpy() == pytest.approx(found[0][column].to_numpy(), rel=1e-9)
+
+
+def test_netting_that_presses_on_itself_is_not_followed_as_if_it_did_not():
+    plan = heaved(4.0, 0.2)
+    result = codend.solve(plan).cases[0]
+    pressed = replace(result, followed=replace(result.followed, contact_share=0.1))
+    with pytest.raises(ArithmeticError, match="its netting lies on itself"):
+        pulse(plan, pressed, 4.0)
+
+
+def test_cases_that_are_not_followed_are_told_beside_those_that_are(tmp_path, monkeypatch):
+    import codend.studies.pulse as pulses
+
+    def second_fails(plan, result, period_s, progress=None):
+        if result.case.number == 2:
+            raise ArithmeticError("it cannot be followed")
+        return pulse(plan, result, period_s, progress)
+
+    monkeypatch.setattr(pulses, "pulse", second_fails)
+    file, out = tmp_path / "plan.toml", tmp_path / "out"
+    file.write_text(SMALL.replace("filled_meshes = 4.0", "filled_meshes = [4.0, 5.0]").replace("[4.0, 6.0]", "[4.0]"))
+    done = CliRunner().invoke(main, ["scene", str(file), "--out", str(out)])
+    assert done.exit_code == 3, done.output
+    assert "Not followed: case 2, period 4 s: it cannot be followed." in done.output
+    assert pd.read_csv(out / "pulse_range.csv")["case"].tolist() == [1]
 
 
 def test_steps_are_halved_until_ranges_stand_and_what_they_change_is_what_is_told():
@@ -112,12 +159,7 @@ def test_heave_that_makes_no_sense_is_refused(tables, message):
 
 def test_the_command_writes_the_pulse_and_its_ranges(tmp_path):
     file, out = tmp_path / "plan.toml", tmp_path / "out"
-    file.write_text(
-        'title = "p"\n[tow]\nspeed_m_s = 1.5\n[entry]\nradius_m = 0.2\n[catch]\nfilled_meshes = 4.0\n'
-        '[model]\nfidelity = "sector"\n[vessel]\nheave_m = 0.2\nperiod_s = [4.0, 6.0]\n'
-        "[time]\nperiods = 3\noutputs_a_period = 8\nstep_s = 0.02\n[[netting]]\n"
-        'mesh = "diamond"\nmeshes_round = 24\nmeshes_long = 12\nbar_mm = 60.0\ntwine_mm = 4.0\n'
-    )
+    file.write_text(SMALL)
     done = CliRunner().invoke(main, ["scene", str(file), "--out", str(out)])
     assert done.exit_code == 0, done.output
     assert {path.name for path in out.iterdir()} == {"pulse.csv", "pulse_range.csv", "pulse.png", "results.csv"}
