@@ -139,7 +139,8 @@ class Situation:
             found = self.solve(between, self.case)
             if found.report.outcome.converged:
                 return replace(windows_let_into(self.model, between.bag, found), report=found.report)
-        looks = quick_looks(self.plan)
+        # without gear the exact sector is the answer itself, and how else stiff netting starts decides its shape
+        looks = quick_looks(self.plan) if self.geared else []
         for near in looks:
             narrow = model_of(self.plan, self.model.globalisation, 1, True, near)
             found = self.solve(narrow, self.case)
