@@ -204,7 +204,10 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     followed = follow(model, case, problem, solution, stability, progress)
     shape = followed.shape
     if shape is None:
-        return replace(result, followed=replace(followed, folds=followed.folds or lying))
+        stands = result.followed
+        folds = followed.folds or stands.folds
+        followed = replace(followed, folds=folds, contact_share=stands.contact_share, fold_count=stands.fold_count)
+        return replace(result, followed=followed)
     report = replace(
         shape.solution.report,
         attempts=(*solution.report.attempts, followed.reason, *shape.solution.report.attempts),

@@ -1,5 +1,6 @@
 """What grows is followed to shapes that last, errors cover what wrinkles change; layers that meet bear on another."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -9,7 +10,8 @@ from codend.equilibrium import following, growing_starts
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.folds import fold_count
-from codend.equilibrium.stability import stability_of
+from codend.equilibrium.followed import NOT_FOLLOWED
+from codend.equilibrium.stability import Stability, stability_of
 from codend.equilibrium.start_shapes import all_round_start
 from codend.errors import InputError
 from codend.mechanics.rings import rings_of
@@ -19,10 +21,12 @@ from codend.report.vtk import net_mesh
 from codend.solvers import newton
 from codend.solvers.gentle import End
 from codend.solvers.refusal import passage
+from codend.studies import study
 from codend.studies.case_result import CaseResult
 from codend.studies.study import solve
 from tests.plans import make_plan
 from validation import swinging
+from validation.hanging import hanging_plan
 from validation.shaken import QUANTITIES, row_of, row_of_random, shaken
 from validation.weight_left_out import weighed_plan, with_density
 from validation.wrinkles.matrix import commercial
@@ -193,9 +197,9 @@ def test_random_plans_come_back_when_shaken_or_lie_within_their_errors(number, s
     assert max(value for name, value in row.items() if name.endswith("over its error")) <= 1.0
 
 
-@pytest.mark.parametrize(("seed", "number", "at_least"), [(40, 6, 0.1), (41, 6, 0.01), (46, 39, 0.002)])
+@pytest.mark.parametrize(("seed", "number", "at_least"), [(40, 6, 0.1), (41, 6, 0.01), (44, 56, 0.01), (46, 39, 0.002)])
 def test_errors_cover_a_bag_that_swings_on_its_hoop_however_weakly_that_grows(seed, number, at_least):
-    """Square mesh and diamond netting, one joined and all but stable; a part of ``python -m validation.swinging``."""
+    """Square mesh and diamond netting, two all but stable, one joined; a part of ``python -m validation.swinging``."""
     row = swinging.row_of(weighed_plan(seed, number)[0])
     assert (row["harmonics"], row["followed is stable"]) == ("1", "yes")
     assert row["drag_n"] > at_least
@@ -334,3 +338,15 @@ def test_a_wrong_value_is_refused_by_its_key(key, value):
 
 def replace_model(plan: Plan, **model: object) -> Plan:
     return plan.model_copy(update={"model": plan.model.model_copy(update=model)})
+
+
+def test_a_shape_in_contact_that_following_leaves_as_it_is_is_still_told_to_be_in_contact(monkeypatch):
+    """A netting whose layers press on each other must not pulse as if they did not."""
+    hung = hanging_plan("t90", 8, 12, 6.0, 900.0, 4000.0, 0.4)
+    pressed = solve(hung).cases[0].followed
+    assert pressed.contact_share > 0.0
+    monkeypatch.setattr(study, "stability_of", lambda *_, **__: Stability("no", scale=1.0))
+    monkeypatch.setattr(study, "follow", lambda *_: replace(NOT_FOLLOWED, reason="led nowhere"))
+    left = solve(replace_model(hung, wrinkles=True)).cases[0].followed
+    assert (left.shape, left.reason, left.folds) == (None, "led nowhere", True)
+    assert (left.contact_share, left.fold_count) == (pressed.contact_share, pressed.fold_count)
