@@ -38,14 +38,14 @@ def measure_layers(bag: Bag, problem: Problem, solution: Solution) -> list[Layer
     """The layers of a bag, in the order of its plan."""
     position, structure = np.ascontiguousarray(solution.positions), problem.structure
     (x_of_row, radius_of_row), cells = _rings(bag, position), _cells(bag, structure, position)
-    hoop, axial = _loads_below(bag, solution)
-    for one in cells:
-        hoop += one.by_band(one.round_n / np.maximum(radius_of_row[one.row], LEAST_RADIUS_M), bag.bands)
-        axial += one.by_band(one.along_n, bag.bands)
+    radius = np.maximum(radius_of_row, LEAST_RADIUS_M)
+    own = [
+        (one.by_band(one.round_n / radius[one.row], bag.bands), one.by_band(one.along_n, bag.bands)) for one in cells
+    ]
+    hoop, axial = np.array(_loads_below(bag, solution)) + np.array(own).sum(axis=0)
     found = []
-    for one in cells:
+    for one, (own_hoop, own_axial) in zip(cells, own, strict=True):
         bands = np.unique(one.band)
-        own_hoop = one.by_band(one.round_n / np.maximum(radius_of_row[one.row], LEAST_RADIUS_M), bag.bands)
         across, along = one.by_band(one.across_m, bag.bands), one.by_band(one.length_m, bag.bands)
         opening = np.full(bag.bands, 90.0) if one.square else np.degrees(2.0 * np.arctan2(across, along))
         found.append(
@@ -56,7 +56,7 @@ def measure_layers(bag: Bag, problem: Problem, solution: Solution) -> list[Layer
                 opening_deg=opening[bands],
                 bar_tension_n=np.array([one.largest_tension_n(band) for band in bands]),
                 hoop_share=_share(own_hoop, hoop)[bands],
-                axial_share=_share(one.by_band(one.along_n, bag.bands), axial)[bands],
+                axial_share=_share(own_axial, axial)[bands],
                 hoop_load=hoop[bands],
             )
         )

@@ -2,9 +2,9 @@
 
 A layer lies on the netting below and moves with it, drawn out evenly over each of its meshes: friction under the
 pressure of the catch keeps it from sliding (an assumption: without any, tight layers leave up to 24 % more drag,
-``python -m validation.layers_in_contact``). It then has no unknowns of
-its own, and limits how wide and how long the netting below can be (``mechanics.wrap``). Its drag is left out: it lies
-in the lee of the twine below, or on the catch (an assumption as well). Its weight is on the twine below.
+``python -m validation.layers_in_contact``). It then has no unknowns of its own, and limits how wide and how long the
+netting below can be (``mechanics.wrap``). Its drag is left out: it lies in the lee of the twine below, or on the catch
+(an assumption as well). Its weight is on the twine below.
 
 Its cells are triangles between two rows of knots: a side of the one's ring, and the place on the other's beside its
 middle.
@@ -55,18 +55,13 @@ def with_layers(bag: Bag, plan: Plan, knots: Knots) -> Bag:
     return bag
 
 
-def lengths_of_bands(sections: list[Netting], globalisation: int) -> Floats:
-    """Stretched length of every band, (bands,), m."""
-    return np.array([globalisation * (section.bar_m + section.knot_along_m) for section in sections])
-
-
 def _with_layer(bag: Bag, plan: Plan, index: int, layer: Layer, knots: Knots) -> Bag:
     rows_below = plan.rows_to_codline(layer.meshes_from_codline[1])
     assert rows_below is not None
     net, lattice = bag.net, knots.lattice
     bands = np.arange(lattice.bands - rows_below // lattice.globalisation, lattice.bands)
-    _check_below(plan, index, {id(lattice.sections[band]) for band in bands})
-    length = lengths_of_bands(lattice.sections, lattice.globalisation)[bands]
+    _check_below(plan, index, [lattice.sections[band] for band in bands])
+    length = lattice.stretched_m[bands]
     rows = layer.rows_per_mesh * layer.meshes_long * length / length.sum()
     square = not layer.kind.staggered
     # bars of a sector over a band, of either way
@@ -99,14 +94,14 @@ def _with_layer(bag: Bag, plan: Plan, index: int, layer: Layer, knots: Knots) ->
     )
 
 
-def _check_below(plan: Plan, index: int, sections: set[int]) -> None:
+def _check_below(plan: Plan, index: int, below: list[Netting]) -> None:
     """Refuse what a layer has no place over."""
     key = f"layer.{index}.meshes_from_codline"
     value = plan.layer[index].meshes_from_codline
     if plan.window:
         where = ", ".join(plan.window_names)
         raise InputError(plan.source, key, value, f"no layer beside {where}: what lies over windows has no model yet")
-    if any(part.tapers for part in plan.netting if id(part) in sections):
+    if any(part.tapers for part in below):
         allowed = "over netting that does not taper: layers have no model there yet"
         raise InputError(plan.source, key, value, allowed)
 

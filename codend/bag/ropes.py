@@ -50,11 +50,11 @@ def with_ropes(bag: Bag, plan: Plan, knots: Knots, drag: tuple[int, float, float
     for index, rope in enumerate(plan.ropes):
         if smeared and knots.lattice.seams is not None:
             pieces, share = _over_tapers(plan, knots, rope)
-            bag = _with_rope(bag, plan, drag, 1000 * index, pieces, share)
+            bag = _with_rope(bag, rope, drag, 1000 * index, pieces, share)
             continue
         for number, fraction, of_one in _places(rope, knots.lattice, smeared):
             bag, pieces = _laid(bag, plan, knots, rope, fraction)
-            bag = _with_rope(bag, plan, drag, 1000 * index + number, pieces, np.full(len(pieces.row), of_one))
+            bag = _with_rope(bag, rope, drag, 1000 * index + number, pieces, np.full(len(pieces.row), of_one))
     return bag
 
 
@@ -66,7 +66,7 @@ def _over_tapers(plan: Plan, knots: Knots, rope: Rope | Selvedge) -> tuple[_Piec
     """
     lattice, order = knots.lattice, knots.lattice.order
     aft, fore = _rows_of(rope, plan, lattice)
-    stretched = _stretched(lattice)
+    stretched = _places_stretched(lattice)
     pieces, share = _Pieces([], [], [], []), list[float]()
     rows = [*range(lattice.bands - fore, lattice.bands - aft, 2), lattice.bands - aft]
     for row, next_row in pairwise(rows):
@@ -75,9 +75,9 @@ def _over_tapers(plan: Plan, knots: Knots, rope: Rope | Selvedge) -> tuple[_Piec
             if next_row == lattice.bands:
                 node, image = knots.codline, 0
             else:
-                azimuth = _azimuth(lattice, row, column)
-                turns = azimuth * behind * order / (2.0 * np.pi)
-                there = round(turns - _azimuth(lattice, next_row, 0) * behind * order / (2.0 * np.pi))
+                # of the way round, as far as the knot of this row is
+                fraction = (column - _column_at(lattice, row, 0.0)) / (count * order)
+                there = round(_column_at(lattice, next_row, fraction))
                 ring = knots.ring(LEFT, np.array([next_row]), np.array([there]), np.array([behind]))
                 node, image = int(ring.node[0]), int(ring.image[0])
             first = knots.ring(LEFT, np.array([row]), np.array([column]), np.array([count]))
@@ -89,17 +89,17 @@ def _over_tapers(plan: Plan, knots: Knots, rope: Rope | Selvedge) -> tuple[_Piec
     return pieces, np.array(share)
 
 
-def _azimuth(lattice: Lattice, row: int, column: int) -> float:
-    """Azimuth of a knot of a row's ring, rad."""
+def _column_at(lattice: Lattice, row: int, fraction: float) -> float:
+    """Place in a row's ring, in its knots, of what is at a fraction of the way round."""
     count, ahead = int(lattice.knots[row]), max(row - 1, 0)
     owner = ahead if lattice.columns[ahead] == count else row
-    return float(lattice.phase[owner] + (2 * column + lattice.shift[row]) * np.pi / (count * lattice.order))
+    place = (fraction - lattice.phase[owner] / (2.0 * np.pi)) * count * lattice.order - 0.5 * lattice.shift[row]
+    return float(place)
 
 
-def _stretched(lattice: Lattice) -> Floats:
+def _places_stretched(lattice: Lattice) -> Floats:
     """Stretched length of the netting from the entry to every row, m, (rows + 1,)."""
-    g = lattice.globalisation
-    return np.append(0.0, np.cumsum([g * (s.bar_m + s.knot_along_m) for s in lattice.sections]))
+    return np.append(0.0, np.cumsum(lattice.stretched_m))
 
 
 def _hanging_in(plan: Plan, lattice: Lattice) -> Floats:
@@ -139,8 +139,9 @@ def _places(rope: Rope | Selvedge, lattice: Lattice, smeared: bool) -> Iterator[
     yield from ((number, places[number], 1.0) for number in range(int(rope.number // order)))
 
 
-def _with_rope(bag: Bag, plan: Plan, drag: tuple[int, float, float], name: int, pieces: _Pieces, share: Floats) -> Bag:
-    rope = plan.ropes[name // 1000]
+def _with_rope(
+    bag: Bag, rope: Rope | Selvedge, drag: tuple[int, float, float], name: int, pieces: _Pieces, share: Floats
+) -> Bag:
     length = (1.0 - rope.shortening) * np.array(pieces.stretched_m)
     density = np.nan if rope.density_kg_m3 is None else rope.density_kg_m3
     roped = with_bars(
@@ -171,19 +172,16 @@ def _laid(bag: Bag, plan: Plan, knots: Knots, rope: Rope | Selvedge, fraction: f
     """A rope's pieces, and the bag with the point of the hoop that it starts from where no knot is there."""
     lattice, bands = knots.lattice, knots.lattice.bands
     aft, fore = _rows_of(rope, plan, lattice)
-    stretched = _stretched(lattice)
+    stretched = _places_stretched(lattice)
     nodes: list[tuple[int, int, int]] = []
     for row in range(bands - fore, bands - aft + 1):
         if row == bands:
             nodes.append((row, knots.codline, 0))
             continue
-        count = int(lattice.knots[row])
-        ahead = max(row - 1, 0)
-        owner = ahead if lattice.columns[ahead] == count else row
-        place = (fraction - lattice.phase[owner] / (2.0 * np.pi)) * count * lattice.order - 0.5 * lattice.shift[row]
+        place = _column_at(lattice, row, fraction)
         column = round(place)
         if abs(place - column) <= BESIDE:
-            ring = knots.ring(LEFT, np.array([row]), np.array([column]), np.array([count]))
+            ring = knots.ring(LEFT, np.array([row]), np.array([column]), lattice.knots[[row]])
             nodes.append((row, int(ring.node[0]), int(ring.image[0])))
         elif row == 0:
             bag = _on_the_hoop(bag, 2.0 * np.pi * fraction)

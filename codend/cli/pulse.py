@@ -74,13 +74,7 @@ def pulse_codend(file: str, folder: Path, changes: tuple[str, ...], species_file
             of = f"case {one.least.case.number}, period {one.table['period_s'].iloc[0]:g} s"
             by = f"{one.off['opening_ahead_deg']:.2g} degrees and that of drag by {one.off['drag_n']:.3g} N"
             click.echo(f"Of {of}, steps half as long still changed the range of openings by {by}: {SNAPS}.")
-    for number in sorted(
-        {
-            one.least.case.number
-            for one in pulsing
-            if (judged := one.least.stability) is not None and judged.stable == "no"
-        }
-    ):
+    for number in dict.fromkeys(one.least.case.number for one in pulsing if one.least.unstable):
         click.echo(f"Case {number} would not keep the shape from which it pulses: stable = no in results.csv.")
     for said in failed:
         click.echo(f"Not followed: {said}.")

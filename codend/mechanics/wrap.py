@@ -63,28 +63,48 @@ def parts(law: Floats, bar: int) -> tuple[float, float]:
 
 
 @njit(cache=True, error_model="numpy")
+def write_bar(law: Floats, bar: int, diagonal: Floats, vector: Floats) -> float:
+    """Write the vector of the first or the second bar of a mesh, (3,); returns its length."""
+    of_t, of_q = parts(law, bar)
+    square = 0.0
+    for i in range(3):
+        vector[i] = of_t * diagonal[0, i] + of_q * diagonal[1, i]
+        square += vector[i] ** 2
+    return np.sqrt(square)
+
+
+@njit(cache=True)
+def is_point(diagonal: Floats) -> bool:
+    """Whether knots take all of a span, (3,)."""
+    return diagonal[0] == 0.0 and diagonal[1] == 0.0 and diagonal[2] == 0.0
+
+
+@njit(cache=True)
+def squared_and_along(span: Floats, slope: Floats) -> tuple[float, float]:
+    """The square of a span's length, and its product with a derivative, (3,) both."""
+    square, along = 0.0, 0.0
+    for i in range(3):
+        square += span[i] ** 2
+        along += span[i] * slope[i]
+    return square, along
+
+
+@njit(cache=True, error_model="numpy")
 def write_slopes(law: Floats, diagonal: Floats, slope: Floats) -> float:
     """Write the derivatives of the energy by T and Q, N, (2, 3); returns the largest tension of a bar, N."""
     slope[:] = 0.0
-    most = 0.0
+    most, vector = 0.0, np.empty(3)
     rate = law[COUNT] * law[STIFFNESS] / law[BAR]
     for bar in range(2):
-        of_t, of_q = parts(law, bar)
-        x, y, z = (
-            of_t * diagonal[0, 0] + of_q * diagonal[1, 0],
-            of_t * diagonal[0, 1] + of_q * diagonal[1, 1],
-            of_t * diagonal[0, 2] + of_q * diagonal[1, 2],
-        )
-        length = np.sqrt(x * x + y * y + z * z)
+        length = write_bar(law, bar, diagonal, vector)
         if length <= law[BAR]:
             continue
         pull = rate * (length - law[BAR]) / length
         most = max(most, law[STIFFNESS] * (length / law[BAR] - 1.0))
         for k in range(2):
-            of = of_t if k == 0 else of_q
-            slope[k, 0] += of * pull * x
-            slope[k, 1] += of * pull * y
-            slope[k, 2] += of * pull * z
+            of = parts(law, bar)[k]
+            for i in range(3):
+                slope[k, i] += of * pull * vector[i]
     return most
 
 
@@ -96,14 +116,11 @@ def turn_to_spans(law: Floats, span: Floats, diagonal: Floats, slope: Floats) ->
     |s|  by s.
     """
     for k in range(2):
-        if diagonal[k, 0] == 0.0 and diagonal[k, 1] == 0.0 and diagonal[k, 2] == 0.0:
+        if is_point(diagonal[k]):
             slope[k] = 0.0
             continue
         per, knot = per_span(law, k)
-        square, along = 0.0, 0.0
-        for i in range(3):
-            square += span[k, i] ** 2
-            along += span[k, i] * slope[k, i]
+        square, along = squared_and_along(span[k], slope[k])
         shortened = knot / np.sqrt(square)
         for i in range(3):
             slope[k, i] = per * slope[k, i] - shortened * (slope[k, i] - span[k, i] * along / square)
@@ -159,13 +176,10 @@ def _write_curvature(law: Floats, span: Floats, diagonal: Floats, slope: Floats,
     rate = law[COUNT] * law[STIFFNESS] / law[BAR]
     vector, turning, half = np.empty(3), np.zeros((2, 3, 3)), np.empty((3, 3))
     for k in range(2):
-        if diagonal[k, 0] == 0.0 and diagonal[k, 1] == 0.0 and diagonal[k, 2] == 0.0:
+        if is_point(diagonal[k]):
             continue
         per, knot = per_span(law, k)
-        square, along = 0.0, 0.0
-        for i in range(3):
-            square += span[k, i] ** 2
-            along += span[k, i] * slope[k, i]
+        square, along = squared_and_along(span[k], slope[k])
         length = np.sqrt(square)
         for i in range(3):
             for j in range(3):
@@ -176,16 +190,13 @@ def _write_curvature(law: Floats, span: Floats, diagonal: Floats, slope: Floats,
                 bent = over_i * span[k, j] + span[k, i] * over_j + along * across
                 curvature[k, k, i, j] = knot * bent / (square * length)
     for bar in range(2):
-        of_t, of_q = parts(law, bar)
-        for i in range(3):
-            vector[i] = of_t * diagonal[0, i] + of_q * diagonal[1, i]
-        length = np.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+        length = write_bar(law, bar, diagonal, vector)
         if length <= law[BAR]:
             continue
         q = rate * (length - law[BAR]) / length
         k2 = (rate - q) / (length * length)
         for a in range(2):
-            of_a = of_t if a == 0 else of_q
+            of_a = parts(law, bar)[a]
             for i in range(3):
                 for j in range(3):
                     half[i, j] = 0.0
@@ -193,7 +204,7 @@ def _write_curvature(law: Floats, span: Floats, diagonal: Floats, slope: Floats,
                         stiff = k2 * vector[m] * vector[j] + (q if m == j else 0.0)
                         half[i, j] += of_a * turning[a, i, m] * stiff
             for b in range(2):
-                of_b = of_t if b == 0 else of_q
+                of_b = parts(law, bar)[b]
                 for i in range(3):
                     for j in range(3):
                         for m in range(3):

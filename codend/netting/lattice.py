@@ -54,6 +54,11 @@ class Lattice:
         return np.array([value(section) for section in self.distinct])[self.number]
 
     @cached_property
+    def stretched_m(self) -> Floats:
+        """Stretched length of every band, m, (bands,)."""
+        return self.globalisation * self.of_bands(lambda section: section.bar_m + section.knot_along_m)
+
+    @cached_property
     def staggered(self) -> NDArray[np.bool_]:
         """Whether the rows at either end of a band are turned against each other by half a mesh, (bands,)."""
         return self.of_bands(lambda section: section.kind.staggered)

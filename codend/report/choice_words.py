@@ -90,11 +90,11 @@ def _smeared(choice: Choice) -> str:
     """What ropes are smeared over."""
     if choice.near is None:
         return "a sector one mesh wide"
-    wide, stands_for = _near(choice.near)
+    wide, stands_for = width_and_count(choice.near)
     return f"a sector {wide} meshes wide, as of {stands_for} meshes round, that tapers along a seam of its own"
 
 
-def _near(near: NearRatio) -> tuple[str, str]:
+def width_and_count(near: NearRatio) -> tuple[str, str]:
     """How many meshes a sector of nearly the ratio of the counts is wide, and of how many round it is one."""
     wide = tuple(dict.fromkeys(near.columns))
     return listed(wide), listed([f"{near.order * columns:.1f}" for columns in wide])
@@ -105,7 +105,7 @@ def _sector_enough(choice: Choice) -> str:
     near = choice.near
     if near is None:
         return f"{_sector(choice)} is exact"
-    wide, stands_for = _near(near)
+    wide, stands_for = width_and_count(near)
     return (
         f"{_sector(choice)} would be exact, but take minutes; in its place stands one {wide} meshes "
         f"wide, as of {stands_for} meshes round, which takes seconds and costs about {100.0 * choice.drag_error:.2g} % "

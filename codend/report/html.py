@@ -15,7 +15,7 @@ from codend.equilibrium.stability import ranges_text
 from codend.io.names import as_text
 from codend.plan.plan import Plan
 from codend.report.answer import cards_of
-from codend.report.choice_words import reason_text
+from codend.report.choice_words import reason_text, width_and_count
 from codend.report.layer_words import held_layers
 from codend.report.net_plan import plan_svg
 from codend.report.page_tables import results_tables, solving_table
@@ -177,9 +177,7 @@ def cautions(study: Study) -> list[str]:
             found.append(f"{'In waves' if shapes else 'Wrinkles'}: {same}: {reason}.")
     for near in dict.fromkeys(result.stands_in for result in study.cases if result.stands_in is not None):
         same = _named([result for result in study.cases if result.stands_in == near], study)
-        columns = dict.fromkeys(near.columns)
-        wide = " and ".join(map(str, columns))
-        stands_for = " and ".join(f"{near.order * column:.1f}" for column in columns)
+        wide, stands_for = width_and_count(near)
         found.append(
             f"No equilibrium was found with the meshes round that the plan has: {same}. In its place stands a sector "
             f"{wide} meshes wide, as of {stands_for} meshes round; the estimates cover what that changes."

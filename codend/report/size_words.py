@@ -16,12 +16,12 @@ def size_sentences(plan: Plan) -> list[str]:
         found.append(f"{name}: {_mesh(netting)}.")
         if twine := _twine(netting):
             found.append(f"{name}: {twine}.")
-    for window, hole in zip(plan.window, plan.holes, strict=True):
+    for (name, window), hole in zip(_named(plan)[len(plan.netting) :], plan.holes, strict=True):
         part = plan.netting[hole.section]
-        own_m, place_m = _stretched_m(window, window.meshes_long), _stretched_m(part, hole.deep)
+        own_m, place_m = window.stretched_length_m, part.stretched_length_m * hole.deep / part.meshes_long
         if own_m > LONGER * place_m:
             found.append(
-                f"Window {window.name or 1 + plan.window.index(window)}: stretched {own_m:.3g} m long in a place that "
+                f"{name}: stretched {own_m:.3g} m long in a place that "
                 f"is {place_m:.3g} m stretched: what is too long hangs slack or in folds, and may have no equilibrium."
             )
     if plan.entry.hanging_ratio is not None:
@@ -36,11 +36,6 @@ def derived_sizes(plan: Plan) -> list[str]:
     """Those of the sentences that tell what follows from a gauge, a titre, a material or a hanging ratio."""
     plain = [f"{name}: bar" for name, _ in _named(plan)]
     return [sentence for sentence in size_sentences(plan) if not sentence.startswith(tuple(plain))]
-
-
-def _stretched_m(netting: Netting, meshes_long: float) -> float:
-    """Length of so many meshes stretched along the net, m."""
-    return netting.rows_per_mesh * meshes_long * (netting.bar_m + netting.knot_along_m)
 
 
 def _named(plan: Plan) -> list[tuple[str, Netting]]:
