@@ -1,12 +1,17 @@
 """The sizes of a plan's netting in the trade's words: which number was given and which follow from it."""
 
+import math
+from collections.abc import Iterator
+
 from codend.plan.plan import Plan
 from codend.plan.tables import Netting
 from codend.plan.twines import DENSITY_KG_M3
+from codend.plan.windows import Hole
 from codend.report.style import number_text
 
-LONGER = 1.02
-"""Stretched length of a window over that of its place from which it is told to be too long."""
+LARGER = 1.02
+"""Stretched length of a window over that of its place, or its width pulled fully open, from which it is told to be too
+long or too wide."""
 
 
 def size_sentences(plan: Plan) -> list[str]:
@@ -17,13 +22,7 @@ def size_sentences(plan: Plan) -> list[str]:
         if twine := _twine(netting):
             found.append(f"{name}: {twine}.")
     for (name, window), hole in zip(_named(plan)[len(plan.netting) :], plan.holes, strict=True):
-        part = plan.netting[hole.section]
-        own_m, place_m = window.stretched_length_m, part.stretched_length_m * hole.deep / part.meshes_long
-        if own_m > LONGER * place_m:
-            found.append(
-                f"{name}: stretched {own_m:.3g} m long in a place that "
-                f"is {place_m:.3g} m stretched: what is too long hangs slack or in folds, and may have no equilibrium."
-            )
+        found += _too_large(name, window, plan.netting[hole.section], hole)
     if plan.entry.hanging_ratio is not None:
         found.append(
             f"Entry: radius {plan.entry_radius_m:.4g} m from the hanging ratio {plan.entry.hanging_ratio:g} times "
@@ -44,6 +43,25 @@ def _named(plan: Plan) -> list[tuple[str, Netting]]:
         f"Window {window.name or number}" for number, window in enumerate(plan.window, start=1)
     ]
     return list(zip(names, (*plan.netting, *plan.window), strict=True))
+
+
+def _too_large(name: str, window: Netting, part: Netting, hole: Hole) -> Iterator[str]:
+    """That a window is longer or wider than the netting it takes the place of can be, and by how much."""
+    own_m, place_m = window.stretched_length_m, part.stretched_length_m * hole.deep / part.meshes_long
+    if own_m > LARGER * place_m:
+        yield (
+            f"{name}: stretched {own_m:.3g} m long in a place that "
+            f"is {place_m:.3g} m stretched: what is too long hangs slack or in folds, and may have no equilibrium."
+        )
+    own_m, place_m = (
+        2.0 * math.pi * meshes * netting.stretched_radius_per_mesh_m
+        for meshes, netting in ((window.meshes_round, window), (hole.across, part))
+    )
+    if own_m > LARGER * place_m:
+        yield (
+            f"{name}: {own_m:.3g} m wide pulled fully open, in a place that is {place_m:.3g} m so: "
+            "what is too wide hangs slack or in folds, and may have no equilibrium."
+        )
 
 
 def mass_text(kg: float) -> str:

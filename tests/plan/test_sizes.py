@@ -143,3 +143,9 @@ def test_windows_are_sized_and_solid_twine_is_said_to_be_heavier_than_real():
     assert not any("too long" in sentence for sentence in said)
     longer = size_sentences(plan_from_dict(sizes | {"window": [window | {"meshes_long": 10}]}))
     assert any("Window 1: stretched 0.5 m long in a place that is 0.448 m stretched" in sentence for sentence in longer)
+    # 4 and 10 bars of 50 mm in the place of 8 of 44 mm
+    assert not any("too wide" in sentence for sentence in [*said, *longer])
+    wider = size_sentences(plan_from_dict(sizes | {"window": [window | {"meshes_round": 10}]}))
+    assert any(
+        "Window 1: 0.5 m wide pulled fully open, in a place that is 0.352 m so" in sentence for sentence in wider
+    )
