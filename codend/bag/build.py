@@ -11,7 +11,7 @@ from codend.bag.layers import with_layers
 from codend.bag.near_ratio import NearRatio
 from codend.bag.ropes import with_ropes
 from codend.bag.straps import with_straps
-from codend.bag.windows import sewn_to_bars, with_windows
+from codend.bag.windows import farthest_beside, sewn_to_bars, with_windows
 from codend.errors import InputError
 from codend.mechanics.drag_laws import drag
 from codend.net.net import Floats
@@ -22,6 +22,9 @@ from codend.netting.pattern import layout_of, parts_of
 from codend.netting.taper import columns_along
 from codend.netting.windows import LetIn
 from codend.plan.plan import Netting, Plan
+
+ROUND_OFF = 1e-6
+"""Of a mesh: how far beside the middle of its panel a window lies in the middle."""
 
 
 def build_bag(
@@ -105,6 +108,26 @@ def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bo
     abreast = most if sectors is None else most // equal * sectors
     order = most // abreast
     return Lattice(sections, columns // order, abreast, order, globalisation, seams // order if seamed else None)
+
+
+def merged_in_place(plan: Plan) -> list[int]:
+    """Meshes that can be merged each way and leave every window in the middle of its panel, if all are there unmerged.
+
+    Where merged counts lose an odd number of meshes along a seam that other counts do not, columns lie half a mesh
+    beside it and the window beside the middle of its panel. Where its merged count is odd and that of its place even,
+    or the other way round, a knot in the middle of its edges is sewn to one side. Either draws the bag aside, and no
+    plane mirrors it.
+    """
+    if not plan.window:
+        return list(plan.globalisations)
+    mirrored = {g: _windows_mirrored(plan, g) for g in plan.globalisations}
+    return [g for g in plan.globalisations if mirrored[g] or not mirrored[1]]
+
+
+def _windows_mirrored(plan: Plan, globalisation: int) -> bool:
+    """Whether every window lies in the middle of its panel, and has one in common with its place."""
+    sewn_aside = any((part.meshes_round - part.meshes_across) // globalisation % 2 for part in plan.window)
+    return not sewn_aside and farthest_beside(plan, _lattice_of(plan, globalisation, None, False, None)) <= ROUND_OFF
 
 
 def _columns_of(plan: Plan, globalisation: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

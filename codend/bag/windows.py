@@ -18,6 +18,7 @@ from codend.netting.lattice import Lattice
 from codend.netting.parts import Parts, RowShape
 from codend.netting.windows import LetIn, Opening, cut_out, let_in, placed_window, rows_of_window
 from codend.plan.plan import Plan
+from codend.plan.windows import SIDES_DEG
 
 
 def with_windows(
@@ -35,7 +36,7 @@ def with_windows(
     count, g = len(positions), knots.lattice.globalisation
     rows = [node_row]
     for index, window in enumerate(plan.window):
-        opening = _opening(plan, knots, index)
+        opening = opening_of(plan, knots.lattice, index)
         found = let_in(knots, opening, window, window.meshes_round // g, window.meshes_long // g, count)
         windows.append(found)
         count += len(found.patch.own)
@@ -46,13 +47,13 @@ def with_windows(
     return _numbered_anew(parts, windows, knots, positions, np.concatenate(rows))
 
 
-def _opening(plan: Plan, knots: Knots, index: int) -> Opening:
-    g = knots.lattice.globalisation
+def opening_of(plan: Plan, lattice: Lattice, index: int) -> Opening:
+    """The hole that a window of a plan is let into, in the lattice of its full net."""
+    g = lattice.globalisation
     section = plan.holes[index].section
     hole, part = plan.holes[index].merged(g), plan.netting[section]
     start = plan.sections_of_bands(g).index(section)
     fore, aft = (start + part.rows_per_mesh * meshes for meshes in (hole.fore, hole.fore + hole.deep))
-    lattice = knots.lattice
     if not part.tapers:
         first = np.full(lattice.bands + 1, int(hole.first))
         step = 2.0 * np.pi / lattice.columns[fore]
@@ -62,6 +63,18 @@ def _opening(plan: Plan, knots: Knots, index: int) -> Opening:
     seams = int(lattice.seams[fore])
     panel, beside = hole.in_panel(part.open_meshes[0] // g, seams)
     return _opening_in_panel(lattice, fore, aft, panel, seams, beside, hole.across)
+
+
+def farthest_beside(plan: Plan, lattice: Lattice) -> float:
+    """How far beside the middle of its panel, or side of a tube, any window lies in a full net, real meshes."""
+    farthest = 0.0
+    for index, window in enumerate(plan.window):
+        opening = opening_of(plan, lattice, index)
+        step = 2.0 * np.pi / lattice.columns[opening.fore]
+        off = opening.side_rad + step * opening.beside - np.radians(SIDES_DEG[window.side] - plan.seam_deg)
+        off = (off + np.pi) % (2.0 * np.pi) - np.pi
+        farthest = max(farthest, lattice.globalisation * float(abs(off) / step))
+    return farthest
 
 
 def _opening_in_panel(

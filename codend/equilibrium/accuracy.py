@@ -10,6 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from codend.bag.bag_kernels import drag_in_shape
+from codend.bag.build import merged_in_place
 from codend.bag.loads import catch_weight_density
 from codend.bag.measures import Measures, measure_all, measure_briefly
 from codend.bag.near_ratio import NearRatio, narrower, near_enough, quick_looks
@@ -254,7 +255,7 @@ def by_merged_windows(model: BagModel, case: Case, measures: Measures) -> np.nda
     if not plan.window:
         return np.zeros(4)
     changed = measures.estimated - sector_measures(plan, case, g).estimated
-    coarser = min((other for other in plan.globalisations if other > g), default=None)
+    coarser = min((other for other in merged_in_place(plan) if other > g), default=None)
     if coarser is None:
         return np.abs(changed)
     other = _solved(model_of(plan, coarser, None), case).estimated - sector_measures(plan, case, coarser).estimated

@@ -6,7 +6,7 @@ from enum import Enum, auto
 
 import numpy as np
 
-from codend.bag.build import build_bag
+from codend.bag.build import build_bag, merged_in_place
 from codend.bag.loads import catch_weight_density
 from codend.bag.near_ratio import DRAG_BY_MISMATCH, SLOW_KNOTS, SLOW_MESHES, NearRatio, near_enough
 from codend.equilibrium.accuracy import (
@@ -269,7 +269,7 @@ def _largest_globalisation(plan: Plan) -> tuple[int, float]:
     by_size = sorted(plan.cases(), key=lambda case: case.catch_value)
     cases = by_size[:1] if by_size[0].catch_value == by_size[-1].catch_value else [by_size[0], by_size[-1]]
     real_n = [rough_measures(plan, case).drag_n for case in cases]
-    for g in sorted(plan.globalisations, reverse=True):
+    for g in sorted(merged_in_place(plan), reverse=True):
         if g == 1 or min(min(part.open_meshes) for part in plan.netting) < FEWEST_MESHES_ROUND * g:
             continue
         globalised_n = [rough_measures(plan, case, g).drag_n for case in cases]
