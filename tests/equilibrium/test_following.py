@@ -206,6 +206,23 @@ def test_errors_cover_a_bag_that_swings_on_its_hoop_however_weakly_that_grows(se
     assert max(value for name, value in row.items() if name.endswith("over its error")) <= 1.0
 
 
+def test_errors_cover_a_bag_of_few_meshes_round_that_swings_on_its_hoop():
+    """Drag changes by 9 %, where bags of 12 meshes round and more change by 3; the errors stated were a third of it."""
+    netting = {"mesh": "diamond", "meshes_round": 9, "meshes_long": 18, "bar_mm": 44.96, "knot_mm": 6.745}
+    tables = {
+        "title": "few meshes round",
+        "tow": {"speed_m_s": 0.6, "water_density_kg_m3": 1025.0},
+        "entry": {"radius_m": 0.03164},
+        "netting": [netting | {"twine_mm": 2.07}],
+        "catch": {"filled_meshes": 12.74, "pressure": "sphere"},
+        "model": {"fidelity": "sector", "tolerance": 1e-9},
+    }
+    row = swinging.row_of(plan_from_dict(tables))
+    assert (row["harmonics"], row["followed is stable"]) == ("1", "yes")
+    assert row["drag_n"] > 0.08
+    assert max(value for name, value in row.items() if name.endswith("over its error")) <= 1.0
+
+
 def test_what_hardly_grows_is_followed_whatever_residual_the_plan_allows():
     """A start along a growth of 2e-6 is in balance to 1e-6 as it stands, and was taken for the shape looked for."""
     tables = weighed_plan(44, 56)[0].to_dict()
