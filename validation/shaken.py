@@ -17,7 +17,7 @@ import pandas as pd
 from codend.bag.loads import problem_of
 from codend.bag.measures import Measures, measure_all
 from codend.equilibrium.bag_model import model_of
-from codend.equilibrium.start_shapes import all_round_start
+from codend.equilibrium.start_shapes import set_round
 from codend.plan.plan import Plan, plan_from_dict
 from codend.solvers import gentle
 from codend.solvers.gentle import End
@@ -81,7 +81,7 @@ def shaken(result: CaseResult, plan: Plan, seed: int) -> tuple[End, Measures]:
     globalisation = result.bag.globalisation
     whole = model_of(plan, globalisation, None)
     problem = problem_of(whole.bag, plan, result.case)
-    start = all_round_start(result.bag, result.positions, result.solution.bar_tension, result.net.order)
+    start = set_round(result.bag, whole.bag, result.solution)
     moves = np.random.default_rng(seed).standard_normal(start.positions.shape) * ~problem.net.fixed
     moves *= SHAKEN * float(np.median(problem.structure.length))
     for _ in range(HALVINGS):

@@ -10,7 +10,7 @@ import numpy as np
 
 from codend.bag.bag import Bag
 from codend.bag.measures import Measures, opening_rows_ahead
-from codend.equilibrium.accuracy import Errors
+from codend.equilibrium.accuracy import FEW_ROUND, Errors
 from codend.equilibrium.stability import Stability
 from codend.net.net import Floats
 from codend.plan.plan import Case, Plan
@@ -18,9 +18,9 @@ from codend.solvers.outcome import Solution
 
 SWINGS = 0.1
 """Sideways move of the codline, over the largest of all, from which what grows swings the bag on its hoop."""
-BY_SWINGING = np.array([0.03, 0.01, 0.02, 0.17])
+BY_SWINGING = np.array([0.04, 0.02, 0.02, 0.17])
 """Relative change of drag, volume, largest radius and opening ahead where it swings, however weakly that grows: it goes
-as far as the hoop lets it. Bags of diamond and T90 netting changed by up to 0.024, 0.008, 0.012 and 0.115
+as far as the hoop lets it. Bags of diamond and T90 netting changed by up to 0.029, 0.016, 0.017 and 0.119
 (``python -m validation.swinging``)."""
 SWAYS = 0.15
 """Stiffness of the codline against moves aside, over the drag over the length as a pendulum has it, up to which a bag
@@ -30,6 +30,14 @@ back, of diamond and T90 netting all, however easily they swayed."""
 ASIDE = np.array([0.15, 0.07, 0.3, 0.17])
 """Relative change of drag, volume, largest radius and opening of bags that tip where they swing or may hang aside: up
 to 0.113, 0.035, 0.23 and 0.109."""
+SWINGING_OF_FEW, ASIDE_OF_FEW = np.array([0.16, 0.02, 0.03, 0.17]), np.array([0.3, 0.07, 0.3, 0.3])
+"""The same of bags of fewer than ``FEW_ROUND`` meshes round: those of diamond and T90 netting of 5 to 10 changed by up
+to 0.109, 0.004, 0.011 and 0.100, those of square mesh by up to 0.221, 0.013, 0.111 and 0.206
+(``python -m validation.swinging --few``, seed 50)."""
+FILLED, SWINGING_FILLED = 0.8, np.array([1.0, 0.02, 0.03, 0.17])
+"""Share of the meshes from which a bag counts as filled to its hoop, and the same of such bags of diamond and T90
+netting: their drag is that of all of the catch, which way it points. Of 9 filled by 0.8 and more it changed by up to
+0.25, of one of stiff twine by 0.76; of square mesh by up to 0.24, as of few meshes round."""
 STRONGEST = 50.0
 BY_STRENGTH = np.array([0.04, 0.35, 0.036, 0.004])
 """Relative change of drag, volume, largest radius and opening ahead, over the root of the strength. With 0.2 and 0.03
@@ -64,7 +72,7 @@ def changed_by_wrinkles(
         return np.full(4, np.nan)
     aside = may_hang_aside(stability, measures)
     if not stability.growths and not touching and not unknown:
-        return measures.estimated * ASIDE * aside
+        return measures.estimated * _swung(bag, measures) * aside
     strength, reach = CONTACT if touching else (0.0, 0.0)
     swings, own = False, 0.0
     ahead, codline = _knots_ahead(bag, solution.share), -1 - bag.anchors
@@ -86,12 +94,29 @@ def changed_by_wrinkles(
     changed[:3] += sizes[:3] * BY_REACH * reach
     changed[3] += OPENING_BY_REACH_DEG * reach
     if swings or aside:
-        changed += sizes * (ASIDE if bag.tips else BY_SWINGING)
+        changed += sizes * _swung(bag, measures)
     if touching:
         changed *= MORE_IN_CONTACT
     if case.catch_kind in ("volume_m3", "mass_kg"):
         changed[1] = 0.0
     return changed
+
+
+def _swung(bag: Bag, measures: Measures) -> Floats:
+    """What a swing on the hoop changes at most, relative, (4,)."""
+    filled = measures.filled_meshes >= FILLED * bag.row_place[-1]
+    if bag.tips:
+        return ASIDE_OF_FEW if filled or _is_of_few(bag) else ASIDE
+    if filled:
+        return SWINGING_FILLED
+    return SWINGING_OF_FEW if _is_of_few(bag) else BY_SWINGING
+
+
+def _is_of_few(bag: Bag) -> bool:
+    """Whether any row of meshes, as they are modelled, is of fewer than ``FEW_ROUND`` round."""
+    knots = float(bag.ring_size[:-1].min()) * bag.net.sectors
+    # each knot of turned netting is two nodes of a ring
+    return knots < FEW_ROUND * (2.0 if any(kind.knots == "across" for kind in bag.band_kind) else 1.0)
 
 
 def may_hang_aside(stability: Stability, measures: Measures) -> bool:

@@ -107,8 +107,10 @@ def impossible(position: Floats, structure: Structure, catch: Catch, share: Floa
     front = 0.0
     for i in range(3):
         front += axis[i] * (middle[-1, i] - middle[row, i] - (place - row) * (middle[row + 1, i] - middle[row, i]))
-    if front < -NOTHING * bar:
-        return FRONT_BEHIND, front
+    # the catch fills it from its codline to a plane across the flow, whichever way a bag hangs
+    along = row_x[-1] - row_x[row] - (place - row) * (row_x[row + 1] - row_x[row])
+    if min(front, along) < -NOTHING * bar:
+        return FRONT_BEHIND, min(front, along)
     inward = inward_share(position, structure, catch, share)
     if inward > MOST_INWARD:
         return INSIDE_OUT, inward

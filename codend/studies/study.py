@@ -23,6 +23,7 @@ from codend.equilibrium.followed import HANGS_ASIDE, LYING_ON_ITSELF, NOT_FOLLOW
 from codend.equilibrium.following import by_contact, follow
 from codend.equilibrium.other_shapes import apart_from_other_shapes
 from codend.equilibrium.room import check_room, explained
+from codend.equilibrium.snapping import apart_by_snapping
 from codend.equilibrium.stability import Stability, stability_of, tangent_of
 from codend.equilibrium.start_shapes import carried_over
 from codend.equilibrium.wrinkles import changed_by_wrinkles, may_hang_aside, within_accuracy
@@ -180,10 +181,11 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     plan, case, problem, solution = model.plan, result.case, result.problem, result.solution
     tangent = tangent_of(model, problem, solution)
     stability = stability_of(model, tangent, thorough=True)
-    # sectors of diamond netting of one count that are stable lie on themselves nowhere
+    # sectors of diamond netting of one count that are stable lie on themselves nowhere, but for between ropes
     turned = any(part.knot_across_m > 0.0 for part in plan.netting)
     joined = len({count for part in plan.netting for count in part.open_meshes}) > 1
-    may_touch = stability.stable != "yes" or turned or joined or result.net.order == 1
+    roped = len(plan.ropes) > 0
+    may_touch = stability.stable != "yes" or turned or joined or roped or result.net.order == 1
     touching = may_touch and layers_touch(problem, solution.positions)
     pressed = in_contact_share(problem, solution) > 0.0
     # what others of nearly the ratio, in folds likewise, differ by is in the estimates
@@ -192,6 +194,8 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     changed = changed_by_wrinkles(result.bag, case, solution, stability, result.measures, lying)
     changed = changed + by_contact(result.measures) if compared else changed
     changed = changed + apart_from_other_shapes(model, case, tangent, stability, result.measures)
+    if stability.stable == "yes":
+        changed = changed + apart_by_snapping(model, problem, solution, result.measures)
     errors = accuracy.estimate(model, case, tangent, result.measures, unseen_weight_n, changed)
     aside = replace(NOT_FOLLOWED, reason=HANGS_ASIDE) if may_hang_aside(stability, result.measures) else NOT_FOLLOWED
     followed = replace(NOT_FOLLOWED, folds=True, reason=LYING_ON_ITSELF) if touching else aside

@@ -206,6 +206,29 @@ def test_errors_cover_a_bag_that_swings_on_its_hoop_however_weakly_that_grows(se
     assert max(value for name, value in row.items() if name.endswith("over its error")) <= 1.0
 
 
+@pytest.mark.parametrize(
+    ("around", "knot_mm", "entry_m", "filled", "at_least"),
+    [(9, 6.745, 0.03164, 12.74, 0.08), (15, 6.745, 0.0672, 18.0, 0.2)],
+    ids=["few meshes round", "filled to the hoop"],
+)
+def test_errors_cover_bags_that_swing_far(around, knot_mm, entry_m, filled, at_least):
+    """Others change by 3 %, and the errors stated for these were a third to a sixth of what they change."""
+    netting = {"mesh": "diamond", "meshes_round": around, "meshes_long": 18, "bar_mm": 44.96, "knot_mm": knot_mm}
+    tables = {
+        "title": "swings far",
+        "tow": {"speed_m_s": 0.6, "water_density_kg_m3": 1025.0},
+        "entry": {"radius_m": entry_m},
+        "netting": [netting | {"twine_mm": 2.07}],
+        "catch": {"filled_meshes": filled, "pressure": "sphere"},
+        "model": {"fidelity": "sector", "tolerance": 1e-9},
+    }
+    row = swinging.row_of(plan_from_dict(tables))
+    assert (row["harmonics"], row["followed is stable"]) == ("1", "yes")
+    assert row["drag_n"] > at_least
+    # a bag filled to its hoop has no opening ahead
+    assert np.nanmax([value for name, value in row.items() if name.endswith("over its error")]) <= 1.0
+
+
 def test_what_hardly_grows_is_followed_whatever_residual_the_plan_allows():
     """A start along a growth of 2e-6 is in balance to 1e-6 as it stands, and was taken for the shape looked for."""
     tables = weighed_plan(44, 56)[0].to_dict()

@@ -71,3 +71,17 @@ def test_joined_sectors_that_are_stable_are_asked_whether_layers_lie_on_each_oth
     result = joined()
     assert (result.stability.stable, result.followed.folds) == ("yes", True)
     assert result.errors.opening_ahead_error_deg > 1.0
+
+
+def test_sectors_with_ropes_are_asked_whether_layers_lie_on_each_other_as_their_whole_nets_are():
+    """Gathered between two ropes that are 10 % short, netting of one count lies on itself: 5e-7 N was stated."""
+    netting = {"mesh": "diamond", "meshes_round": 24, "meshes_long": 17, "bar_mm": 25.0, "knot_mm": 2.5}
+    ropes = {"number": 2, "shortening": 0.1, "axial_stiffness_n": 2e4, "diameter_mm": 12}
+    made = bag([netting | {"twine_mm": 2.494, "axial_stiffness_n": 1338.6}], 0.04176, 1.0949, {"filled_meshes": 6.494})
+    tables = made.to_dict() | {"rope": [ropes]}
+    sector, full = (
+        solve(plan_from_dict(tables | {"model": {"fidelity": fidelity}})).cases[0] for fidelity in ("sector", "full")
+    )
+    assert (sector.followed.folds, full.followed.folds) == (True, True)
+    assert sector.measures.drag_n == pytest.approx(full.measures.drag_n, rel=1e-6)
+    assert sector.errors.drag_error_n == pytest.approx(full.errors.drag_error_n, rel=1e-2)

@@ -223,6 +223,19 @@ def test_a_catch_inside_out_without_volume_or_ahead_of_its_front_is_refused():
         assert refusal(problem, np.ascontiguousarray(positions), solution.share).outcome in outcome
 
 
+@pytest.mark.parametrize(("degrees", "refused"), [(0.0, False), (60.0, False), (100.0, True), (180.0, True)])
+def test_the_front_of_a_bag_that_hangs_aside_is_refused_where_it_lies_behind_the_codline_along_the_flow(
+    degrees, refused
+):
+    """Turned as a whole, so that nothing has passed through anything, and along the bag the front lies as it did."""
+    _, problem, solution = solved("diamond", {}, None)
+    turn, (x, y, z) = np.radians(degrees), solution.positions.T
+    aside = np.stack([np.cos(turn) * x + np.sin(turn) * z, y, np.cos(turn) * z - np.sin(turn) * x], axis=1)
+    found = refusal(problem, aside, solution.share)
+    assert refused == (found is not None)
+    assert found is None or found.outcome in (Outcome.FRONT_BEHIND, Outcome.NO_VOLUME)
+
+
 @pytest.mark.parametrize("method", ["auto", "newton", "dynamic-relaxation"])
 def test_a_catch_is_never_of_negative_volume(method):
     plan = plan_from_dict(
