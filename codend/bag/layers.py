@@ -1,8 +1,8 @@
 """Second layers of netting: outer bags over part of the codend, laced to a row of it and gathered at its codline.
 
 A layer lies on the netting below and moves with it, drawn out evenly over each of its meshes: friction under the
-pressure of the catch keeps it from sliding (an assumption: without any, tight layers leave up to 24 % more drag,
-``python -m validation.layers_in_contact``). It then has no unknowns of its own, and limits how wide and how long the
+pressure of the catch keeps it from sliding (an assumption, and what it may be worth is in the errors:
+``equilibrium.sliding``). It then has no unknowns of its own, and limits how wide and how long the
 netting below can be (``mechanics.wrap``). Its drag is left out: it lies in the lee of the twine below, or on the catch
 (an assumption as well). Its weight is on the twine below.
 

@@ -4,7 +4,7 @@ The number of meshes of the real net is real, not an error: a sector of the ungl
 and the membrane of the meridian method, which has meshes without number, is off by its distance to that sector.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 
 import numpy as np
@@ -113,6 +113,17 @@ class Errors:
     def unknown(cls) -> "Errors":
         """No estimate of anything."""
         return cls(*(float("nan") for _ in fields(cls)))
+
+    def with_more(self, changes: Floats) -> "Errors":
+        """The same with what else may change drag, volume, largest radius and opening, (4,)."""
+        drag, volume, radius, opening = map(float, changes)
+        return replace(
+            self,
+            drag_error_n=self.drag_error_n + drag,
+            catch_volume_error_m3=self.catch_volume_error_m3 + volume,
+            max_radius_error_m=self.max_radius_error_m + radius,
+            opening_ahead_error_deg=self.opening_ahead_error_deg + opening,
+        )
 
 
 def estimate(

@@ -51,6 +51,9 @@ BY_REACH = np.array([0.0, 0.0, 0.4])
 """Relative change of drag, volume and largest radius over the reach: the root of the strength times the largest move of
 a knot in the rows ahead, over the largest of all."""
 OPENING_BY_REACH_DEG = 44.0
+LEAST_SIZES = np.array([0.0, 0.0, 0.0, 1.0])
+"""Sizes that changes are at least taken of: meshes all but shut open by parts of a degree as well. Under a tight layer
+T90 meshes of 0.005 degrees changed by three times a bound that was in proportion to that."""
 CONTACT = 0.25, 0.05
 """Strength and reach that netting which lies on netting counts as at least: those of a T90 codend of 100 meshes round
 that, followed with contact between its layers, changed by 0.6 % in drag and 1.8 degrees in opening."""
@@ -88,7 +91,7 @@ def changed_by_wrinkles(
     if not stability.complete:
         # what was not found grows less than all that was, but may swing the bag, and reach any row
         swings, reach = True, max(reach, float(np.sqrt(own)))
-    sizes = measures.estimated
+    sizes = np.maximum(measures.estimated, LEAST_SIZES)
     few = max(1.0, FEW_MESHES / measures.filled_meshes)
     changed = sizes * BY_STRENGTH * np.sqrt(strength) * [few, few**2, few, few]
     changed[:3] += sizes[:3] * BY_REACH * reach

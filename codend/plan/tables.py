@@ -559,7 +559,9 @@ class Model(Table):
     contact: Literal["auto"] | bool = "auto"
     """Whether shapes in which layers of netting meet are followed on with contact between them: ``auto``, from as many
     starts as some twenty seconds have room for; ``true``, from all of them; ``false`` stops there. Bags that weight
-    folds over their hoop are found by it too. Layers of ``[[layer]]`` bear on the netting below in any case."""
+    folds over their hoop are found by it too. Layers of ``[[layer]]`` bear on the netting below in any case; what it
+    may change that they slide is asked of the net with its layer in contact, of wider sectors where ``true``, and
+    taken from a wider law where ``false``."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -1,6 +1,8 @@
 """One case of a study: what was asked, the equilibrium, and what was measured in it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from codend.bag.bag import Bag, real_tensions
 from codend.bag.measures import Measures, Meshes, Rows
@@ -32,6 +34,8 @@ class CaseResult:
     meshes: Meshes | None
     followed: Followed = NOT_FOLLOWED
     """What became of what grows of it."""
+    by_sliding: Floats = field(default_factory=lambda: np.zeros(4))
+    """What of the errors is for layers that may slide: of drag, volume, largest radius and opening, (4,)."""
     stands_in: NearRatio | None = None
     """The sector of nearly the ratio of the counts that it is the equilibrium of, where that chosen has none."""
 

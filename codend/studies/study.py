@@ -23,6 +23,7 @@ from codend.equilibrium.followed import HANGS_ASIDE, LYING_ON_ITSELF, NOT_FOLLOW
 from codend.equilibrium.following import by_contact, follow
 from codend.equilibrium.other_shapes import apart_from_other_shapes
 from codend.equilibrium.room import check_room, explained
+from codend.equilibrium.sliding import changed_by_sliding
 from codend.equilibrium.snapping import apart_by_snapping
 from codend.equilibrium.stability import Stability, stability_of, tangent_of
 from codend.equilibrium.start_shapes import carried_over
@@ -163,7 +164,7 @@ def solve(
                 if progress is not None:
                     progress(done, len(cases), f"case {case.number}: its stability and errors")
                 unseen_n = choice.unseen_weight_n if found_on is model else choice.weight_n
-                result = _judged(found_on, result, unseen_n, report)
+                result = _with_sliding(found_on, _judged(found_on, result, unseen_n, report), report)
                 if found_on is not model:
                     result = replace(result, stands_in=found_on.near)
         except MemoryError as error:
@@ -225,6 +226,13 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     changed = followed.changed if covered else np.maximum(changed, followed.changed)
     errors = accuracy.estimate(shape.model, case, tangent, found.measures, unseen_weight_n, changed)
     return replace(found, errors=errors, stability=shape.stability, followed=followed)
+
+
+def _with_sliding(model: BagModel, result: CaseResult, progress: Progress) -> CaseResult:
+    """The result with what it may change that layers slide, which following what grows makes no smaller."""
+    shape = result.bag, result.problem, result.solution, result.measures
+    changed = changed_by_sliding(model, result.case, *shape, progress)
+    return replace(result, errors=result.errors.with_more(changed), by_sliding=changed)
 
 
 def _nearest(near: Sequence[CaseResult], model: BagModel, case: Case) -> list[tuple[Case, Solution]]:

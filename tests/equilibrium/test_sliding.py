@@ -1,0 +1,84 @@
+"""Errors cover what it may change that second layers slide on the netting below."""
+
+import numpy as np
+import pytest
+
+from codend.bag.build import build_bag
+from codend.equilibrium.bag_model import model_of
+from codend.equilibrium.layer_contact import can_slide, in_contact
+from codend.plan.plan import Plan, plan_from_dict
+from codend.studies.study import solve
+from tests.bag.test_layers import ROPE, small_plan
+from validation.layers_in_contact import codend_plan, measured_in_contact
+from validation.sliding_layers import changes_of, random_plan
+from validation.weight_left_out import QUANTITIES
+
+
+def with_contact(plan: Plan, contact: bool | str) -> Plan:
+    tables = plan.to_dict()
+    return plan_from_dict(tables | {"model": tables["model"] | {"contact": contact}})
+
+
+def test_errors_cover_a_tight_layer_in_contact_by_the_law_and_more_closely_by_the_net_itself():
+    plan = codend_plan(24, 0.8, 7)
+    by_law, by_net = (solve(with_contact(plan, contact)).cases[0] for contact in (False, "auto"))
+    free = measured_in_contact(plan, by_net)
+    assert free is not None
+    off = np.abs(free.estimated - by_net.measures.estimated)
+    assert off[0] > 0.2 * by_net.measures.drag_n
+    for held in (by_law, by_net):
+        stated = np.array([getattr(held.errors, error) for error in QUANTITIES.values()])
+        assert np.all(off < stated)
+        assert np.all(held.by_sliding <= stated)
+    assert np.all(by_net.by_sliding < by_law.by_sliding)
+    assert np.array_equal(by_law.positions, by_net.positions)
+
+
+@pytest.mark.parametrize(("seed", "number"), [(6, 0), (6, 7), (6, 39), (4, 32), (5, 64)])
+def test_the_law_covers_random_layers(seed, number):
+    found = changes_of(random_plan(seed, number))
+    assert found is None or max(found[f"{name} over stated"] for name in QUANTITIES) < 1.0
+
+
+def test_layers_that_carry_nothing_may_slide_as_they_like():
+    held = solve(small_plan("loose")).cases[0]
+    assert not held.by_sliding.any()
+
+
+def test_of_a_catch_of_a_given_volume_that_is_not_changed():
+    plan = with_contact(small_plan("tight", catch={"volume_m3": 0.04}), False)
+    held = solve(plan).cases[0]
+    assert held.by_sliding[1] == 0.0
+    assert held.by_sliding[0] > 0.3 * held.measures.drag_n
+
+
+def test_what_cannot_be_two_nets_in_a_sector_is_left_to_the_law():
+    assert can_slide(model_of(small_plan("tight"), 1, 1))
+    assert not can_slide(model_of(small_plan("tight"), 1, None))
+    assert not can_slide(model_of(with_contact(small_plan("tight"), False), 1, 1))
+    assert not can_slide(model_of(small_plan("tight", rope=[ROPE]), 1, 1))
+    assert not can_slide(model_of(small_plan("t90"), 1, 1))
+    # 24 meshes round and 10 repeat after 12 and 5
+    assert not can_slide(model_of(small_plan("snug"), 1, 1))
+    assert can_slide(model_of(with_contact(small_plan("snug"), True), 1, 1))
+
+
+@pytest.mark.parametrize("below_mesh", ["diamond", "t90", "square"])
+@pytest.mark.parametrize("layer", ["tight", "snug", "square"])
+def test_a_layer_in_contact_starts_beside_the_netting_below_laced_to_a_row_of_it(below_mesh, layer, monkeypatch):
+    monkeypatch.setattr("codend.equilibrium.layer_contact.STEPS", 1)
+    knots = {"mesh": below_mesh, "knot_mm": 0.0}
+    plan = with_contact(small_plan(layer, knots), True)
+    held, model = solve(with_contact(plan, False)).cases[0], model_of(plan, 1, 1)
+    assert held.converged
+    found = in_contact(model, held.case, held.problem, held.solution)
+    assert found is not None  # nothing passes through anything
+    bag, own = found[0], plan.layer[0].meshes_round
+    assert round(bag.net.order) == np.gcd(24, own)
+    columns = 24 // round(bag.net.order)
+    below = build_bag(plan.model_copy(update={"layer": ()}), sectors=columns)
+    shared = np.unique(bag.net.bars[len(below.net.bars) :])
+    shared = shared[shared < len(below.net.positions)]
+    rows, counts = np.unique(bag.node_row[shared], return_counts=True)
+    assert rows.tolist() == [bag.bands - 12 * (1 if below_mesh == "square" else 2), bag.bands]
+    assert counts.tolist() == [own * columns // 24, 1]
