@@ -3,7 +3,8 @@
 Newton's method on the places of the nodes, the force densities of the bars and the six unknowns of the body
 (``mechanics.body``, ``body_system``), with the barrier of ``interior_point`` made lower and lower and no barrier at the
 end. After a step the body is turned by the whole rotation, not by its first order. What no mooring holds is left where
-it is: a body without one is free in x, y and yaw, of which nothing is asked but that loads there cancel.
+it is: a body without one is free in x, y and yaw, of which nothing is asked but that loads there cancel. With contact
+between parts of a net (``Problem.of(contact=...)``) no step goes past where any would pass through another.
 """
 
 import numpy as np
@@ -24,6 +25,7 @@ from codend.solvers.interior_point import (
     BLOCKED,
     BOLD,
     EASY,
+    EXACT,
     FARTHEST_TURN,
     KEPT_TAUT,
     LARGEST_TURN,
@@ -37,8 +39,9 @@ from codend.solvers.interior_point import (
 )
 from codend.solvers.newton import LARGEST_SHIFT
 from codend.solvers.outcome import START, Outcome, Progress, Solution, SolverReport
-from codend.solvers.prepared import prepare
+from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.refusal import refusal, told
+from codend.solvers.watched import FIRST_EXACT, Watched
 
 METHOD = "newton with a floating body"
 SETTINGS = InteriorPointSettings()
@@ -110,13 +113,18 @@ class _Run:
     def __init__(self, problem: Problem, progress: Progress | None) -> None:
         assert problem.body is not None
         self.problem, self.body, self.progress = problem, problem.body, progress
-        self.prepared = prepare(problem.structure, problem.bands)
+        self.watched = Watched(problem, prepare(problem.structure, problem.bands))
         self.system = BodySystem(problem, self.prepared)
         self.state, self.spare, _ = self.prepared.states
         self.pose = rigid.pose_of(self.body, problem.net.positions)
         self.steps = 0
         self.grows: Floats | None = None
         """How the body would leave the equilibrium found, (6,)."""
+
+    @property
+    def prepared(self) -> Prepared:
+        """The unknowns numbered, for what touches now."""
+        return self.watched.prepared
 
     def set_start(self, start: Solution | None) -> None:
         """Set out from a solution, or from the net as it was built."""
@@ -131,6 +139,7 @@ class _Run:
             rigid.place(self.body, self.pose, state.position)
         tensions = self.tension if start is None else np.maximum(start.bar_tension, 0.01 * self.tension)
         state.density[:] = tensions / problem.structure.length
+        self.watched.look(state.position)
         self._measure(state, self.pose, 1.0)
 
     def to_equilibrium(self, tolerance: float) -> tuple[Outcome, str]:
@@ -164,7 +173,7 @@ class _Run:
         self.system.steering = True
 
     def _lower(self) -> Outcome:
-        structure, step = self.problem.structure, self.prepared.step
+        structure = self.problem.structure
         loosening, softness = np.zeros(len(structure.length)), np.zeros(len(structure.length))
         tension = max(self.tension, kernels.largest_force(structure, self.state.load))
         barrier, last = SETTINGS.first_barrier, SETTINGS.last_barrier * self.tension / tension
@@ -183,16 +192,19 @@ class _Run:
             turn, shift = self._linearise(structure._replace(flexibility=softness), shift)
             if not np.isfinite(turn):
                 return Outcome.SINGULAR
+            step = self.prepared.step
+            back = self.watched.goes_back(step.move)
             way = kernels.way_to_nothing(structure, barrier * tension, state, step, loosening)
             of_turn = min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0
             share = min(of_turn, max(NEAREST, 1.0 - np.sqrt(barrier)) * way)
             kernels.go(state, step, loosening, share, self.spare)
-            self._carry_body(share, 1.0)
-            if of_turn < BOLD:
+            blocked = share < BLOCKED
+            share *= self._carry_body(share, 1.0)
+            if of_turn < BOLD or back:
                 shift = min(max(2.0 * shift, LEAST_SHIFT), LARGEST_SHIFT)
             elif of_turn > EASY:
                 shift = 0.25 * shift if shift > LEAST_SHIFT else 0.0
-            if share < BLOCKED:
+            if blocked:
                 barrier = max(barrier, kernels.reached_barrier(structure, self.state) / tension)
                 continue
             force = max(kernels.largest_force(structure, self.state.force), self.left)
@@ -222,22 +234,35 @@ class _Run:
 
         The turn is the largest change of a bar's vector over its length, or of the body's pose over what it may.
         """
-        problem, prepared, state = self.problem, self.prepared, self.state
-        structure, step = problem.structure, prepared.step
+        state, prepared = self.state, self.prepared
+        structure, step = self.problem.structure, prepared.step
+        if self.system.prepared is not prepared:
+            steering, self.system = self.system.steering, BodySystem(self.problem, prepared)
+            self.system.steering = steering
+        loading = self.watched.loading
+        near_contact = state.residual <= EXACT and len(loading.contact.kind) > 0
+        exact = min(2.0 * max(self.watched.exact, FIRST_EXACT), 1.0) if near_contact else 0.0
         while True:
             turn = asked = np.inf
-            newton_step.linearise(softened, problem.loading, prepared.pattern, self.tension, 0.0, state, step)
+            self.watched.exact = exact
+            acting = loading._replace(contact=loading.contact._replace(exact=exact if self.taut else 1.0))
+            newton_step.linearise(softened, acting, prepared.pattern, self.tension, 0.0, state, step)
             if shift > 0.0:
                 kernels.shift_by_resistance(structure, prepared.pattern, state, shift, step.blocks)
-            if self.system.factorise(step.blocks, self.pose, state.force) == 0:
+            factorised = self.system.factorise(step.blocks, self.pose, state.force) == 0
+            if factorised:
                 solved = self.system.solve(step.right[:1], self.pose)
                 newton_step.finish_step(structure, state, state, solved, step)
                 asked = kernels.largest_turn(structure, state, step)
                 moved, tilt = (float(np.linalg.norm(part)) for part in np.split(self.system.twist, 2))
                 of_body = max(moved / (FARTHEST * self.body.size_m), tilt / LARGEST_TILT)
                 turn = max(asked, LARGEST_TURN * of_body)
-            if asked <= FARTHEST_TURN or shift >= LARGEST_SHIFT or self.taut == 0.0:
+            stands = factorised and not (near_contact and prepared.system.negative_pivots())
+            if (asked <= FARTHEST_TURN and stands) or shift >= LARGEST_SHIFT or self.taut == 0.0:
                 return turn, shift
+            if exact > 0.0:
+                exact = 0.25 * exact if exact > FIRST_EXACT else 0.0
+                continue
             shift = max(4.0 * shift, LEAST_SHIFT)
 
     def _take(self, size: float, switch: float) -> None:
@@ -246,17 +271,30 @@ class _Run:
         new.density[:] = self.state.density + size * step.change
         self._carry_body(size, switch)
 
-    def _carry_body(self, share: float, switch: float) -> None:
-        """Take the body a share of its step to where the net is in the spare state, and go on from there."""
-        new = self.spare
-        self.pose = rigid.moved(self.pose, share * self.system.twist)
+    def _carry_body(self, share: float, switch: float) -> float:
+        """Take the body a share of its step to where the net is in the spare state, and go on from there.
+
+        Returns:
+            the share of that way that is gone: as far as nothing passes through anything.
+        """
+        state, new, pose = self.state, self.spare, self.pose
+        self.pose = rigid.moved(pose, share * self.system.twist)
         rigid.place(self.body, self.pose, new.position)
+        way = new.position - state.position
+        free = self.watched.go_along(state.position, way)
+        if free < 1.0:
+            new.position[:] = state.position + free * way
+            new.density[:] = state.density + free * (new.density - state.density)
+            new.slack[:] = state.slack + free * (new.slack - state.slack)
+            self.pose = rigid.moved(pose, free * share * self.system.twist)
+            rigid.place(self.body, self.pose, new.position)
         self._measure(new, self.pose, switch)
         self.state, self.spare = new, self.state
+        return free
 
     def _measure(self, state: State, pose: Pose, switch: float) -> None:
         """Write what is out of balance, in the residual the body as well."""
-        structure, loading = self.problem.structure, self.problem.loading
+        structure, loading = self.problem.structure, self.watched.loading
         measure(structure, loading, self.tension, switch, self.taut, state)
         left = out_of_balance(self.body, pose, state.force)
         self.left = float(max(np.linalg.norm(left[:3]), np.linalg.norm(left[3:]) / self.body.size_m))
