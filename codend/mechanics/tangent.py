@@ -84,6 +84,72 @@ def pattern_of(structure: Structure, by_image: bool = False, near: tuple[Ints, I
     )
 
 
+def with_contact(pattern: Pattern, near: Ints) -> Pattern:
+    """The blocks of a net and of what is near each other in it, those of its images added up.
+
+    The same as ``pattern_of`` finds, without sorting all again: parts come near and leave at most steps on the way.
+
+    Args:
+        pattern: without contact, not by image.
+        near: nodes of the parts between which contact acts, (k, 4).
+    """
+    row, column, moved, slots = _blocks_beside(pattern.row, pattern.column, len(pattern.diagonal), near)
+    return Pattern(
+        row=row,
+        column=column,
+        bar_slot=moved[pattern.bar_slot],
+        facet_slot=moved[pattern.facet_slot],
+        corner_slot=moved[pattern.corner_slot],
+        contact_slot=slots,
+        wrap_slot=moved[pattern.wrap_slot],
+        diagonal=moved[pattern.diagonal],
+        image=np.zeros(len(row), dtype=np.int32),
+    )
+
+
+@njit(cache=True)
+def _blocks_beside(row: Ints, column: Ints, nodes: int, near: Ints) -> tuple[Ints, Ints, Ints, Ints]:
+    """Rows and columns of the blocks of a pattern and of all pairs of the ``near`` nodes, (k, 4).
+
+    Returns:
+        rows, columns, where the pattern's own blocks went, and the blocks of the pairs, (k, 4, 4).
+    """
+    own_start, start = np.searchsorted(row, np.arange(nodes + 1)), np.zeros(nodes + 1, dtype=np.int64)
+    for pair in range(len(near)):
+        for i in range(4):
+            start[near[pair, i] + 1] += 4
+    start = np.cumsum(start)
+    filled, beside = start[:-1].copy(), np.empty(start[nodes], dtype=np.int32)
+    for pair in range(len(near)):
+        for i in range(4):
+            node = near[pair, i]
+            beside[filled[node] : filled[node] + 4] = near[pair]
+            filled[node] += 4
+    new_row, new_column = np.empty(len(row) + len(beside), np.int32), np.empty(len(row) + len(beside), np.int32)
+    moved, slots, count = np.empty(len(row), np.int32), np.empty((len(near), 4, 4), np.int32), 0
+    new_start = np.zeros(nodes + 1, dtype=np.int64)
+    for node in range(nodes):
+        beside[start[node] : start[node + 1]].sort()
+        own, other = own_start[node], start[node]
+        while own < own_start[node + 1] or other < start[node + 1]:
+            of_own = column[own] if own < own_start[node + 1] else nodes
+            of_other = beside[other] if other < start[node + 1] else nodes
+            new_row[count], new_column[count] = node, min(of_own, of_other)
+            if of_own <= of_other:
+                moved[own] = count
+                own += 1
+            while other < start[node + 1] and beside[other] == new_column[count]:
+                other += 1
+            count += 1
+        new_start[node + 1] = count
+    for pair in range(len(near)):
+        for i in range(4):
+            first, last = new_start[near[pair, i]], new_start[near[pair, i] + 1]
+            for j in range(4):
+                slots[pair, i, j] = first + np.searchsorted(new_column[first:last], near[pair, j])
+    return new_row[:count].copy(), new_column[:count].copy(), moved, slots
+
+
 @njit(cache=True)
 def _add_turned_row(blocks: Floats, slot: int, i: int, x: float, y: float, z: float, c: float, s: float) -> None:
     """Add (x, y, z) R to row ``i`` of a block, R a turn with cosine c and sine s."""

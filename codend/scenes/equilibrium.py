@@ -109,9 +109,10 @@ def _as_it_touches(
 
 
 def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tuple[Problem, Solution]:
-    """The same of a net with a frame that floats: at once where nothing touches, else frame and net in turns.
+    """The same of a net with a frame that floats: at once, without contact where nothing touches; else in turns.
 
-    The turns begin where the frame floats if netting may pass through netting.
+    Contact begins with the netting as it was placed, under the frame where it floats if netting may pass through
+    netting; so do the turns.
     """
     body = problem.body
     assert body is not None
@@ -129,6 +130,15 @@ def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tu
     sheets = np.setdiff1d(problem.net.facets, np.flatnonzero(problem.net.fixed.any(axis=1)))
     positions[sheets] = pose.origin + (built[sheets] - before.origin) @ (pose.turn @ before.turn.T).T
     place(body, pose, positions)
+    attempts, spent_ms = found.report.attempts, found.report.solve_ms
+    touching = problem.touching_by(contact_law(problem), sheet).touching_at(positions)
+    if apart(touching, positions):
+        begun = replace(as_built(problem), positions=positions.copy())
+        found = floating.solve(touching, tolerance, begun, progress)
+        attempts, spent_ms = (*attempts, *found.report.attempts), spent_ms + found.report.solve_ms
+        if found.report.outcome.converged:
+            found = replace(found, report=replace(found.report, attempts=attempts, solve_ms=spent_ms))
+            return touching.touching_at(found.positions), found
 
     def held(net: Problem, start: Solution | None) -> tuple[Problem, Solution]:
         if start is None or net.surface is None:
@@ -145,8 +155,7 @@ def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tu
 
     moved = replace(problem, net=replace(problem.net, positions=positions))
     settled, turned = in_turns.solve(moved, tolerance, held)
-    attempts = (*found.report.attempts, *turned.report.attempts)
-    spent_ms = found.report.solve_ms + turned.report.solve_ms
+    attempts, spent_ms = (*attempts, *turned.report.attempts), spent_ms + turned.report.solve_ms
     settled = replace(settled, net=problem.net)
     return settled, replace(turned, report=replace(turned.report, attempts=attempts, solve_ms=spent_ms))
 

@@ -3,7 +3,8 @@
 Newton's method on the places of the nodes, the force densities of the bars and the six unknowns of the body
 (``mechanics.body``, ``body_system``), with the barrier of ``interior_point`` made lower and lower and no barrier at the
 end. After a step the body is turned by the whole rotation, not by its first order. What no mooring holds is left where
-it is: a body without one is free in x, y and yaw, of which nothing is asked but that loads there cancel.
+it is: a body without one is free in x, y and yaw, of which nothing is asked but that loads there cancel. With contact
+between parts of a net (``Problem.of(contact=...)``) no step goes past where any would pass through another.
 """
 
 import numpy as np
@@ -14,23 +15,45 @@ from codend.mechanics.bars import carried
 from codend.mechanics.body import Pose
 from codend.mechanics.newton_state import State, measure
 from codend.mechanics.problem import Problem
+from codend.mechanics.structure import Structure
 from codend.net.net import Floats
-from codend.solvers.barrier import share_to_slack, softened
+from codend.solvers import interior_kernels as kernels
 from codend.solvers.body_system import BodySystem, out_of_balance, residual_of
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension
+from codend.solvers.interior_point import (
+    BLOCKED,
+    BOLD,
+    EASY,
+    EXACT,
+    FARTHEST_TURN,
+    KEPT_TAUT,
+    LARGEST_TURN,
+    LEAST_SHIFT,
+    LEAST_SLACKNESS,
+    LOWERED,
+    LOWERED_WARILY,
+    NEAR,
+    NEAREST,
+    InteriorPointSettings,
+)
+from codend.solvers.newton import LARGEST_SHIFT
 from codend.solvers.outcome import START, Outcome, Progress, Solution, SolverReport
-from codend.solvers.prepared import prepare
+from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.refusal import refusal, told
+from codend.solvers.watched import FIRST_EXACT, Watched
 
 METHOD = "newton with a floating body"
-FIRST_BARRIER, LAST_BARRIER = 1e-3, 1e-12
-"""In units of the reference tension over the square of the mean length of bars."""
-FIRST_SHIFT, LARGEST_SHIFT = 1e-4, 1e3
-NEAREST_TO_SLACK, LARGEST_TURN, FARTHEST_TURN = 0.99, 0.5, 5.0
+SETTINGS = InteriorPointSettings()
+LEAST_TENSION_N = 1e-9
+"""Where nothing pulls at any bar."""
+BALANCED = 1e-9
+"""Residual to which the last barrier is followed."""
 LARGEST_TILT = 0.1
 """Largest rotation of the body in one step, rad."""
-STEPS_ALLOWED, LAST_STEPS = 300, 40
+FARTHEST = 1.0
+"""Largest move of the body in one step, over its size: out of the water, or all under it, nothing resists its heave."""
+LAST_STEPS = 40
 PUSHES = (0.3, 1.0, -1.0, 2.0)
 """Rotations in rad, or moves over the body's size, by which it leaves an equilibrium that it would not keep."""
 SWITCHES = (1.0, 0.1, 0.01)
@@ -90,7 +113,7 @@ class _Run:
     def __init__(self, problem: Problem, progress: Progress | None) -> None:
         assert problem.body is not None
         self.problem, self.body, self.progress = problem, problem.body, progress
-        self.prepared = prepare(problem.structure, problem.bands)
+        self.watched = Watched(problem, prepare(problem.structure, problem.bands))
         self.system = BodySystem(problem, self.prepared)
         self.state, self.spare, _ = self.prepared.states
         self.pose = rigid.pose_of(self.body, problem.net.positions)
@@ -98,12 +121,17 @@ class _Run:
         self.grows: Floats | None = None
         """How the body would leave the equilibrium found, (6,)."""
 
+    @property
+    def prepared(self) -> Prepared:
+        """The unknowns numbered, for what touches now."""
+        return self.watched.prepared
+
     def set_start(self, start: Solution | None) -> None:
         """Set out from a solution, or from the net as it was built."""
         problem, state = self.problem, self.state
-        self.tension = max(reference_tension(problem), 1e-9) if start is None else start.mean_tension
-        unit = self.tension / float(problem.structure.length.mean()) ** 2
-        self.barrier, self.last = FIRST_BARRIER * unit, LAST_BARRIER * unit
+        mean = 0.0 if start is None else start.mean_tension
+        self.tension = mean or max(reference_tension(problem), LEAST_TENSION_N)
+        self.taut = KEPT_TAUT
         state.position[:] = problem.net.positions if start is None else start.positions
         self.pose = rigid.pose_of(self.body, state.position)
         if start is None:
@@ -111,6 +139,7 @@ class _Run:
             rigid.place(self.body, self.pose, state.position)
         tensions = self.tension if start is None else np.maximum(start.bar_tension, 0.01 * self.tension)
         state.density[:] = tensions / problem.structure.length
+        self.watched.look(state.position)
         self._measure(state, self.pose, 1.0)
 
     def to_equilibrium(self, tolerance: float) -> tuple[Outcome, str]:
@@ -119,7 +148,7 @@ class _Run:
         if outcome is not Outcome.CONVERGED:
             return outcome, outcome.value
         reached = self.state.position.copy(), self.state.density.copy(), self.pose
-        self.barrier, self.system.steering = 0.0, False
+        self.taut, self.system.steering = 0.0, False
         for switch in SWITCHES:
             self.state.position[:], self.state.density[:], self.pose = reached
             self._measure(self.state, self.pose, switch)
@@ -129,7 +158,7 @@ class _Run:
         refused = refusal(self.problem, self.state.position, self.state.share) if outcome.converged else None
         outcome = outcome if refused is None else refused.outcome
         if outcome is Outcome.CONVERGED:
-            self._linearise(0.0)
+            self._linearise(self.problem.structure, 0.0)
             self.grows = self.system.growing()
             outcome = outcome if self.grows is None else Outcome.TURNS_OVER
         return outcome, told(outcome, refused)
@@ -144,25 +173,43 @@ class _Run:
         self.system.steering = True
 
     def _lower(self) -> Outcome:
+        structure = self.problem.structure
+        loosening, softness = np.zeros(len(structure.length)), np.zeros(len(structure.length))
+        tension = max(self.tension, kernels.largest_force(structure, self.state.load))
+        barrier, last = SETTINGS.first_barrier, SETTINGS.last_barrier * self.tension / tension
         shift = 0.0
-        for _ in range(STEPS_ALLOWED):
+        kernels.begin(structure, barrier * tension, LEAST_SLACKNESS, self.state)
+        for _ in range(SETTINGS.steps_allowed):
+            state = self.state
+            kernels.strain(structure, barrier * tension, state, softness)
             if self.progress is not None:
-                self.progress(METHOD, self.state.residual)
-            if not np.isfinite(self.state.residual):
+                self.progress(METHOD, state.residual)
+            if not np.isfinite(state.residual):
                 return Outcome.NOT_FINITE
-            if self.barrier <= self.last and self.state.residual <= 1e-9:
+            if barrier <= last and state.residual <= BALANCED:
                 return Outcome.CONVERGED
             self.steps += 1
-            turn, shift = self._linearise(shift)
+            turn, shift = self._linearise(structure._replace(flexibility=softness), shift)
             if not np.isfinite(turn):
                 return Outcome.SINGULAR
             step = self.prepared.step
-            to_slack = share_to_slack(self.problem.structure, self.state.density, step.change)
-            size = min(1.0, NEAREST_TO_SLACK * to_slack, LARGEST_TURN / turn if turn > 0.0 else 1.0)
-            if size > 0.5 and shift == 0.0:
-                self.barrier = max((0.1 if size > 0.9 else 0.5) * self.barrier, self.last)
-            shift = 0.1 * shift if shift > FIRST_SHIFT else 0.0
-            self._take(size, 1.0)
+            back = self.watched.goes_back(step.move)
+            way = kernels.way_to_nothing(structure, barrier * tension, state, step, loosening)
+            of_turn = min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0
+            share = min(of_turn, max(NEAREST, 1.0 - np.sqrt(barrier)) * way)
+            kernels.go(state, step, loosening, share, self.spare)
+            blocked = share < BLOCKED
+            share *= self._carry_body(share, 1.0)
+            if of_turn < BOLD or back:
+                shift = min(max(2.0 * shift, LEAST_SHIFT), LARGEST_SHIFT)
+            elif of_turn > EASY:
+                shift = 0.25 * shift if shift > LEAST_SHIFT else 0.0
+            if blocked:
+                barrier = max(barrier, kernels.reached_barrier(structure, self.state) / tension)
+                continue
+            force = max(kernels.largest_force(structure, self.state.force), self.left)
+            if share > 0.5 and (force <= NEAR * tension * barrier or self.state.residual <= BALANCED):
+                barrier = max((LOWERED if share > 0.9 else LOWERED_WARILY) * barrier, last)
         return Outcome.CONVERGED if self.state.residual <= 1e-6 else Outcome.STEPS_SPENT
 
     def _finish(self, tolerance: float, switch: float) -> Outcome:
@@ -176,46 +223,80 @@ class _Run:
             if not np.isfinite(state.residual):
                 return Outcome.NOT_FINITE
             self.steps += 1
-            turn, _ = self._linearise(0.0)
+            turn, _ = self._linearise(self.problem.structure, 0.0)
             if not np.isfinite(turn):
                 return Outcome.SINGULAR
             self._take(min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0, switch)
         return Outcome.NOT_IMPROVING
 
-    def _linearise(self, shift: float) -> tuple[float, float]:
+    def _linearise(self, softened: Structure, shift: float) -> tuple[float, float]:
         """Write the step at the state, with the net's tangent shifted until it leads not too far; its turn, the shift.
 
-        The turn is the largest change of a bar's vector over its length, or of the body's attitude over what it may.
+        The turn is the largest change of a bar's vector over its length, or of the body's pose over what it may.
         """
-        problem, prepared, state = self.problem, self.prepared, self.state
-        step = prepared.step
-        structure = problem.structure
-        softer = softened(structure, state.density, self.barrier)
+        state, prepared = self.state, self.prepared
+        structure, step = self.problem.structure, prepared.step
+        if self.system.prepared is not prepared:
+            steering, self.system = self.system.steering, BodySystem(self.problem, prepared)
+            self.system.steering = steering
+        loading = self.watched.loading
+        near_contact = state.residual <= EXACT and len(loading.contact.kind) > 0
+        exact = min(2.0 * max(self.watched.exact, FIRST_EXACT), 1.0) if near_contact else 0.0
         while True:
             turn = asked = np.inf
-            newton_step.linearise(softer, problem.loading, prepared.pattern, self.tension, shift, state, step)
-            if self.system.factorise(step.blocks, self.pose, state.force) == 0:
+            self.watched.exact = exact
+            acting = loading._replace(contact=loading.contact._replace(exact=exact if self.taut else 1.0))
+            newton_step.linearise(softened, acting, prepared.pattern, self.tension, 0.0, state, step)
+            if shift > 0.0:
+                kernels.shift_by_resistance(structure, prepared.pattern, state, shift, step.blocks)
+            factorised = self.system.factorise(step.blocks, self.pose, state.force) == 0
+            if factorised:
                 solved = self.system.solve(step.right[:1], self.pose)
-                _, asked, _ = newton_step.finish_step(problem.structure, state, state, solved, step)
-                tilt = float(np.linalg.norm(self.system.twist[3:]))
-                turn = max(float(asked), LARGEST_TURN / LARGEST_TILT * tilt)
-            if asked <= FARTHEST_TURN or shift >= LARGEST_SHIFT or self.barrier == 0.0:
+                newton_step.finish_step(structure, state, state, solved, step)
+                asked = kernels.largest_turn(structure, state, step)
+                moved, tilt = (float(np.linalg.norm(part)) for part in np.split(self.system.twist, 2))
+                of_body = max(moved / (FARTHEST * self.body.size_m), tilt / LARGEST_TILT)
+                turn = max(asked, LARGEST_TURN * of_body)
+            stands = factorised and not (near_contact and prepared.system.negative_pivots())
+            if (asked <= FARTHEST_TURN and stands) or shift >= LARGEST_SHIFT or self.taut == 0.0:
                 return turn, shift
-            shift = max(10.0 * shift, FIRST_SHIFT)
+            if exact > 0.0:
+                exact = 0.25 * exact if exact > FIRST_EXACT else 0.0
+                continue
+            shift = max(4.0 * shift, LEAST_SHIFT)
 
     def _take(self, size: float, switch: float) -> None:
         step, new = self.prepared.step, self.spare
         new.position[:] = self.state.position + size * step.move
         new.density[:] = self.state.density + size * step.change
-        self.pose = rigid.moved(self.pose, size * self.system.twist)
+        self._carry_body(size, switch)
+
+    def _carry_body(self, share: float, switch: float) -> float:
+        """Take the body a share of its step to where the net is in the spare state, and go on from there.
+
+        Returns:
+            the share of that way that is gone: as far as nothing passes through anything.
+        """
+        state, new, pose = self.state, self.spare, self.pose
+        self.pose = rigid.moved(pose, share * self.system.twist)
         rigid.place(self.body, self.pose, new.position)
+        way = new.position - state.position
+        free = self.watched.go_along(state.position, way)
+        if free < 1.0:
+            new.position[:] = state.position + free * way
+            new.density[:] = state.density + free * (new.density - state.density)
+            new.slack[:] = state.slack + free * (new.slack - state.slack)
+            self.pose = rigid.moved(pose, free * share * self.system.twist)
+            rigid.place(self.body, self.pose, new.position)
         self._measure(new, self.pose, switch)
         self.state, self.spare = new, self.state
+        return free
 
     def _measure(self, state: State, pose: Pose, switch: float) -> None:
         """Write what is out of balance, in the residual the body as well."""
-        structure, loading = self.problem.structure, self.problem.loading
-        measure(structure, loading, self.tension, switch, self.barrier, state)
+        structure, loading = self.problem.structure, self.watched.loading
+        measure(structure, loading, self.tension, switch, self.taut, state)
         left = out_of_balance(self.body, pose, state.force)
+        self.left = float(max(np.linalg.norm(left[:3]), np.linalg.norm(left[3:]) / self.body.size_m))
         error = residual_of(self.body, left, float(np.linalg.norm(state.load, axis=1).sum()) + self.tension)
         state.marks["residual"] = max(float(state.marks["residual"][0]), error)

@@ -61,7 +61,7 @@ KEPT_TAUT = 1.0
 """Any barrier to ``measure``: that it cuts no density. What it says of the lengths is overwritten."""
 FINISH = replace(DIRECT, switches=(1.0, 0.1, 0.01))
 """Newton's method at the end: the first of these weights parts taut and slack bars as the barrier did."""
-LAST_DIGITS = replace(FINISH, switches=(1.0,), iterations_allowed=3, least_iterations=1)
+LAST_DIGITS = replace(FINISH, iterations_allowed=4, least_iterations=1)
 """The same for what the barrier has left of forces and lengths."""
 
 

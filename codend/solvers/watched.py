@@ -6,7 +6,7 @@ from codend.mechanics.contact import Contact
 from codend.mechanics.loads import Loading
 from codend.mechanics.newton_step import empty_step
 from codend.mechanics.problem import Problem
-from codend.mechanics.tangent import pattern_of
+from codend.mechanics.tangent import with_contact
 from codend.net.net import Floats
 from codend.solvers.linear_systems import linear_system
 from codend.solvers.prepared import Prepared
@@ -70,7 +70,7 @@ class Watched:
 
     def _made(self) -> Prepared:
         structure, near = self.problem.structure, self.loading.contact
-        pattern = pattern_of(structure, near=(near.node, near.image))
+        pattern = with_contact(self._without.pattern, near.node)
         system = linear_system(structure, pattern, self._without.system)
         return Prepared(pattern, system, self._without.states, empty_step(structure, pattern))
 

@@ -13,7 +13,7 @@ from codend.mechanics.contact import Contact, room, write_corners
 from codend.mechanics.nearest import NODE_TRIANGLE, nearest
 from codend.mechanics.structure import structure_of
 from codend.mechanics.surface import ContactLaw, Surface
-from codend.mechanics.tangent import pattern_of
+from codend.mechanics.tangent import pattern_of, with_contact
 from codend.net.net import Floats, Net, rotate
 from tests.mechanics.test_tangent import dense
 from tests.plans import make_plan
@@ -74,6 +74,17 @@ def test_the_push_is_the_slope_of_an_energy_and_its_tangent_that_of_the_push(mes
     assert np.abs(tangent @ move.ravel() - expected).max() <= 1e-5 * np.abs(expected).max()
     energies = [energy_of(position + sign * h * move, near) for sign in (1.0, -1.0)]
     assert (energies[1] - energies[0]) / (2.0 * h) == pytest.approx((force * move).sum(), rel=1e-6)
+
+
+@pytest.mark.parametrize("sectors", [2, None])
+def test_blocks_of_what_is_near_are_added_to_a_pattern_as_if_all_were_sorted_again(sectors):
+    net, position = crumpled("diamond", sectors)
+    near = Surface.of(net, LAW).near(position)
+    assert len(near.kind) > 100
+    bare, whole = pattern_of(structure_of(net)), pattern_of(structure_of(net), near=(near.node, near.image))
+    for found, expected in zip(with_contact(bare, near.node), whole, strict=True):
+        assert found.dtype == expected.dtype
+        np.testing.assert_array_equal(found, expected)
 
 
 def energy_of(position: Floats, near: Contact) -> float:

@@ -98,6 +98,34 @@ def test_a_frame_that_is_too_heavy_hangs_on_its_moorings_and_that_is_told():
     assert any("under water" in note for note in frame_cautions(result.built, result.solution.positions))
 
 
+HANGS_AT_M = -2.0 - np.sqrt(4.2**2 - 3.0**2 - 1.5**2)
+"""Where four moorings of 4.2 m pulled straight hold the frame of ``afloat``, their anchors 2 m deep."""
+
+
+@pytest.mark.parametrize("mass_kg", [150.0, 500.0, 5000.0])
+def test_a_frame_that_floats_for_120_kg_do_not_carry_hangs_as_deep_as_its_moorings_let_it(mass_kg):
+    cage = box(0.0)
+    frame_alone = {"netting": [], "seam": [], "point": [one for one in cage["point"] if "top" in one["name"]]}
+    data = afloat({key: value for key, value in (cage | frame_alone).items() if key != "ballast"})
+    data["frame"] = {**data["frame"], "mass_kg": mass_kg}
+    row = frame_rows((result := solved(data)).built, result.solution.positions, result.support)[0]
+    # the moorings have weight, and sag the less the heavier the frame
+    assert row["z_m"] == pytest.approx(HANGS_AT_M, abs=2e-5)
+    assert (row["heel_deg"], row["trim_deg"], row["yaw_deg"]) == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
+    assert row["pull_z_n"] == pytest.approx(row["weight_n"] - row["buoyancy_n"])
+
+
+def test_a_cage_on_such_a_frame_hangs_with_it_and_does_not_pass_through_itself():
+    data = afloat(box(0.3, merged=10))
+    data["frame"] = {**data["frame"], "mass_kg": 500.0}
+    result = solved(data)
+    row = frame_rows(result.built, result.solution.positions, result.support)[0]
+    assert row["z_m"] == pytest.approx(HANGS_AT_M, abs=1e-4)
+    assert balance_error(result) < 1e-8
+    assert not crosses_itself(result.built, result.solution.positions)
+    assert pulls(result)[0] == pytest.approx(pulls(result)[1], rel=1e-8)
+
+
 def test_a_float_cut_at_its_foot_is_told():
     weight = {"name": "weight", "at": [4.0, 0.0, 0.0], "held": "frame", "wet_weight_n": 1450.0}
     result = solved(beams(point=[weight]))

@@ -10,7 +10,7 @@ from codend.mechanics.rigid import rigid_pattern
 from codend.net.net import Net
 from codend.solvers.linear_systems import narrow_numbering
 from codend.solvers.one_sided import PASSES, OneSided
-from codend.solvers.sparse_system import SparseSystem
+from codend.solvers.sparse_system import SparseSystem, columns_in_order
 from codend.solvers.symmetric_system import SymmetricSystem
 
 
@@ -89,3 +89,18 @@ def test_a_band_is_as_narrow_as_by_reverse_cuthill_mckee_and_one_that_cannot_be_
     place = narrow_numbering(row, column, size)
     assert np.abs(place[row] - place[column]).max() <= np.abs(by_library[row] - by_library[column]).max()
     assert shuffled or (place == np.arange(size)).all()
+
+
+@pytest.mark.parametrize("size", [1, 5, 40])
+def test_entries_go_into_columns_with_their_rows_in_order_and_those_of_held_coordinates_nowhere(size):
+    rng = np.random.default_rng(size)
+    row, column = (part.astype(np.int32) for part in np.nonzero(rng.random((size, size)) < 0.4))
+    mixed = rng.permutation(len(row))
+    row, column = row[mixed], column[mixed]
+    row[rng.random(len(row)) < 0.2] = -1
+    order, rows, starts = columns_in_order(row, column, size)
+    used = np.flatnonzero(row >= 0)
+    expected = used[np.lexsort((row[used], column[used]))]
+    np.testing.assert_array_equal(order, expected)
+    np.testing.assert_array_equal(rows, row[expected])
+    np.testing.assert_array_equal(starts, np.searchsorted(column[expected], np.arange(size + 1)))
