@@ -22,6 +22,9 @@ from codend.mechanics.tangent import Pattern, add_bar_blocks, add_turned_block
 from codend.mechanics.water import Water, flow_at
 from codend.net.net import Floats
 
+Law = tuple[int, float, float, float]
+"""A law's number, its two coefficients, and a bar's Reynolds number per speed, s/m."""
+
 
 @njit(cache=True, error_model="numpy")
 def bar_drag(
@@ -118,7 +121,9 @@ def add_tangent(
     """
     firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
     bands, widths, rests = catch.bar_band, structure.drag_diameter, structure.length
-    ropes, density = structure.is_rope, water.density
+    ropes, density, diameters = structure.is_rope, water.density, structure.diameter
+    laws, normals, tangentials = structure.drag_law, structure.normal_drag, structure.tangential_drag
+    per_viscosity = 1.0 / water.viscosity
     moves, uniform, slots = len(velocity) > 0, len(water.height) == 1, pattern.bar_slot
     vx, vy, vz, _, _, _ = flow_at(water, 0.0)
     h, g, v, u, t = np.zeros((3, 3)), np.zeros((3, 3)), np.empty(3), np.empty(3), np.empty(3)
@@ -138,6 +143,7 @@ def add_tangent(
         own = rests[bar] / length if ropes[bar] else 1.0
         v[0], v[1], v[2] = vx, vy, vz
         h[:] = 0.0
+        law = laws[bar], normals[bar], tangentials[bar], diameters[bar] * per_viscosity
         if moves:
             u[0] = velocity[second, 0]
             u[1], u[2] = turned(velocity[second, 1], velocity[second, 2], image, rotations)
@@ -148,24 +154,22 @@ def add_tangent(
             inside = scale * (1.0 - exposed)
             for i in range(3):
                 u[i] = -u[i]
-            _add_slopes(structure, water, bar, u, t, inside, own, h)
-            _add_slopes_by_flow(structure, water, bar, u, t, inside * own * length, g)
-            _add_slopes_by_flow(structure, water, bar, v, t, scale * exposed * own * length, g)
+            _add_slopes(law, u, t, inside, own, ropes[bar], h)
+            _add_slopes_by_flow(law, u, t, inside * own * length, g)
+            _add_slopes_by_flow(law, v, t, scale * exposed * own * length, g)
             # each end's velocity is half that of the middle, and slows the water that passes
             for i in range(2):
                 for j in range(2):
                     at = image * i, image * j
                     add_turned_block(blocks, slots[bar, 2 * i + j], 0.5 * rate, g, at[0], at[1], rotations)
-        _add_slopes(structure, water, bar, v, t, scale * exposed, own, h)
+        _add_slopes(law, v, t, scale * exposed, own, ropes[bar], h)
         add_bar_blocks(blocks, slots, bar, h, 1.0, image, rotations)
         if not uniform:
             _add_shear(position, structure, water, pattern, bar, scale * exposed * own * length, h, blocks)
 
 
 @njit(cache=True, error_model="numpy")
-def _add_slopes(
-    structure: Structure, water: Water, bar: int, v: Floats, t: Floats, scale: float, own: float, h: Floats
-) -> None:
+def _add_slopes(law: Law, v: Floats, t: Floats, scale: float, own: float, rope: bool, h: Floats) -> None:
     """Add minus the change of a bar's drag by its vector, in water that passes it with the velocity v, (3, 3).
 
     ``scale`` is S over the length, ``own`` a rope's length over that between its ends.
@@ -173,14 +177,8 @@ def _add_slopes(
     along = v[0] * t[0] + v[1] * t[1] + v[2] * t[2]
     ux, uy, uz = v[0] - along * t[0], v[1] - along * t[1], v[2] - along * t[2]
     across = np.sqrt(ux * ux + uy * uy + uz * uz)
-    a, c, a_across, a_along, c_across, c_along = drag_factors(
-        structure.drag_law[bar],
-        structure.normal_drag[bar],
-        structure.tangential_drag[bar],
-        across,
-        abs(along),
-        structure.diameter[bar] / water.viscosity,
-    )
+    number, normal, tangential, reynolds = law
+    a, c, a_across, a_along, c_across, c_along = drag_factors(number, normal, tangential, across, abs(along), reynolds)
     # d(S l F) = S l' dF + S F dl, the latter not of a rope; dF = ((A' - C') and so on along Vn and t) Vn.dd / l
     if along < 0.0:
         a_along, c_along = -a_along, -c_along
@@ -191,7 +189,7 @@ def _add_slopes(
     for i in range(3):
         u = ux if i == 0 else (uy if i == 1 else uz)
         along_u, along_t = own * scale * (by_turn_u * u + by_turn_t * t[i]), -own * scale * turn * t[i]
-        if not structure.is_rope[bar]:
+        if not rope:
             along_t += scale * (a * u + c * along * t[i])
         h[i, 0] += along_u * ux + along_t * t[0]
         h[i, 1] += along_u * uy + along_t * t[1]
@@ -200,21 +198,13 @@ def _add_slopes(
 
 
 @njit(cache=True, error_model="numpy")
-def _add_slopes_by_flow(
-    structure: Structure, water: Water, bar: int, v: Floats, t: Floats, scale: float, g: Floats
-) -> None:
+def _add_slopes_by_flow(law: Law, v: Floats, t: Floats, scale: float, g: Floats) -> None:
     """Add the change of the drag on each end of a bar by the velocity v of the water that passes it, kg/s, (3, 3)."""
     along = v[0] * t[0] + v[1] * t[1] + v[2] * t[2]
     u = v - along * t
     across = np.sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2])
-    a, c, a_across, a_along, c_across, c_along = drag_factors(
-        structure.drag_law[bar],
-        structure.normal_drag[bar],
-        structure.tangential_drag[bar],
-        across,
-        abs(along),
-        structure.diameter[bar] / water.viscosity,
-    )
+    number, normal, tangential, reynolds = law
+    a, c, a_across, a_along, c_across, c_along = drag_factors(number, normal, tangential, across, abs(along), reynolds)
     if along < 0.0:
         a_along, c_along = -a_along, -c_along
     if across > 0.0:
