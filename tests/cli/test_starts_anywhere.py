@@ -5,16 +5,24 @@ import shutil
 from pathlib import Path
 
 import pytest
+from numba.core.caching import UserProvidedCacheLocator
 
 from tests import ROOT
 from tests.cli.processes import COMMAND, environment, numbers, run, words
 from tests.cli.test_cli import TINY_PLAN, assert_refused, codend_cli
 
+ROOMS = ("codend", "catch_models")
+
 
 @pytest.fixture(scope="module")
 def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a plan, the run of it that nothing disturbed, and a kernel cache of its own."""
+    """A folder with a plan, the run of it that nothing disturbed, and the program with a kernel cache of its own.
+
+    That begins with what has been compiled by now: compiling all of it takes a minute.
+    """
     folder = tmp_path_factory.mktemp("anywhere")
+    for room in ROOMS:
+        shutil.copytree(ROOT / room, folder / room, ignore=shutil.ignore_patterns("*.pyc*", "*.tmp.*"))
     (folder / "plan.toml").write_text(TINY_PLAN, encoding="utf-8")
     done = run("run", folder / "plan.toml", "--out", folder / "plain", env=cached(folder))
     assert done.returncode == 0, done.stderr
@@ -22,7 +30,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def cached(folder: Path, **changes: str | None) -> dict[str, str]:
-    return environment({"NUMBA_CACHE_DIR": str(folder / "cache"), **changes})
+    return environment({"NUMBA_CACHE_DIR": None, **changes}, folder)
 
 
 def flip(path: Path) -> None:
@@ -43,7 +51,7 @@ DROPPED = "codend: damaged or unreadable files of compiled kernels were dropped;
 @pytest.mark.parametrize("damage", DAMAGES)
 @pytest.mark.parametrize("kind", ["nbi", "nbc"])
 def test_a_damaged_cache_file_is_compiled_anew(kind: str, damage: str, home: Path, tmp_path: Path):
-    (file,) = (home / "cache").rglob(f"newton_state.measure-*.{kind}")
+    (file,) = (home / "codend").rglob(f"newton_state.measure-*.{kind}")
     DAMAGES[damage](file)
     first, second = (run("run", home / "plan.toml", "--out", tmp_path, env=cached(home)) for _ in range(2))
     assert (first.returncode, second.returncode) == (0, 0)
@@ -52,7 +60,7 @@ def test_a_damaged_cache_file_is_compiled_anew(kind: str, damage: str, home: Pat
 
 
 def test_doctor_names_the_damaged_cache_files_and_removes_them(home: Path):
-    files = [*(home / "cache").rglob("filling.fill_by*.nbi"), *(home / "cache").rglob("bars.bar_vector*.nbc")]
+    files = [*home.rglob("filling.fill_by*.nbi"), *home.rglob("bars.bar_vector*.nbc")]
     for file in files:
         DAMAGES["cut"](file)
     first, second = (run("doctor", env=cached(home)) for _ in range(2))
@@ -63,18 +71,26 @@ def test_doctor_names_the_damaged_cache_files_and_removes_them(home: Path):
 
 
 def test_without_a_cache_folder_that_can_be_written_a_temporary_one_is_taken_with_a_word(home: Path, tmp_path: Path):
-    for room in ("codend", "catch_models"):
-        shutil.copytree(ROOT / room, tmp_path / room, ignore=shutil.ignore_patterns("__pycache__"))
-    for folder in (tmp_path / room for room in ("codend", "catch_models")):
+    """One that an earlier run left there, of which kernels of the solvers' room are gone: compiling all is slow."""
+    for room in ROOMS:
+        shutil.copytree(home / room, tmp_path / room, ignore=shutil.ignore_patterns("__pycache__"))
+    kept = tmp_path / "temporary" / f"codend-{os.getuid() if hasattr(os, 'getuid') else 'cache'}"
+    for folder in (tmp_path / room for room in ROOMS):
         for path in (folder, *(path for path in folder.rglob("*") if path.is_dir())):
             (path / "__pycache__").touch()  # a file: nothing can be put into it, not even by root
-    (tmp_path / "temporary").mkdir()
+            compiled = home / path.relative_to(tmp_path) / "__pycache__"
+            room = kept / UserProvidedCacheLocator.get_suitable_cache_subpath(str(path / "any.py"))
+            if compiled.is_dir():
+                shutil.copytree(compiled, room, ignore=shutil.ignore_patterns("*.pyc", "kernels.*"))
+    kept.chmod(0o700)
+    assert not list(kept.rglob("kernels.advance*"))
     nowhere = {"HOME": "/dev/null/no", "XDG_CACHE_HOME": None, "NUMBA_CACHE_DIR": None}
     env = environment({**nowhere, "TMPDIR": str(tmp_path / "temporary")}, tmp_path)
     done = run("run", home / "plan.toml", "--out", tmp_path / "out", env=env)
     assert done.returncode == 0, done.stderr
     assert "no cache folder can be written" in done.stderr
     assert numbers(tmp_path / "out" / "results.csv").equals(numbers(home / "plain" / "results.csv"))
+    assert list(kept.rglob("kernels.advance*"))
     again = run("run", home / "plan.toml", "--out", tmp_path / "out", env=env)
     assert words(again).count("\n") == 1
     asked = run("doctor", env=env)
