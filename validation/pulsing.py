@@ -36,6 +36,8 @@ def plans() -> dict[str, Plan]:
     strap = {"meshes_from_codline": 6, "circumference_share": 0.5}
     rope = {"number": 2, "shortening": 0.15, "diameter_mm": 24.0}
     dense = {"filled_meshes": 7, "density_kg_m3": 1060}
+    stiff_t90 = turned | {"meshes_long": 24, "bending_stiffness_n_m2": 0.002, "rest_opening_deg": 30.0}
+    snug = {"bar_mm": 100.0, "meshes_round": 16, "meshes_from_codline": [0, 12]}
     cover = DIAMOND | {"meshes_round": 24, "bar_mm": 100.0, "meshes_from_codline": [0, 20]}
     return {
         "knotted T0": plan([KNOTTED], 7, 0.5, 4),
@@ -48,6 +50,8 @@ def plans() -> dict[str, Plan]:
         "twine that stretches": plan([DIAMOND | {"axial_stiffness_n": 800.0}], 7, 0.8, 6),
         "knots that stretch": plan([KNOTTED | {"axial_stiffness_n": 3e3, "knot_axial_stiffness_n": 5e3}], 7, 0.5, 4),
         "stiff twine": plan([stiff], 7, 0.5, 4),
+        "stiff twine, slow": plan([stiff], 7, 1.0, 20),
+        "stiff T90": plan([stiff_t90], 6, 0.5, 6, 0.2),
         "two sections": plan([DIAMOND | {"meshes_long": 10}, turned], 6, 0.5, 6, 0.2, model=SECTOR),
         "strap": plan([DIAMOND], 10, 0.5, 6, model=SECTOR, strap=[strap]),
         "smeared ropes": plan([DIAMOND], 7, 0.5, 6, model={"fidelity": "smeared"}, rope=[rope]),
@@ -55,6 +59,8 @@ def plans() -> dict[str, Plan]:
         "ropes, full net": plan([small], 5, 0.5, 6, 0.15, model=FULL, rope=[rope | {"number": 3, "shortening": 0.1}]),
         "full net": plan([small], 5, 0.5, 6, 0.15, model=FULL),
         "cover": plan([DIAMOND], 7, 0.5, 6, layer=[cover]),
+        "snug layer": plan([DIAMOND], 7, 0.5, 6, layer=[DIAMOND | snug]),
+        "snug layer, stiff": plan([stiff], 7, 0.5, 6, layer=[DIAMOND | snug]),
         "weight, full net": plan([heavy], 4, 0.3, 6, 0.15, model=FULL),
     }  # fmt: skip
 

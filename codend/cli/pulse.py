@@ -21,6 +21,8 @@ TABLE = {
     "most_drag_n": "most",
 }
 SNAPS = "where slack twine that does not stretch snaps taut, its pull is as large as the step is short"
+UNLIKE_DEG = 1.0
+SWINGS = "it has not come to a period, for want of time.periods or because it swings by itself, as stiff codends may"
 ASSUMED = (
     "Assumed: the heave reaches the entry whole unless vessel.transmitted says less; the catch moves with the netting "
     "on it, with the added mass of a sphere of its volume; its pressure follows the speed without delay."
@@ -74,6 +76,10 @@ def pulse_codend(file: str, folder: Path, changes: tuple[str, ...], species_file
             of = f"case {one.least.case.number}, period {one.table['period_s'].iloc[0]:g} s"
             by = f"{one.off['opening_ahead_deg']:.2g} degrees and that of drag by {one.off['drag_n']:.3g} N"
             click.echo(f"Of {of}, steps half as long still changed the range of openings by {by}: {SNAPS}.")
+        if one.unlike_before_deg > UNLIKE_DEG:
+            of = f"case {one.least.case.number}, period {one.table['period_s'].iloc[0]:g} s"
+            unlike = f"{one.unlike_before_deg:.2g} degrees"
+            click.echo(f"Of {of}, openings ranged by {unlike} otherwise in the period before: {SWINGS}.")
     for number in dict.fromkeys(one.least.case.number for one in pulsing if one.least.unstable):
         click.echo(f"Case {number} would not keep the shape from which it pulses: stable = no in results.csv.")
     for said in failed:

@@ -18,9 +18,12 @@ from codend.mechanics.drag_laws import drag_factors
 from codend.mechanics.images import add_turned_back, turned
 from codend.mechanics.pressure import Catch
 from codend.mechanics.structure import Structure
-from codend.mechanics.tangent import Pattern, add_bar_blocks
+from codend.mechanics.tangent import Pattern, add_bar_blocks, add_turned_block
 from codend.mechanics.water import Water, flow_at
 from codend.net.net import Floats
+
+Law = tuple[int, float, float, float]
+"""A law's number, its two coefficients, and a bar's Reynolds number per speed, s/m."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -103,6 +106,8 @@ def add_force(
 @njit(cache=True, error_model="numpy")
 def add_tangent(
     position: Floats,
+    velocity: Floats,
+    rate: float,
     structure: Structure,
     water: Water,
     catch: Catch,
@@ -110,53 +115,105 @@ def add_tangent(
     share: Floats,
     blocks: Floats,
 ) -> None:
-    """Add the derivative of the drag of a net at rest to the tangent."""
+    """Add the derivative of the drag to the tangent.
+
+    ``velocity`` is as in ``add_force``; of a net that moves every node's grows with its position by ``rate``, 1/s.
+    """
     firsts, seconds, images, rotations = structure.first, structure.second, structure.image, structure.rotations
-    bands, widths, diameters = catch.bar_band, structure.drag_diameter, structure.diameter
+    bands, widths, rests = catch.bar_band, structure.drag_diameter, structure.length
+    ropes, density, diameters = structure.is_rope, water.density, structure.diameter
     laws, normals, tangentials = structure.drag_law, structure.normal_drag, structure.tangential_drag
-    density, ropes, rests = water.density, structure.is_rope, structure.length
     per_viscosity = 1.0 / water.viscosity
-    uniform, slots = len(water.height) == 1, pattern.bar_slot
+    moves, uniform, slots = len(velocity) > 0, len(water.height) == 1, pattern.bar_slot
     vx, vy, vz, _, _, _ = flow_at(water, 0.0)
-    h, u, t = np.empty((3, 3)), np.empty(3), np.empty(3)
+    h, g, v, u, t = np.zeros((3, 3)), np.zeros((3, 3)), np.empty(3), np.empty(3), np.empty(3)
     for bar in range(len(firsts)):
         exposed = 1.0 - share[bands[bar]]
-        if widths[bar] == 0.0 or exposed == 0.0:
+        if widths[bar] == 0.0 or (exposed == 0.0 and not moves):
             continue
-        first, image = firsts[bar], images[bar]
-        dx, dy, dz = bar_vector(position, first, seconds[bar], image, rotations)
+        first, second, image = firsts[bar], seconds[bar], images[bar]
+        dx, dy, dz = bar_vector(position, first, second, image, rotations)
         length = np.sqrt(dx * dx + dy * dy + dz * dz)
         if length == 0.0:
             continue
         t[0], t[1], t[2] = dx / length, dy / length, dz / length
         if not uniform:
             vx, vy, vz, _, _, _ = flow_at(water, position[first, 2] + 0.5 * dz)
-        along = vx * t[0] + vy * t[1] + vz * t[2]
-        u[0], u[1], u[2] = vx - along * t[0], vy - along * t[1], vz - along * t[2]
-        across = np.sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2])
-        a, c, a_across, a_along, c_across, c_along = drag_factors(
-            laws[bar], normals[bar], tangentials[bar], across, abs(along), diameters[bar] * per_viscosity
-        )
-        scale = 0.25 * density * widths[bar] * exposed
+        scale = 0.25 * density * widths[bar]
         own = rests[bar] / length if ropes[bar] else 1.0
-        # d(S l F) = S l' dF + S F dl, the latter not of a rope; dF = ((A' - C') and so on along Vn and t) Vn.dd / l
-        if along < 0.0:
-            a_along, c_along = -a_along, -c_along
-        per_across = 1.0 / across if across > 0.0 else 0.0
-        by_turn_u = a_along - along * a_across * per_across
-        by_turn_t = -a + c + along * (c_along - along * c_across * per_across)
-        both = c * along
-        turn = along * (c - a)
-        for i in range(3):
-            along_u, along_t = own * scale * (by_turn_u * u[i] + by_turn_t * t[i]), -own * scale * turn * t[i]
-            if not ropes[bar]:
-                along_t += scale * (a * u[i] + both * t[i])
-            for j in range(3):
-                h[i, j] = along_u * u[j] + along_t * t[j]
-            h[i, i] += own * scale * turn
+        v[0], v[1], v[2] = vx, vy, vz
+        h[:] = 0.0
+        law = laws[bar], normals[bar], tangentials[bar], diameters[bar] * per_viscosity
+        if moves:
+            u[0] = velocity[second, 0]
+            u[1], u[2] = turned(velocity[second, 1], velocity[second, 2], image, rotations)
+            g[:] = 0.0
+            for i in range(3):
+                u[i] = 0.5 * (velocity[first, i] + u[i])
+                v[i] -= u[i]
+            inside = scale * (1.0 - exposed)
+            for i in range(3):
+                u[i] = -u[i]
+            _add_slopes(law, u, t, inside, own, ropes[bar], h)
+            _add_slopes_by_flow(law, u, t, inside * own * length, g)
+            _add_slopes_by_flow(law, v, t, scale * exposed * own * length, g)
+            # each end's velocity is half that of the middle, and slows the water that passes
+            for i in range(2):
+                for j in range(2):
+                    at = image * i, image * j
+                    add_turned_block(blocks, slots[bar, 2 * i + j], 0.5 * rate, g, at[0], at[1], rotations)
+        _add_slopes(law, v, t, scale * exposed, own, ropes[bar], h)
         add_bar_blocks(blocks, slots, bar, h, 1.0, image, rotations)
         if not uniform:
-            _add_shear(position, structure, water, pattern, bar, scale * own * length, h, blocks)
+            _add_shear(position, structure, water, pattern, bar, scale * exposed * own * length, h, blocks)
+
+
+@njit(cache=True, error_model="numpy")
+def _add_slopes(law: Law, v: Floats, t: Floats, scale: float, own: float, rope: bool, h: Floats) -> None:
+    """Add minus the change of a bar's drag by its vector, in water that passes it with the velocity v, (3, 3).
+
+    ``scale`` is S over the length, ``own`` a rope's length over that between its ends.
+    """
+    along = v[0] * t[0] + v[1] * t[1] + v[2] * t[2]
+    ux, uy, uz = v[0] - along * t[0], v[1] - along * t[1], v[2] - along * t[2]
+    across = np.sqrt(ux * ux + uy * uy + uz * uz)
+    number, normal, tangential, reynolds = law
+    a, c, a_across, a_along, c_across, c_along = drag_factors(number, normal, tangential, across, abs(along), reynolds)
+    # d(S l F) = S l' dF + S F dl, the latter not of a rope; dF = ((A' - C') and so on along Vn and t) Vn.dd / l
+    if along < 0.0:
+        a_along, c_along = -a_along, -c_along
+    per_across = 1.0 / across if across > 0.0 else 0.0
+    by_turn_u = a_along - along * a_across * per_across
+    by_turn_t = -a + c + along * (c_along - along * c_across * per_across)
+    turn = along * (c - a)
+    for i in range(3):
+        u = ux if i == 0 else (uy if i == 1 else uz)
+        along_u, along_t = own * scale * (by_turn_u * u + by_turn_t * t[i]), -own * scale * turn * t[i]
+        if not rope:
+            along_t += scale * (a * u + c * along * t[i])
+        h[i, 0] += along_u * ux + along_t * t[0]
+        h[i, 1] += along_u * uy + along_t * t[1]
+        h[i, 2] += along_u * uz + along_t * t[2]
+        h[i, i] += own * scale * turn
+
+
+@njit(cache=True, error_model="numpy")
+def _add_slopes_by_flow(law: Law, v: Floats, t: Floats, scale: float, g: Floats) -> None:
+    """Add the change of the drag on each end of a bar by the velocity v of the water that passes it, kg/s, (3, 3)."""
+    along = v[0] * t[0] + v[1] * t[1] + v[2] * t[2]
+    u = v - along * t
+    across = np.sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2])
+    number, normal, tangential, reynolds = law
+    a, c, a_across, a_along, c_across, c_along = drag_factors(number, normal, tangential, across, abs(along), reynolds)
+    if along < 0.0:
+        a_along, c_along = -a_along, -c_along
+    if across > 0.0:
+        a_across, c_across = a_across / across, c_across / across
+    for i in range(3):
+        for j in range(3):
+            g[i, j] += scale * u[i] * (a_across * u[j] + a_along * t[j])
+            g[i, j] += scale * t[i] * ((c - a) * t[j] + along * (c_across * u[j] + c_along * t[j]))
+        g[i, i] += scale * a
 
 
 @njit(cache=True, error_model="numpy")

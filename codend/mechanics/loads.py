@@ -8,9 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics import bending, catch_weight, contact, drag, points, pressure, seabed, wrap
+from codend.mechanics import bending, catch_weight, contact, drag, inertia, points, pressure, seabed, wrap
 from codend.mechanics.bars import add_bar_forces, bar_lengths
 from codend.mechanics.contact import Contact
+from codend.mechanics.inertia import Inertia
 from codend.mechanics.points import Points
 from codend.mechanics.pressure import Catch
 from codend.mechanics.seabed import Seabed
@@ -31,12 +32,16 @@ class Loading(NamedTuple):
     seabed: Seabed
     contact: Contact
     """What lies near what: a solver looks again as the net moves (``solvers.contact``)."""
+    inertia: Inertia
+    """Of the step at whose end the net is, none of a net at rest."""
 
 
 @njit(cache=True)
 def add_force(position: Floats, structure: Structure, loading: Loading, share: Floats, force: Floats) -> None:
-    """Add all loads on a net at rest to the nodal forces, N, (n, 3): all but the tension of its bars."""
-    add_moving_force(position, np.empty((0, 3)), structure, loading, share, force)
+    """Add all loads on a net to the nodal forces, N, (n, 3): all but the tension of its bars."""
+    velocity = inertia.velocities(position, loading.inertia)
+    add_moving_force(position, velocity, structure, loading, share, force)
+    inertia.add_force(velocity, loading.inertia, force)
 
 
 @njit(cache=True)
@@ -89,7 +94,9 @@ def add_tangent(
 ) -> None:
     """Add minus the derivative of all loads to the tangent, at given shares of the catch and height of its front."""
     bending.add_tangent(position, structure, pattern, blocks)
-    drag.add_tangent(position, structure, loading.water, loading.catch, pattern, share, blocks)
+    velocity, rate = inertia.velocities(position, loading.inertia), loading.inertia.rate
+    drag.add_tangent(position, velocity, rate, structure, loading.water, loading.catch, pattern, share, blocks)
+    inertia.add_tangent(loading.inertia, pattern, blocks)
     points.add_tangent(position, loading.points, loading.water, pattern, blocks)
     pressure.add_tangent(position, structure, loading.catch, pattern, share, blocks)
     catch_weight.add_tangent(position, structure, loading.catch, pattern, share, blocks)

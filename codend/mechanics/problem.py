@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from codend.mechanics.body import Body
 from codend.mechanics.contact import no_contact
+from codend.mechanics.inertia import at_rest
 from codend.mechanics.loads import Loading
 from codend.mechanics.points import points_of
 from codend.mechanics.pressure import FILLED_MESHES, Catch
@@ -91,7 +92,7 @@ class Problem:
             dead = dead + nodal_force_n
         catch = no_catch(net) if catch is None else catch
         seabed = no_seabed() if seabed is None else seabed
-        loading = Loading(dead, water, points_of(net), catch, seabed, no_contact())
+        loading = Loading(dead, water, points_of(net), catch, seabed, no_contact(), at_rest())
         rings = rings_of(net.positions, loading.catch.node_row, net.order)
         surface = None if contact is None else Surface.of(net, contact)
         return cls(net, structure_of(net), loading, rings, surface, body)

@@ -31,5 +31,5 @@ class Following(Table):
     """Periods of heave, of which the first sets it going; ranges are of the last one."""
     outputs_a_period: Annotated[Whole, Ge(8), Le(1000)] = 40
     """Rows a period."""
-    step_s: Annotated[Number, Gt(0), Le(0.1)] = 0.01
+    step_s: Annotated[Number, Gt(0), Le(0.1)] = 0.1
     """Longest time step; it is halved until the ranges of openings and drag change by little with it."""

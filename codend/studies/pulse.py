@@ -11,27 +11,24 @@ import pandas as pd
 from catch_models.fish import Species
 from codend.bag.loads import problem_of
 from codend.bag.measures import measure_all
-from codend.mechanics.loads import add_bound
+from codend.net.net import Floats
 from codend.plan.plan import Plan
-from codend.plan.pulse import Following, Heave
+from codend.plan.pulse import Following
 from codend.selectivity.escape.catches import run_of
 from codend.selectivity.escape.haul import terms_of_catches
 from codend.selectivity.escape.predict import hauls_for
-from codend.solvers.outcome import Solution
 from codend.solvers.pulsing import BagWater, PulsingBag
 from codend.studies.case_result import CaseResult
 from codend.studies.study import Study, StudyProgress
 
 SHAPE = ("opening_ahead_deg", "front_radius_m", "max_radius_m", "filled_meshes")
 """Measures that stand in every row."""
-STABLE = 0.5
-"""Of the longest step that loads taken at its start allow, by a bound on their stiffness at the fastest flow."""
-OPENING_MET_DEG, DRAG_MET = 0.3, 0.02
+OPENING_MET_DEG, DRAG_MET = 0.1, 0.01
 """By how much the least and the most open, and the least and the most drag over its mean, may change with steps half as
 long: of a method of the second order three times what is left."""
 LIES_ON_ITSELF = "its netting lies on itself, and what layers press on each other with is not followed in motion"
-RUNS, MOST_BAR_STEPS = 8, 20_000_000
-"""Most runs in steps ever half as long, and bars times steps beyond which no run after the second is tried."""
+LEAST_RUNS, RUNS, MOST_BAR_STEPS = 3, 9, 5_000_000
+"""Least and most runs in steps ever half as long, and bars times steps beyond which there are but the least."""
 
 
 def surge(time_s: float, period_s: float) -> float:
@@ -54,12 +51,21 @@ class Pulse:
     """Time step."""
     off: dict[str, float] = field(default_factory=dict)
     """Of ``opening_ahead_deg`` and ``drag_n``: by how much a bound of the last period's range changed with the last
-    halving of the step."""
+    halving of the step, or a quarter of the same for the halving before if that is more."""
 
     @property
     def last_period(self) -> pd.DataFrame:
         """Rows of the last period, both its ends among them."""
         return self.table[self.table["time_s"] >= self.table["time_s"].max() - self.table["period_s"].iloc[0] - 1e-9]
+
+    @property
+    def unlike_before_deg(self) -> float:
+        """By how much openings range otherwise in the last period than in the one before, degrees."""
+        period, time = self.table["period_s"].iloc[0], self.table["time_s"]
+        end = time.max() - period + 1e-9
+        before = self.table[(time >= end - period - 2e-9) & (time <= end)]["opening_ahead_deg"]
+        last = self.last_period["opening_ahead_deg"]
+        return max(abs(float(last.min() - before.min())), abs(float(last.max() - before.max())))
 
     def changes_from(self, other: "Pulse") -> dict[str, float]:
         """Largest change of a bound of the last period's range, of drag and of opening."""
@@ -92,37 +98,39 @@ def pulse(plan: Plan, result: CaseResult, period_s: float, progress: StudyProgre
     Raises:
         ArithmeticError: the motion cannot be followed, or the netting presses on itself.
     """
-    assert plan.vessel is not None
     if result.followed.contact_share > 0.0:
         raise ArithmeticError(LIES_ON_ITSELF)
-    following, steps = plan.time or Following(), first_steps(plan, result, period_s)
+    following, steps = plan.time or Following(), first_steps(plan, period_s)
     found: Pulse | None = None
-    failed: ArithmeticError | None = None
+    failed: dict[int, ArithmeticError] = {}
     for number in range(RUNS):
         work = steps * following.periods * following.outputs_a_period * len(result.net.bars)
-        if number >= 2 and work > MOST_BAR_STEPS:
+        if number >= LEAST_RUNS and work > MOST_BAR_STEPS:
             break
         try:
             now = in_steps(plan, result, period_s, steps, progress)
         except ArithmeticError as error:
-            now, failed = None, error
+            now, failed[steps] = None, error
         if found is not None and now is not None:
-            now = replace(now, off=now.changes_from(found))
-            if now.settled:
+            change = now.changes_from(found)
+            # of steps that are much too long the first change may be small by chance
+            before = {name: 0.25 * found.off.get(name, 0.0) for name in change}
+            now = replace(now, off={name: max(change[name], before[name]) for name in change})
+            if found.off and now.settled:
                 return now
         found, steps = now or found, 2 * steps
     if found is None or not found.off:
-        why = failed or "the motion cannot be followed in steps of a length that is not too much work"
-        raise ArithmeticError(f"{why}; a smaller time.step_s may help")
+        output_ms = 1e3 * period_s / following.outputs_a_period
+        reasons = (f"in steps of {output_ms / steps:.3g} ms {error}" for steps, error in failed.items())
+        only = "" if found is None else f"; steps of {1e3 * found.step_s:.3g} ms led to its end, their error not known"
+        raise ArithmeticError("; ".join(reasons) + only)
     return found
 
 
-def first_steps(plan: Plan, result: CaseResult, period_s: float) -> int:
+def first_steps(plan: Plan, period_s: float) -> int:
     """Time steps an output that are tried first."""
-    assert plan.vessel is not None
     following = plan.time or Following()
-    longest = min(following.step_s, _longest_step(_motion(plan, result, period_s), plan.vessel))
-    return ceil(period_s / following.outputs_a_period / longest - 1e-9)
+    return ceil(period_s / following.outputs_a_period / following.step_s - 1e-9)
 
 
 def _motion(plan: Plan, result: CaseResult, period_s: float) -> PulsingBag:
@@ -130,13 +138,11 @@ def _motion(plan: Plan, result: CaseResult, period_s: float) -> PulsingBag:
     amplitude, density = plan.vessel.heave_m * plan.vessel.transmitted, plan.catch_density_kg_m3
     solution, problem = result.solution, problem_of(result.bag, plan, result.case)
     bag = BagWater.of(problem, solution.positions, solution.share, result.measures.catch_volume_m3, density)
-    return PulsingBag(
-        problem,
-        solution.positions,
-        result.case.speed_m_s,
-        bag,
-        lambda t: np.array([amplitude * surge(t, period_s), 0.0, 0.0]),
-    )
+
+    def path(time_s: float) -> Floats:
+        return np.array([amplitude * surge(time_s, period_s), 0.0, 0.0])
+
+    return PulsingBag(problem, solution, result.case.speed_m_s, bag, path)
 
 
 def in_steps(
@@ -148,19 +154,17 @@ def in_steps(
         ArithmeticError: the motion cannot be followed.
     """
     following, motion = plan.time or Following(), _motion(plan, result, period_s)
-    case, solution, water = result.case, result.solution, plan.tow.water_density_kg_m3
+    case, water, order = result.case, plan.tow.water_density_kg_m3, result.net.order
     output = period_s / following.outputs_a_period
     dt = output / steps
-    entry, order = motion.towed, result.net.order
+    entry = motion.towed
     rows: list[dict[str, float]] = []
     ends: dict[str, CaseResult] = {}
     count = following.periods * following.outputs_a_period
     for number in range(count + 1):
-        start = number * output
-        place, entry_x = motion.position.copy(), motion.position[entry, 0].mean()
-        motion.step(dt)
-        at = replace(solution, positions=place, bar_tension=motion.tension, share=motion.share.copy())
-        now = _as_it_is(result, motion, at)
+        for _ in range(steps if number > 0 else 0):
+            motion.step(dt)
+        now, speed = _as_it_is(result, motion), motion.now.speed_m_s
         if number >= count - following.outputs_a_period:
             for name, side in (("least", 1.0), ("most", -1.0)):
                 if (
@@ -172,37 +176,24 @@ def in_steps(
             {
                 "case": case.number,
                 "period_s": period_s,
-                "time_s": start,
-                "entry_speed_m_s": case.speed_m_s - (motion.position[entry, 0].mean() - entry_x) / dt,
-                "speed_m_s": motion.speed_m_s,
-                "stagnation_pressure_pa": 0.5 * water * motion.speed_m_s * abs(motion.speed_m_s),
+                "time_s": number * output,
+                "entry_speed_m_s": case.speed_m_s - float(motion.now.velocity[entry, 0].mean()),
+                "speed_m_s": speed,
+                "stagnation_pressure_pa": 0.5 * water * speed * abs(speed),
                 "drag_n": -float(motion.support[entry, 0].sum()) * order,
                 **{name: getattr(now.measures, name) for name in SHAPE},
             }
         )
-        for _ in range(steps - 1):
-            motion.step(dt)
         if progress is not None:
             progress(number, count, f"case {case.number}, period {period_s:g} s, steps of {1e3 * dt:.3g} ms")
     return Pulse(pd.DataFrame(rows), ends["least"], ends["most"], dt)
 
 
-def _as_it_is(result: CaseResult, motion: PulsingBag, at: Solution) -> CaseResult:
-    problem = replace(result.problem, loading=motion.loading)
+def _as_it_is(result: CaseResult, motion: PulsingBag) -> CaseResult:
+    problem, moment = replace(result.problem, loading=motion.loading), motion.now.solution
+    at = replace(moment, report=result.solution.report)
     meshes, rows, measures = measure_all(result.bag, problem, at)
     return replace(result, problem=problem, solution=at, measures=measures, rows=rows, meshes=meshes)
-
-
-def _longest_step(motion: PulsingBag, vessel: Heave) -> float:
-    """What pressure and bending, taken at the start of a step, allow for at the fastest flow."""
-    bound, loading = np.zeros(len(motion.position)), motion.problem.loading
-    motion._set_loads(1e-3, 1e-3)  # fills the shares
-    add_bound(motion.position, motion.structure, loading, motion.share, bound)
-    mass = motion.bare_masses()[:, 0, 0]
-    stiff = bound > 0.0
-    free = motion.structure.free[:, 0] > 0.0
-    fastest = 1.0 + vessel.fastest_m_s / motion.tow_m_s
-    return STABLE * 2.0 / fastest * float(np.sqrt((mass / np.maximum(bound, 1e-300))[stiff & free].min(initial=np.inf)))
 
 
 def ranges(study: Study, pulsing: Sequence[Pulse], species: Sequence[Species]) -> pd.DataFrame:

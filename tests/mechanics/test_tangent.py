@@ -13,6 +13,7 @@ from codend.bag.loads import problem_of
 from codend.mechanics import bending, catch_weight, drag, loads, newton_state, newton_step, points, pressure, seabed
 from codend.mechanics.bars import add_bar_forces, add_bar_tangent, bar_lengths, carried
 from codend.mechanics.catch_front import fill, front_band, load_by_share, share_gradient
+from codend.mechanics.inertia import Inertia
 from codend.mechanics.problem import Problem
 from codend.mechanics.structure import Structure, structure_of
 from codend.mechanics.tangent import Pattern, pattern_of
@@ -120,7 +121,7 @@ def check_drag(problem: Problem) -> None:
         problem,
         lambda at, force: drag.add_force(at, AT_REST, structure, loading.water, loading.catch, share, force),
         lambda at, pattern, blocks: drag.add_tangent(
-            at, structure, loading.water, loading.catch, pattern, share, blocks
+            at, AT_REST, 0.0, structure, loading.water, loading.catch, pattern, share, blocks
         ),
         lambda at: complex_loads.twine_drag(problem, at, share),
     )
@@ -365,7 +366,22 @@ def test_drag_and_its_tangent_in_any_flow(law, height, flow):
 @pytest.mark.parametrize("law", LAWS)
 def test_the_tangent_of_all_loads_in_a_profile_is_their_derivative_by_central_differences(law):
     """Drag and lift of points among them."""
-    problem = full_net_in([-0.05, 0.1], [[1.0, 0.2, 0.0], [0.6, -0.3, 0.1]], law)
+    check_by_differences(full_net_in([-0.05, 0.1], [[1.0, 0.2, 0.0], [0.6, -0.3, 0.1]], law))
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("sectors", COLUMNS)
+def test_the_tangent_of_all_loads_on_a_net_in_motion_is_their_derivative_by_central_differences(sectors, law):
+    """Within the catch, where the water goes with the net, and ahead of it."""
+    problem, rng = distorted("t90", sectors, law=law), np.random.default_rng(3)
+    nodes = problem.net.positions.shape
+    root = rng.normal(size=(len(problem.net.positions), 3, 3))
+    origin = problem.net.positions - 0.05 * rng.normal(size=nodes)
+    moving = Inertia(12.0, np.einsum("nij,nkj->nik", root, root), origin, rng.normal(size=nodes))
+    check_by_differences(replace(problem, loading=problem.loading._replace(inertia=moving)))
+
+
+def check_by_differences(problem: Problem) -> None:
     structure, loading, share, position = problem.structure, problem.loading, shares(problem), problem.net.positions
     pattern, blocks = laid_out(structure)
     loads.add_tangent(position, structure, loading, pattern, share, blocks)
