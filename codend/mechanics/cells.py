@@ -35,6 +35,12 @@ def write_box(
 
 
 @njit(cache=True)
+def cells_in(extent: Floats, cell: float) -> float:
+    """About how many cells of a size, and no less, a grid has that covers some extent along each coordinate, (3,)."""
+    return float((extent[0] / cell + 1.0) * (extent[1] / cell + 1.0) * (extent[2] / cell + 1.0))
+
+
+@njit(cache=True)
 def sorted_into_cells(boxes: Floats, cell: float) -> tuple[Numbers, Numbers, Floats, float, Numbers]:
     """Where the list of each cell starts, the boxes in each, the grid's corner, its cells' size, and its shape."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
@@ -42,12 +48,11 @@ def sorted_into_cells(boxes: Floats, cell: float) -> tuple[Numbers, Numbers, Flo
         for i in range(3):
             low[i], high[i] = min(low[i], box[i]), max(high[i], box[3 + i])
     shape = np.ones(3, dtype=np.int64)
-    while True:
-        for i in range(3):
-            shape[i] = max(int((high[i] - low[i]) / cell) + 1, 1) if len(boxes) else 1
-        if shape[0] * shape[1] * shape[2] <= MOST_CELLS * len(boxes) + 1000:
-            break
+    # of parts flung far apart the grid has more cells than a whole number holds
+    while len(boxes) > 0 and cells_in(high - low, cell) > MOST_CELLS * len(boxes) + 1000:
         cell *= 1.3
+    for i in range(3):
+        shape[i] = max(int((high[i] - low[i]) / cell) + 1, 1) if len(boxes) else 1
     cells = shape[0] * shape[1] * shape[2]
     start = np.zeros(cells + 1, dtype=np.int64)
     contents = np.zeros(0, dtype=np.int64)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.compiled import njit
+from codend.mechanics.cells import cells_in
 from codend.net.net import Floats, Ints
 
 Counts = NDArray[np.int64]
@@ -273,13 +274,11 @@ def sorted_into_cells(boxes: Floats) -> tuple[Counts, Counts, Floats, float, Cou
             reach[i], widest = max(reach[i], 0.5 * wide), max(widest, wide)
         extent += widest / count
     size = max(extent, 1e-300)
-    shape = np.empty(3, dtype=np.int64)
-    while True:
-        for i in range(3):
-            shape[i] = int((high[i] - low[i]) / size) + 1
-        if shape[0] * shape[1] * shape[2] <= CELLS * count + 8:
-            break
+    while cells_in(high - low, size) > CELLS * count + 8:
         size *= 1.25
+    shape = np.empty(3, dtype=np.int64)
+    for i in range(3):
+        shape[i] = int((high[i] - low[i]) / size) + 1
     start = np.zeros(shape[0] * shape[1] * shape[2] + 1, dtype=np.int64)
     cell = np.empty(count, dtype=np.int64)
     for facet in range(count):
