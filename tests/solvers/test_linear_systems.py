@@ -10,7 +10,8 @@ from codend.mechanics.rigid import rigid_pattern
 from codend.net.net import Net
 from codend.solvers.linear_systems import narrow_numbering
 from codend.solvers.one_sided import PASSES, OneSided
-from codend.solvers.sparse_system import SparseSystem, columns_in_order
+from codend.solvers.sparse_kernels import columns_in_order
+from codend.solvers.sparse_system import SparseSystem
 from codend.solvers.symmetric_system import SymmetricSystem
 
 

@@ -38,7 +38,8 @@ def dense_tangent(
     blocks = np.zeros((len(pattern.row), 3, 3))
     add_bar_tangent(positions, structure, pattern, density, hardening, blocks)
     if share is not None:
-        drag.add_tangent(positions, structure, loading.water, loading.catch, pattern, share, blocks)
+        at_rest = np.zeros((0, 3)), 0.0
+        drag.add_tangent(positions, *at_rest, structure, loading.water, loading.catch, pattern, share, blocks)
         pressure.add_tangent(positions, structure, loading.catch, pattern, share, blocks)
     size = 3 * len(positions)
     whole = np.zeros((size, size))
