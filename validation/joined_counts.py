@@ -161,7 +161,7 @@ def main(pairs: int, seed: int) -> None:
         worst = max(worst, float(near[f"{name} over"].max()))
     print(f"  drag over mismatch at most {(near.drag_n / near.mismatch).max():.2f}")
     print(f"  s a case: chosen at most {near.chosen_s.max():.1f}, exact {near.exact_s.max():.1f}")
-    sys.exit(not table.solved.all() or worst > 1.0 or float(near[~near["stands in"]].drag_n.max()) > 0.01)
+    sys.exit(int(not table.solved.all() or worst > 1.0 or float(near[~near["stands in"]].drag_n.max()) > 0.01))
 
 
 if __name__ == "__main__":

@@ -101,7 +101,7 @@ def main(nets: int, seed: int, easily: float) -> None:
         f"{len(settled)} of {len(table)} pushed bags settle, {len(aside)} of them elsewhere, of sway "
         f"{aside['sway'].max():.3f} and less; largest change over its stated error {worst:.3f}"
     )
-    sys.exit(worst > 1.0)
+    sys.exit(int(worst > 1.0))
 
 
 if __name__ == "__main__":

@@ -165,7 +165,7 @@ def main(nets: int, seed: int, plans: int, first: int) -> None:
             f"{len(stable)} stable random plans, {lost} of which do not come back; {len(unstable)} unstable, "
             f"largest change of those that settle over its stated error {over:.3f}"
         )
-    sys.exit(worst > 1.0 or lost > 0)
+    sys.exit(int(worst > 1.0 or lost > 0))
 
 
 if __name__ == "__main__":

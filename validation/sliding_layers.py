@@ -113,7 +113,7 @@ def main(nets: int, seed: int, of_volume: bool) -> None:
     worst = table[over].max()
     click.echo(f"{len(table)} nets, {table['carries'].sum():.0f} with layers that carry, {restless} came to no rest")
     click.echo(worst.round(3).to_string())
-    sys.exit(worst.max() > 1.0)
+    sys.exit(int(worst.max() > 1.0))
 
 
 if __name__ == "__main__":

@@ -75,7 +75,7 @@ def main(plans: int, seed: int, few: bool) -> None:
     worst = float(np.nanmax(table.filter(like="over its error").to_numpy(dtype=float)))
     lost = int((table["followed is stable"] != "yes").sum())
     print(f"{len(table)} swing, largest change over its stated error {worst:.3f}; {lost} led to no shape that lasts")
-    sys.exit(worst > 1.0 or lost > 0)
+    sys.exit(int(worst > 1.0 or lost > 0))
 
 
 if __name__ == "__main__":

@@ -125,7 +125,7 @@ def main(nets: int, seed: int, of_catch: float) -> None:
                 f"over its estimate {over:.3f}"
             )
             worst = max(worst, float(np.nan_to_num(over)))
-    sys.exit(worst > 1.0)
+    sys.exit(int(worst > 1.0))
 
 
 if __name__ == "__main__":
