@@ -137,18 +137,18 @@ def _layer_net(plan: Plan, bag: Bag, problem: Problem, solution: Solution, colum
     ring = [np.flatnonzero(bag.node_row == row)[0] for row in range(first, bag.bands + 1)]
     rows = np.linspace(0.0, 1.0, int(layer.rows_per_mesh * layer.meshes_long) + 1)
     share = np.linspace(0.0, 1.0, len(ring))
-    x = np.interp(rows, share, positions[ring, 0])
-    radius = np.interp(rows, share, np.hypot(*positions[ring, 1:].T))
+    below_x, below_radius = positions[ring, 0], np.hypot(*positions[ring, 1:].T)
+    x, radius = np.interp(rows, share, below_x), np.interp(rows, share, below_radius)
     # it starts behind the netting below as well, all but the codline
     x[:-1] = x[0] + (1.0 + OUTSIDE) * (x[:-1] - x[0])
-    below_x, below_radius = positions[ring, 0], np.hypot(*positions[ring, 1:].T)
     for row in range(1, len(x) - 1):
         beside = (below_x >= min(x[row - 1], below_x[-3])) & (below_x <= max(x[row - 1], x[row + 1]))
         radius[row] = (1.0 + OUTSIDE) * below_radius[beside].max(initial=radius[row])
-    outer = {key: value for key, value in plan.to_dict()["layer"][0].items() if key != "meshes_from_codline"}
+    whole = plan.to_dict()
+    outer = {key: value for key, value in whole["layer"][0].items() if key != "meshes_from_codline"}
     # its first row is one of the netting below: how wide it is counts for nothing
     entry = {"radius_m": min(float(radius[0]), 0.5 * layer.stretched_radius_m)}
-    tables = {key: value for key, value in plan.to_dict().items() if key in ("title", "tow")}
+    tables = {key: value for key, value in whole.items() if key in ("title", "tow")}
     alone = plan_from_dict(tables | {"entry": entry, "netting": [outer], "catch": {"filled_meshes": 0.5}})
     own = build_bag(alone, sectors=columns, rows=(x, radius))
     (told,) = measure_layers(bag, problem, solution)

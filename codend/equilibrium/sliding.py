@@ -60,7 +60,7 @@ def changed_by_sliding(
         if found is not None and found[2].report.outcome.converged:
             apart = np.abs(measure_briefly(*found) - measures.estimated)
             changed = SAFETY * apart + carried * IN_CONTACT * sizes
-    if case.catch_kind in ("volume_m3", "mass_kg"):
+    if case.gives_volume:
         changed[1] = 0.0
     return changed
 

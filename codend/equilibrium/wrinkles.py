@@ -100,7 +100,7 @@ def changed_by_wrinkles(
         changed += sizes * _swung(bag, measures)
     if touching:
         changed *= MORE_IN_CONTACT
-    if case.catch_kind in ("volume_m3", "mass_kg"):
+    if case.gives_volume:
         changed[1] = 0.0
     return changed
 

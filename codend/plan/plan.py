@@ -69,6 +69,11 @@ class Case:
     catch_value: float
     """In the unit of ``catch_kind``."""
 
+    @property
+    def gives_volume(self) -> bool:
+        """Whether the volume of the catch is given, so that no error of the shape is one of it."""
+        return self.catch_kind in ("volume_m3", "mass_kg")
+
 
 class Plan(Table):
     """A whole plan: the sections of netting run from the entry to the codline."""

@@ -23,8 +23,6 @@ from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension
 from codend.solvers.interior_point import (
     BLOCKED,
-    BOLD,
-    EASY,
     EXACT,
     FARTHEST_TURN,
     KEPT_TAUT,
@@ -34,14 +32,15 @@ from codend.solvers.interior_point import (
     LOWERED,
     LOWERED_WARILY,
     NEAR,
-    NEAREST,
     InteriorPointSettings,
+    nearest_to_nothing,
+    next_shift,
 )
 from codend.solvers.newton import LARGEST_SHIFT
 from codend.solvers.outcome import START, Outcome, Progress, Solution, SolverReport
 from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.refusal import refusal, told
-from codend.solvers.watched import FIRST_EXACT, Watched
+from codend.solvers.watched import Watched, less_exact, more_exact
 
 METHOD = "newton with a floating body"
 SETTINGS = InteriorPointSettings()
@@ -196,14 +195,11 @@ class _Run:
             back = self.watched.goes_back(step.move)
             way = kernels.way_to_nothing(structure, barrier * tension, state, step, loosening)
             of_turn = min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0
-            share = min(of_turn, max(NEAREST, 1.0 - np.sqrt(barrier)) * way)
+            share = min(of_turn, nearest_to_nothing(barrier) * way)
             kernels.go(state, step, loosening, share, self.spare)
             blocked = share < BLOCKED
             share *= self._carry_body(share, 1.0)
-            if of_turn < BOLD or back:
-                shift = min(max(2.0 * shift, LEAST_SHIFT), LARGEST_SHIFT)
-            elif of_turn > EASY:
-                shift = 0.25 * shift if shift > LEAST_SHIFT else 0.0
+            shift = next_shift(shift, of_turn, back)
             if blocked:
                 barrier = max(barrier, kernels.reached_barrier(structure, self.state) / tension)
                 continue
@@ -241,7 +237,7 @@ class _Run:
             self.system.steering = steering
         loading = self.watched.loading
         near_contact = state.residual <= EXACT and len(loading.contact.kind) > 0
-        exact = min(2.0 * max(self.watched.exact, FIRST_EXACT), 1.0) if near_contact else 0.0
+        exact = more_exact(self.watched.exact) if near_contact else 0.0
         while True:
             turn = asked = np.inf
             self.watched.exact = exact
@@ -261,7 +257,7 @@ class _Run:
             if (asked <= FARTHEST_TURN and stands) or shift >= LARGEST_SHIFT or self.taut == 0.0:
                 return turn, shift
             if exact > 0.0:
-                exact = 0.25 * exact if exact > FIRST_EXACT else 0.0
+                exact = less_exact(exact)
                 continue
             shift = max(4.0 * shift, LEAST_SHIFT)
 

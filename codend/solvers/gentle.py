@@ -27,7 +27,7 @@ from codend.solvers.newton import DIRECT, NewtonSettings
 from codend.solvers.outcome import Outcome, Progress, Solution
 from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.refusal import passage
-from codend.solvers.watched import FIRST_EXACT, REVERSED, Watched
+from codend.solvers.watched import REVERSED, Watched, less_exact, more_exact
 
 METHOD = "gentle steps"
 LONGEST = 0.15
@@ -174,7 +174,7 @@ class _Steps:
         """Find the direction of the next step: write it into ``prepared.step``."""
         touching = self.problem.surface is not None
         settling = self.residual <= SETTLING_RESIDUAL and self.moved <= SETTLING_MOVE
-        self.exact = min(2.0 * max(self.exact, FIRST_EXACT), 1.0) if settling or not touching else 0.0
+        self.exact = more_exact(self.exact) if settling or not touching else 0.0
         while True:
             step, system = self.watched.prepared.step, self.watched.prepared.system
             loading = self.watched.loading
@@ -185,7 +185,7 @@ class _Steps:
             if (negative == 0 and system.negative_pivots() == 0) or self.shift > MOST_SHIFT:
                 break
             if touching and self.exact > 0.0:
-                self.exact = 0.25 * self.exact if self.exact > FIRST_EXACT else 0.0
+                self.exact = less_exact(self.exact)
             else:
                 self.shift *= RISE
         solved = system.solve(step.right[:sides])

@@ -25,7 +25,7 @@ from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import reference_tension
 from codend.solvers.newton import DIRECT, LARGEST_SHIFT, Prepared
 from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
-from codend.solvers.watched import FIRST_EXACT, Watched
+from codend.solvers.watched import Watched, less_exact, more_exact
 
 METHOD = "interior point"
 LOWERED, LOWERED_WARILY = 0.1, 0.5
@@ -173,16 +173,12 @@ def _lower_the_barrier(
         step = watched.prepared.step
         way = kernels.way_to_nothing(structure, barrier * tension, state, step, loosening)
         of_turn = min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0
-        share = min(of_turn, max(NEAREST, 1.0 - np.sqrt(barrier)) * way)
+        share = min(of_turn, nearest_to_nothing(barrier) * way)
         free = watched.go_along(state.position, share * step.move)
         kernels.go(state, step, loosening, free * share, new)
         measure(structure, watched.loading, tension, 1.0, KEPT_TAUT, new)
         state, new = new, state
-        back = watched.goes_back(step.move)
-        if of_turn < BOLD or back:
-            shift = min(max(2.0 * shift, LEAST_SHIFT), LARGEST_SHIFT)
-        elif of_turn > EASY:
-            shift = 0.25 * shift if shift > LEAST_SHIFT else 0.0
+        shift = next_shift(shift, of_turn, watched.goes_back(step.move))
         blocked, share = share < BLOCKED, free * share
         if blocked:
             barrier = max(barrier, kernels.reached_barrier(structure, state) / tension)
@@ -192,6 +188,20 @@ def _lower_the_barrier(
             lowered = steps
             lower = min(LOWERED, np.sqrt(barrier)) if share > 0.9 else LOWERED_WARILY
             barrier = max(lower * barrier, last_barrier)
+
+
+def nearest_to_nothing(barrier: float) -> float:
+    """Share of the way to where the first slackness or force density is nothing that a step may go."""
+    return float(max(NEAREST, 1.0 - np.sqrt(barrier)))
+
+
+def next_shift(shift: float, of_turn: float, back: bool) -> float:
+    """Shift of the next tangent, by the share of the last step that its turn left and whether it went back."""
+    if of_turn < BOLD or back:
+        return min(max(2.0 * shift, LEAST_SHIFT), LARGEST_SHIFT)
+    if of_turn > EASY:
+        return 0.25 * shift if shift > LEAST_SHIFT else 0.0
+    return shift
 
 
 def _largest_load(problem: Problem, tension: float, state: State) -> float:
@@ -217,7 +227,7 @@ def _step(watched: Watched, tension: float, shift: float, softness: Floats, stat
     structure, loading, prepared = watched.problem.structure, watched.loading, watched.prepared
     step, system = prepared.step, prepared.system
     near_contact = state.residual <= EXACT and len(loading.contact.kind) > 0
-    exact = min(2.0 * max(watched.exact, FIRST_EXACT), 1.0) if near_contact else 0.0
+    exact = more_exact(watched.exact) if near_contact else 0.0
     softened = structure._replace(flexibility=softness)
     while True:
         turn, watched.exact = np.nan, exact
@@ -234,6 +244,6 @@ def _step(watched: Watched, tension: float, shift: float, softness: Floats, stat
         if (turn <= FARTHEST_TURN and stands) or shift >= LARGEST_SHIFT:
             return turn, shift
         if exact > 0.0:
-            exact = 0.25 * exact if exact > FIRST_EXACT else 0.0
+            exact = less_exact(exact)
             continue
         shift = max(4.0 * shift, LEAST_SHIFT)

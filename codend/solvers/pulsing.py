@@ -104,8 +104,7 @@ class PulsingBag:
         self._masses.of_points += bag.mass
         self._pattern = rigid.rigid_pattern(problem.structure, None)
         self._prepared = prepare(problem.structure, problem.bands)
-        self.support = self._supports(at_rest())
-        """What holds the nodes, N, (n, 3): of free nodes what is left out of balance."""
+        self._inertia = at_rest()
 
     def step(self, dt: float, halvings: int = 0) -> None:
         """Advance by ``dt`` seconds; where Newton's method does not get there at once, in shorter steps.
@@ -147,7 +146,7 @@ class PulsingBag:
             return False
         self._last, self._last_step, self.time = now, dt, self.time + dt
         self.now = Moment(found, velocity, speed)
-        self.support = self._supports(inertia)
+        self._inertia = inertia
         return True
 
     def _masses_at(self, position: Floats) -> Floats:
@@ -165,7 +164,9 @@ class PulsingBag:
             catch=catch._replace(stagnation_pressure=change * catch.stagnation_pressure)
         )
 
-    def _supports(self, inertia: Inertia) -> Floats:
-        now, loading = self.now.solution, self.loading._replace(inertia=inertia)
+    @property
+    def support(self) -> Floats:
+        """What holds the nodes, N, (n, 3): of free nodes what is left out of balance."""
+        now, loading = self.now.solution, self.loading._replace(inertia=self._inertia)
         structure = self.problem.structure
         return loads_and_supports(structure, loading, now.positions, now.bar_tension, now.share)[1]

@@ -18,6 +18,16 @@ FIRST_EXACT = 0.125
 """Share of what is negative definite of contact that tangents near balance begin with; it is doubled step by step."""
 
 
+def more_exact(share: float) -> float:
+    """The share that the next tangent near balance tries."""
+    return min(2.0 * max(share, FIRST_EXACT), 1.0)
+
+
+def less_exact(share: float) -> float:
+    """The share to try where pivots of the last tangent were negative."""
+    return 0.25 * share if share > FIRST_EXACT else 0.0
+
+
 class Watched:
     """Loads and room of a net in motion: those it was given, unless parts of it may touch."""
 
