@@ -95,10 +95,15 @@ class Bag:
         rings = self.node_row[self.node_row >= 0]
         return np.bincount(rings, minlength=self.bands + 1).astype(np.float64)
 
-    @property
+    @cached_property
     def tips(self) -> bool:
         """Whether any of its netting lets it tip at its hoop (``Kind.tips``)."""
         return any(kind.tips for kind in self.band_kind)
+
+    @cached_property
+    def turned(self) -> bool:
+        """Whether any of its netting has its knots across."""
+        return any(kind.knots == "across" for kind in self.band_kind)
 
     @cached_property
     def band_is_staggered(self) -> NDArray[np.bool_]:

@@ -20,7 +20,7 @@ from codend.equilibrium.starts import BRIEFLY
 from codend.mechanics.pressure import add_force as add_pressure
 from codend.net.net import Floats
 from codend.plan.plan import Case, Plan
-from codend.solvers.newton import TangentAtEquilibrium, drifted, moved_by, solve_nearby
+from codend.solvers.newton import TangentAtEquilibrium, drifted, moved_by, polished
 
 POLISHED = 1e-3
 """Tolerance of the answer that a result is compared with, over the result's own residual."""
@@ -150,9 +150,9 @@ def estimate(
     sizes = np.abs(measures.estimated)
     # while the tangent's own factors are there
     more, by_suction = _more_suction(tangent)
-    polished = solve_nearby(problem, finest, tangent.solution, tangent)
-    settled = polished.report.outcome.converged
-    there = polished if settled else drifted(tangent, finest)
+    finer = polished(tangent, finest)
+    settled = finer.report.outcome.converged
+    there = finer if settled else drifted(tangent, finest)
     if there is None:
         return Errors.unknown()
     exact = measure_briefly(model.bag, problem, there)

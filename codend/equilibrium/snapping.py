@@ -84,22 +84,23 @@ def _starts(model: BagModel, problem: Problem, solution: Solution) -> Iterator[l
         off = to_the_plane(problem, solution.positions, knots)
         yield [solution.positions + way * off for way in WAYS]
     counts = [section.meshes_round for section in model.plan.netting]
-    turned = any(kind.knots == "across" for kind in model.bag.band_kind)
     for joint in range(1, len(counts)):
         if counts[joint] != counts[joint - 1]:
             ahead = sum(section.meshes_long for section in model.plan.netting[:joint])
             turn = 2.0 * np.pi * WRUNG * model.globalisation / max(counts[joint - 1 : joint + 1])
             # netting that mirrors itself is wrung either way alike
-            for way in (1.0, -1.0) if turned else (1.0,):
+            for way in (1.0, -1.0) if model.bag.turned else (1.0,):
                 yield [wrung(model.bag, problem, solution.positions, ahead, way * turn)]
 
 
 def all_but_slack(bag: Bag, problem: Problem, solution: Solution) -> NDArray[np.int_]:
     """Numbers of the free knots of three bars and more of which at most one pulls; not the codline, (k,)."""
     structure, count = problem.structure, len(solution.positions)
+    pulls = solution.bar_tension > SLACK * solution.mean_tension
+    if pulls.all():
+        return np.zeros(0, dtype=np.int64)
     ends = np.concatenate([structure.first, structure.second])
-    pulls = np.tile(solution.bar_tension > SLACK * solution.mean_tension, 2)
-    slack = (np.bincount(ends, pulls, count) <= 1.0) & (np.bincount(ends, minlength=count) >= 3)
+    slack = (np.bincount(ends, np.tile(pulls, 2), count) <= 1.0) & (np.bincount(ends, minlength=count) >= 3)
     slack &= (structure.free > 0.0).all(axis=1)
     slack[-1 - bag.anchors] = False
     return np.flatnonzero(slack)

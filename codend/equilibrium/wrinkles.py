@@ -119,7 +119,7 @@ def _is_of_few(bag: Bag) -> bool:
     """Whether any row of meshes, as they are modelled, is of fewer than ``FEW_ROUND`` round."""
     knots = float(bag.ring_size[:-1].min()) * bag.net.sectors
     # each knot of turned netting is two nodes of a ring
-    return knots < FEW_ROUND * (2.0 if any(kind.knots == "across" for kind in bag.band_kind) else 1.0)
+    return knots < FEW_ROUND * (2.0 if bag.turned else 1.0)
 
 
 def may_hang_aside(stability: Stability, measures: Measures) -> bool:

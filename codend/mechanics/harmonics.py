@@ -15,17 +15,21 @@ from numpy.typing import NDArray
 from codend.compiled import njit
 from codend.mechanics.lanes import (
     LANES,
-    add_multiple,
     aligned,
-    take_conjugate_products,
-    write_inverse,
-    write_multiple,
-    write_product,
+    less_product,
+    load,
+    one_more_if_low,
+    one_over,
+    plus_product,
+    spread,
+    store,
+    times,
 )
 from codend.net.net import Floats, Ints
 
 Complex = NDArray[np.complex128]
-Places = NDArray[np.int64]
+ABREAST = 3
+"""Columns that are eliminated at a time: as many as a node has coordinates."""
 Numbers = NDArray[np.inexact]
 """Complex, or real where every turn is: in harmonic 0, and in that of half the order."""
 
@@ -73,12 +77,14 @@ def negative_pivots_side_by_side(
 ) -> None:
     """Count the negative pivots of the Hermitian parts of some harmonics, factorised as L D L^H without pivoting.
 
-    They are as many as negative eigenvalues. A pivot that is 0, or no number, counts as negative.
+    They are as many as negative eigenvalues. A pivot that is 0, or no number, counts as negative. ``ABREAST`` columns
+    are eliminated at a time, so that what lies behind them is read and written once for all of them.
 
     Args:
         even: C, (reach + 1, unknowns, width).
         odd: S, likewise.
-        depth: how many columns before its diagonal a row starts, that of the rows of ``tail`` included, (rows,).
+        depth: how many columns before its diagonal a row starts, that of the rows of ``tail`` included, (rows,): no
+            row before the one ahead of it, and all at columns that are divisible by ``ABREAST``, as the rows are.
         turn: cosine and sine of m phi, (2, reach + 1, harmonics).
         shift: added to the diagonal, (harmonics,).
         tail: real and imaginary part of further rows, which each harmonic has of its own, (..., width, 2, harmonics).
@@ -87,22 +93,22 @@ def negative_pivots_side_by_side(
     turns, unknowns, width = even.shape
     rows, count, number = len(depth), len(shift), 2 * LANES
     # rows j to j + width - 1, each at its number modulo width: its places, real and imaginary parts of all lanes
-    window, scaled = aligned(width * width * number), aligned(width * number)
+    window, scaled = aligned(width * width * number), aligned(width * ABREAST * number)
     start = np.arange(2 * width) % width * width * number
-    wave, shifted, inverse, counted = (aligned(2 * turns * LANES), aligned(LANES), aligned(LANES), aligned(LANES))
-    places, evens, odds = np.empty(width, dtype=np.int64), even.reshape(-1), odd.reshape(-1)
+    wave, own, counted = aligned(2 * turns * LANES), aligned(LANES), aligned(LANES)
+    evens, odds = even.reshape(-1), odd.reshape(-1)
     for first in range(0, count, LANES):
         used = min(LANES, count - first)
         # lanes to spare hold ones
-        wave[:], window[:], shifted[:], counted[:] = 1.0, 1.0, 0.0, 0.0
+        wave[:], window[:], own[:] = 1.0, 1.0, 0.0
         for lane in range(used):
-            shifted[lane] = shift[first + lane]
+            own[lane] = shift[first + lane]
             for m in range(turns):
                 wave[2 * m * LANES + lane] = turn[0, m, first + lane]
                 wave[(2 * m + 1) * LANES + lane] = turn[1, m, first + lane]
-        ready, turned = 0, 0
-        for j in range(rows):
-            while ready < min(j + width, rows):
+        shifted, low, ready, turned = load(own, 0), spread(0.0), 0, 0
+        for j in range(0, rows, ABREAST):
+            while ready < rows and ready - depth[ready] <= j:
                 at = start[turned + ready - j]
                 if ready < unknowns:
                     entry = ready * width
@@ -112,16 +118,61 @@ def negative_pivots_side_by_side(
                         for lane in range(used):
                             window[at + d * number + lane] = tail[ready - unknowns, d, 0, first + lane]
                             window[at + d * number + LANES + lane] = tail[ready - unknowns, d, 1, first + lane]
-                add_multiple(window, at, shifted, 0, 1.0)
+                store(window, at, plus_product(load(window, at), shifted, spread(1.0)))
                 ready += 1
-            write_inverse(inverse, window, start[turned], counted)
-            below = 0
-            for d in range(1, min(width, rows - j)):
-                if depth[j + d] >= d:
-                    places[below] = d * number
-                    below += 1
-                    take_column(window, start[turned + d] + d * number, inverse, scaled, places, below)
-            turned = turned + 1 if turned + 1 < width else 0
+            a, b, c = start[turned], start[turned + 1], start[turned + 2]
+            p = load(window, a)
+            p_inverse = one_over(p)
+            bp_re, bp_im = load(window, b + number), load(window, b + number + LANES)
+            bp_re_over, bp_im_over = times(bp_re, p_inverse), times(bp_im, p_inverse)
+            q = less_product(less_product(load(window, b), bp_re, bp_re_over), bp_im, bp_im_over)
+            q_inverse = one_over(q)
+            cp_re, cp_im = load(window, c + 2 * number), load(window, c + 2 * number + LANES)
+            cp_re_over, cp_im_over = times(cp_re, p_inverse), times(cp_im, p_inverse)
+            cq_re, cq_im = load(window, c + number), load(window, c + number + LANES)
+            cq_re = less_product(less_product(cq_re, cp_re, bp_re_over), cp_im, bp_im_over)
+            cq_im = plus_product(less_product(cq_im, cp_im, bp_re_over), cp_re, bp_im_over)
+            cq_re_over, cq_im_over = times(cq_re, q_inverse), times(cq_im, q_inverse)
+            r = less_product(less_product(load(window, c), cp_re, cp_re_over), cp_im, cp_im_over)
+            r = less_product(less_product(r, cq_re, cq_re_over), cq_im, cq_im_over)
+            r_inverse = one_over(r)
+            low = one_more_if_low(one_more_if_low(one_more_if_low(low, p), q), r)
+            for i in range(ABREAST, ready - j):
+                row = start[turned + i]
+                at, to = row + i * number, i * ABREAST * number
+                p_re, p_im = load(window, at), load(window, at + LANES)
+                q_re, q_im = load(window, at - number), load(window, at - number + LANES)
+                r_re, r_im = load(window, at - 2 * number), load(window, at - 2 * number + LANES)
+                q_re = less_product(less_product(q_re, p_re, bp_re_over), p_im, bp_im_over)
+                q_im = plus_product(less_product(q_im, p_im, bp_re_over), p_re, bp_im_over)
+                r_re = less_product(less_product(r_re, p_re, cp_re_over), p_im, cp_im_over)
+                r_im = plus_product(less_product(r_im, p_im, cp_re_over), p_re, cp_im_over)
+                r_re = less_product(less_product(r_re, q_re, cq_re_over), q_im, cq_im_over)
+                r_im = plus_product(less_product(r_im, q_im, cq_re_over), q_re, cq_im_over)
+                store(scaled, to, times(p_re, p_inverse))
+                store(scaled, to + LANES, times(p_im, p_inverse))
+                store(scaled, to + 2 * LANES, times(q_re, q_inverse))
+                store(scaled, to + 3 * LANES, times(q_im, q_inverse))
+                store(scaled, to + 4 * LANES, times(r_re, r_inverse))
+                store(scaled, to + 5 * LANES, times(r_im, r_inverse))
+                for k in range(ABREAST, i + 1):
+                    at, by = row + (i - k) * number, k * ABREAST * number
+                    re, im = load(window, at), load(window, at + LANES)
+                    u, v = load(scaled, by), load(scaled, by + LANES)
+                    re, im = less_product(re, p_re, u), less_product(im, p_im, u)
+                    re, im = less_product(re, p_im, v), plus_product(im, p_re, v)
+                    u, v = load(scaled, by + 2 * LANES), load(scaled, by + 3 * LANES)
+                    re, im = less_product(re, q_re, u), less_product(im, q_im, u)
+                    re, im = less_product(re, q_im, v), plus_product(im, q_re, v)
+                    u, v = load(scaled, by + 4 * LANES), load(scaled, by + 5 * LANES)
+                    re, im = less_product(re, r_re, u), less_product(im, r_im, u)
+                    re, im = less_product(re, r_im, v), plus_product(im, r_re, v)
+                    store(window, at, re)
+                    store(window, at + LANES, im)
+            turned += ABREAST
+            if turned >= width:
+                turned -= width
+        store(counted, 0, low)
         for lane in range(used):
             negative[first + lane] = int(counted[lane])
 
@@ -143,34 +194,14 @@ def write_entries(
         at: where.
     """
     for first in range(entry, past):
-        write_multiple(window, at, wave, 0, evens[first])
-        write_multiple(window, at + LANES, wave, LANES, odds[first])
-        turn = 2 * LANES
+        re, im, turn = spread(evens[first]), spread(0.0), 2 * LANES
         for place in range(first + size, len(evens), size):
-            if evens[place] != 0.0:
-                add_multiple(window, at, wave, turn, evens[place])
-            if odds[place] != 0.0:
-                add_multiple(window, at + LANES, wave, turn + LANES, odds[place])
+            re = plus_product(re, load(wave, turn), spread(evens[place]))
+            im = plus_product(im, load(wave, turn + LANES), spread(odds[place]))
             turn += 2 * LANES
+        store(window, at, re)
+        store(window, at + LANES, im)
         at += 2 * LANES
-
-
-@njit(cache=True, error_model="numpy")
-def take_column(window: Floats, at: int, inverse: Floats, scaled: Floats, places: Places, below: int) -> None:
-    """Take from a row its entry in a column times, over the pivot and conjugate, the rows from the pivot's to itself.
-
-    Args:
-        window: rows in lanes.
-        at: where the row's entry in the column is.
-        inverse: over the pivot, (lanes,).
-        scaled: entries of the column over the pivot; this row's is written.
-        places: where in ``scaled`` those are of the rows that reach the column, from the pivot's.
-        below: how many there are up to this row.
-    """
-    place = places[below - 1]
-    write_product(scaled, place, window, at, inverse, 0)
-    write_product(scaled, place + LANES, window, at + LANES, inverse, 0)
-    take_conjugate_products(window, at, scaled, places, below)
 
 
 @njit(cache=True, error_model="numpy")

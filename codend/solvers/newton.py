@@ -141,6 +141,8 @@ class TangentAtEquilibrium:
     products: int
     """By how many products of two vectors a front that follows the net adds to the tangent."""
     singular: bool
+    state: State
+    """Where it was taken, measured; ``polished`` sets out from there, and leaves something else in it."""
     ring: Ring | None = None
     """A sector's ring with the tangent for all harmonics, until something else is linearised in it."""
 
@@ -158,7 +160,7 @@ def tangent_at(
         sides = ring.linearise(problem, solution)
         ring.write_whole(prepared.step)
         singular = prepared.system.factorise(prepared.step.blocks) == -1
-        return TangentAtEquilibrium(problem, solution, prepared, sides - 1, singular, ring)
+        return TangentAtEquilibrium(problem, solution, prepared, sides - 1, singular, ring.state, ring)
     run = _Iterations(problem, prepared, DIRECT, None)
     run._set_start(solution, DIRECT.switches[0])
     prepared = run.prepared
@@ -167,7 +169,8 @@ def tangent_at(
         problem.structure, run.loading, prepared.pattern, run.tension, NEUTRAL, run.state, step
     )
     singular = system.factorise(step.blocks) == -1
-    return TangentAtEquilibrium(replace(problem, loading=run.loading), solution, prepared, sides - 1, singular)
+    touching = replace(problem, loading=run.loading)
+    return TangentAtEquilibrium(touching, solution, prepared, sides - 1, singular, run.state)
 
 
 def moved_by(tangent: TangentAtEquilibrium, force: Floats) -> Floats:
@@ -193,6 +196,16 @@ def solve_nearby(
     The first iteration takes the tangent's factors; where they are of no use it makes its own.
     """
     return _solve(_Iterations(problem, tangent.prepared, settings, None, takes_factors=True), tolerance, start)
+
+
+def polished(tangent: TangentAtEquilibrium, tolerance: float) -> Solution:
+    """The equilibrium of a tangent to a smaller tolerance, by its own factors and from the state it was taken in.
+
+    Not converged where a few iterations do not get there.
+    """
+    run = _Iterations(tangent.problem, tangent.prepared, NEARBY, None, takes_factors=True)
+    run.measured = tangent.state
+    return _solve(run, tolerance, tangent.solution)
 
 
 def drifted(tangent: TangentAtEquilibrium, tolerance: float) -> Solution | None:
@@ -224,6 +237,8 @@ class _Iterations:
         self.watched = Watched(problem, prepared)
         self.settings, self.progress = settings, progress
         self.takes_factors = takes_factors
+        self.measured: State | None = None
+        """That of the start, with the first of the weights, where it is there already."""
         self.state, self.first, self.second = prepared.states
         self.iterations = 0
         self.singular = False
@@ -301,6 +316,9 @@ class _Iterations:
     def _set_start(self, start: Solution | None, switch: float) -> None:
         state, structure = self.state, self.structure
         self.switch = switch
+        if self.measured is not None and start is not None:
+            self.state, self.measured, self.tension = self.measured, None, start.mean_tension
+            return
         if start is None:
             state.position[:] = self.problem.net.positions
         else:

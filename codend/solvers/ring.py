@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.mechanics.harmonics import Complex, add_turned_bands, add_up_images, hermitian_parts
+from codend.mechanics.harmonics import ABREAST, Complex, add_turned_bands, add_up_images, hermitian_parts
 from codend.mechanics.newton_state import empty_state, measure, take_over
 from codend.mechanics.newton_step import Step, empty_step, linearise
 from codend.mechanics.problem import Problem
@@ -78,9 +78,10 @@ class Ring:
         tails = max(len(self.axis_moves(k)) for k in (0, 1)) * len(self.on_axis)
         rows = np.concatenate([self._row, *(entries.row for entries in self._at_axis)])
         columns = np.concatenate([self._column, *(entries.column for entries in self._at_axis)])
-        self.depth = np.zeros(self.size + tails, dtype=np.int32)
-        """How many columns before its diagonal a row starts."""
-        np.maximum.at(self.depth, np.maximum(rows, columns), np.abs(rows - columns))
+        self.half = int(np.abs(rows - columns).max())
+        """Half-bandwidth."""
+        self.depth = _depths(np.maximum(rows, columns), np.minimum(rows, columns), self.size + tails)
+        """How many columns before its diagonal a row starts; see ``negative_pivots_side_by_side``."""
         width, reach = int(self.depth.max()) + 1, int(np.abs(image).max())
         self.even, self.odd = np.zeros((2, reach + 1, self.size, width))
         """C and S of ``mechanics.harmonics``."""
@@ -210,8 +211,7 @@ class Ring:
     def tangent(self, harmonic: int) -> HarmonicTangent:
         """Tangent of a harmonic at the equilibrium that was gathered last."""
         count = len(self.axis_moves(harmonic)) * len(self.on_axis)
-        half = self.even.shape[2] - 1
-        reach = len(self.even) - 1
+        half, reach = self.half, len(self.even) - 1
         turns = np.exp(2j * np.pi * harmonic / self.order * np.arange(-reach, reach + 1))
         if real := 2 * harmonic in (0, self.order):
             turns = turns.real
@@ -229,11 +229,12 @@ class Ring:
     def _bands(self) -> Floats:
         """B_m of the unknowns off the axis as bands, laid out as ``HarmonicTangent.band``, (images, ...)."""
         if self._gathered is None:
-            half, reach = self.even.shape[2] - 1, len(self.even) - 1
+            half, reach = self.half, len(self.even) - 1
             shape = 2 * reach + 1, 2 * half + 1, self.size
             place = ((self._image + reach) * shape[1] + half + self._row - self._column) * shape[2] + self._column
             entries = self.step.blocks.reshape(-1)[self._off_axis]
-            self._gathered = np.bincount(place, entries, math.prod(shape)).reshape(shape)
+            gathered = np.bincount(place, entries, math.prod(shape))
+            self._gathered = np.asarray(gathered, dtype=np.float64).reshape(shape)
         return self._gathered
 
     def _of_harmonic_0(self, values: Floats) -> Floats:
@@ -251,6 +252,17 @@ class Ring:
         moves = self.axis_moves(harmonic)
         shape[self.on_axis] = vector[self.size :].reshape(len(self.on_axis), len(moves)) @ moves
         return shape / shape.reshape(-1)[np.abs(shape).argmax()]
+
+
+def _depths(below: Places, before: Places, rows: int) -> Ints:
+    """How many columns before its diagonal each row starts, by its entries below the diagonal, (rows and some,).
+
+    All at columns divisible by ``ABREAST``, none before the row ahead of it, and rows to make up a number of them.
+    """
+    start = np.arange(rows + -rows % ABREAST)
+    np.minimum.at(start, below, before)
+    start = np.minimum.accumulate(start[::-1])[::-1] // ABREAST * ABREAST
+    return np.asarray(np.arange(len(start)) - start, dtype=np.int32)
 
 
 def _numbered(structure: Structure, pattern: Pattern, on_axis: Ints) -> Ints:

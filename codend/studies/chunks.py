@@ -1,6 +1,8 @@
 """Runs of a study that are solved one after the other by one worker, and the rows that come of them."""
 
+import gc
 from collections.abc import Iterator, Sequence, Set
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any
@@ -22,6 +24,9 @@ from codend.studies.designs import Run
 from codend.studies.study import Study, solve
 
 _ROWS_AHEAD = PARAMETERS.index("behaviour.rows_ahead")
+_LOOKED_FOR_AFTER = 20_000
+"""Objects made, over those that went, after which Python looks for some that only refer to each other: what some ten
+cases of a sector make. As often as it does otherwise that takes a twentieth of a study's time."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,22 @@ def solve_chunk(chunk: Chunk) -> pa.Table:
         ``results.csv`` of all, with columns for the run and for what varies ahead, selectivity and reason behind. A
         run whose values make no plan is one row with its reason.
     """
+    with _seldom_looked_for():
+        return _table(_rows_of_chunk(chunk), chunk.text.union(TEXT_COLUMNS))
+
+
+@contextmanager
+def _seldom_looked_for() -> Iterator[None]:
+    """Have Python look for objects that only refer to each other as seldom as ``_LOOKED_FOR_AFTER`` in the block."""
+    usual = gc.get_threshold()
+    gc.set_threshold(max(_LOOKED_FOR_AFTER, usual[0]) if usual[0] else 0, *usual[1:])
+    try:
+        yield
+    finally:
+        gc.set_threshold(*usual)
+
+
+def _rows_of_chunk(chunk: Chunk) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     near: list[CaseResult] = []
     for run in chunk.runs:
@@ -62,7 +83,7 @@ def solve_chunk(chunk: Chunk) -> pa.Table:
             if reason is not None:
                 rows.append({**told, **reason})
             near += [result for result in study.cases if result.converged] if study else []
-    return _table(rows, chunk.text.union(TEXT_COLUMNS))
+    return rows
 
 
 def _studies_of(plan: Plan, near: Sequence[CaseResult]) -> Iterator[tuple[Study | None, dict[str, Any] | None]]:

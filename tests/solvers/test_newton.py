@@ -19,6 +19,7 @@ from codend.solvers.linear_systems import BandedSystem, _band_numbering, _scalar
 from codend.solvers.newton import NewtonSettings
 from codend.solvers.outcome import Outcome, Solution
 from codend.solvers.refusal import Refusal
+from codend.solvers.ring import Ring
 from codend.solvers.sparse_system import SparseSystem
 from validation.plain_nets import plain_net, plain_problem
 
@@ -313,3 +314,16 @@ def test_a_solve_nearby_that_keeps_the_factors_makes_no_new_ones_and_ends_at_the
     # without any to keep, Newton's method makes its own
     newton.solve(nearby, 1e-10, known, newton.DIRECT)
     assert len(made) > 1
+
+
+def test_an_answer_is_polished_from_the_state_of_its_tangent_as_from_its_own():
+    problem = _problem(catch={"filled_meshes": 4.3})
+    prepared, ring = newton.prepare(problem.structure, problem.bands), Ring(problem.structure, problem.bands)
+    known = newton.solve(problem, 1e-4, prepared=prepared)
+    expected = newton.solve_nearby(problem, 1e-9, known, newton.tangent_at(problem, known, prepared, ring))
+    polished = newton.polished(newton.tangent_at(problem, known, prepared, ring), 1e-11)
+    assert polished.report.outcome is Outcome.CONVERGED
+    assert len(polished.report.history) > 1
+    assert polished.report.history == expected.report.history
+    np.testing.assert_array_equal(polished.positions, expected.positions)
+    np.testing.assert_array_equal(polished.bar_tension, expected.bar_tension)
