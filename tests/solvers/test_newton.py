@@ -320,7 +320,7 @@ def test_an_answer_is_polished_from_the_state_of_its_tangent_as_from_its_own():
     problem = _problem(catch={"filled_meshes": 4.3})
     prepared, ring = newton.prepare(problem.structure, problem.bands), Ring(problem.structure, problem.bands)
     known = newton.solve(problem, 1e-4, prepared=prepared)
-    expected = newton.solve_nearby(problem, 1e-9, known, newton.tangent_at(problem, known, prepared, ring))
+    expected = newton.solve_nearby(problem, 1e-11, known, newton.tangent_at(problem, known, prepared, ring))
     polished = newton.polished(newton.tangent_at(problem, known, prepared, ring), 1e-11)
     assert polished.report.outcome is Outcome.CONVERGED
     assert len(polished.report.history) > 1
