@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence, Set
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import chain
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ _ROWS_AHEAD = PARAMETERS.index("behaviour.rows_ahead")
 _LOOKED_FOR_AFTER = 20_000
 """Objects made, over those that went, after which Python looks for some that only refer to each other: what some ten
 cases of a sector make. As often as it does otherwise that takes a twentieth of a study's time."""
+_seen_to = Lock()
 
 
 @dataclass(frozen=True)
@@ -56,13 +58,20 @@ def solve_chunk(chunk: Chunk) -> pa.Table:
 
 @contextmanager
 def _seldom_looked_for() -> Iterator[None]:
-    """Have Python look for objects that only refer to each other as seldom as ``_LOOKED_FOR_AFTER`` in the block."""
+    """Have Python look for objects that only refer to each other as seldom as ``_LOOKED_FOR_AFTER`` in the block.
+
+    As often as before behind it, for whoever calls; of several threads the first sees to that for all.
+    """
+    if not _seen_to.acquire(blocking=False):
+        yield
+        return
     usual = gc.get_threshold()
     gc.set_threshold(max(_LOOKED_FOR_AFTER, usual[0]) if usual[0] else 0, *usual[1:])
     try:
         yield
     finally:
         gc.set_threshold(*usual)
+        _seen_to.release()
 
 
 def _rows_of_chunk(chunk: Chunk) -> list[dict[str, Any]]:

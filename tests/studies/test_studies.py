@@ -1,5 +1,6 @@
 """Studies: designs as asked, the numbers of runs by themselves, the same whoever solves, mistakes in one line each."""
 
+import gc
 import math
 import re
 from threading import Thread
@@ -325,3 +326,21 @@ def test_a_neighbour_leads_to_the_same_equilibrium_in_fewer_steps(home, changes)
     for name in ("drag_n", "opening_ahead_deg", "max_radius_m", "entry_reaction_n"):
         assert led[name].to_numpy() == pytest.approx(alone[name].to_numpy(), rel=1e-6)
     assert 0 < led["iterations"].iloc[0] < alone["iterations"].iloc[0]
+
+
+def test_a_study_leaves_python_to_look_for_unused_objects_as_often_as_before(monkeypatch):
+    before, during = gc.get_threshold(), []
+
+    def fails(chunk):
+        during.append(gc.get_threshold()[0])
+        with chunks._seldom_looked_for():  # as another thread would
+            pass
+        during.append(gc.get_threshold()[0])
+        raise OSError
+
+    monkeypatch.setattr(chunks, "_rows_of_chunk", fails)
+    for _ in range(2):
+        with pytest.raises(OSError):
+            chunks.solve_chunk(chunks.Chunk(0, (), (), False))
+        assert gc.get_threshold() == before
+    assert min(during) > before[0]
