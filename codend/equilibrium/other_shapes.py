@@ -11,6 +11,7 @@ from codend.equilibrium.accuracy import by_any_method
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.stability import Stability, stability_of, tangent_of
 from codend.equilibrium.starts import CRUDE, MERIDIAN, RELAXED_TO_THE_END
+from codend.equilibrium.uneven_knots import stiffness
 from codend.equilibrium.wrinkles import changed_by_wrinkles
 from codend.net.net import Floats
 from codend.plan.plan import Case, Plan
@@ -50,7 +51,7 @@ def apart_from_other_shapes(
         return np.zeros(4)
     whole = found.net.order == 1
     most = STIFF_WITH_STRUTS if found.structure.is_strut.any() else VERY_STIFF
-    very_stiff, relaxed = _stiffness(tangent) > most, tangent.solution.report.method in RELAXED
+    very_stiff, relaxed = stiffness(found, tangent.solution) > most, tangent.solution.report.method in RELAXED
     if not very_stiff and not relaxed and not (whole and stability.stable == "yes"):
         return np.zeros(4)
     plan = by_any_method(plan)
@@ -79,14 +80,6 @@ def _roughly(plan: Plan) -> Plan:
     """The plan at a tolerance that relaxation is quick to meet."""
     model = plan.model.model_copy(update={"tolerance": max(plan.model.tolerance, ROUGHLY)})
     return plan.model_copy(update={"model": model})
-
-
-def _stiffness(tangent: TangentAtEquilibrium) -> float:
-    """Stiffness of the mean corner over the mean tension times a bar's length; 0 of limp twine."""
-    structure = tangent.problem.structure
-    if len(structure.corner_stiffness) == 0:
-        return 0.0
-    return float(structure.corner_stiffness.mean() / (tangent.solution.mean_tension * structure.length.mean()))
 
 
 def _from_afar(sector: BagModel, case: Case) -> Iterator[Measures]:
