@@ -56,6 +56,17 @@ def weighed_plan(seed: int, number: int) -> tuple[Plan, float]:
     return plan, share
 
 
+def of_few_meshes(plan: Plan, seed: int, number: int) -> Plan:
+    """A plan of 6 to 10 meshes round, behind a hoop of 0.4 to 0.8 times the share of its width."""
+    rng = np.random.default_rng([seed, number, 1])
+    tables, few = plan.to_dict(), int(rng.integers(6, 11))
+    first = tables["netting"][0]
+    tables["entry"]["radius_m"] *= few / first["meshes_round"] * float(rng.uniform(0.4, 0.8))
+    tables["netting"] = [first | {"meshes_round": few}]
+    tables["catch"]["filled_meshes"] = min(*tables["catch"]["filled_meshes"], 0.8 * first["meshes_long"])
+    return plan_from_dict(tables)
+
+
 def with_density(plan: Plan, fidelity: str, twine: float = WATER, catch: float = WATER) -> Plan:
     """The plan with twine and catch of these densities, modelled as asked."""
     tables = plan.to_dict()
@@ -66,12 +77,15 @@ def with_density(plan: Plan, fidelity: str, twine: float = WATER, catch: float =
     return plan_from_dict(tables)
 
 
-def errors_of(seed: int, number: int, of_catch: float = 0.0) -> dict[str, float | str] | None:
+def errors_of(
+    seed: int, number: int, of_catch: float = 0.0, few: bool = False, given: float | None = None
+) -> dict[str, float | str] | None:
     """True errors of the sector, relative, and over its estimates; None where a net was not solved.
 
-    The catch bears the share ``of_catch`` of the weight.
+    The catch bears the share ``of_catch`` of the weight, which is the ``given`` one over the drag.
     """
     plan, share = weighed_plan(seed, number)
+    plan, share = of_few_meshes(plan, seed, number) if few else plan, share if given is None else given
     light = solve(plan).cases[0]
     if not light.converged:
         return None
@@ -102,18 +116,23 @@ def errors_of(seed: int, number: int, of_catch: float = 0.0) -> dict[str, float 
     return found
 
 
-def table_of(nets: int, seed: int, of_catch: float = 0.0) -> pd.DataFrame:
+def table_of(
+    nets: int, seed: int, of_catch: float = 0.0, few: bool = False, given: float | None = None
+) -> pd.DataFrame:
     """A row a net that was solved."""
-    return pd.DataFrame([row for number in range(nets) if (row := errors_of(seed, number, of_catch)) is not None])
+    rows = (errors_of(seed, number, of_catch, few, given) for number in range(nets))
+    return pd.DataFrame([row for row in rows if row is not None])
 
 
 @click.command()
 @click.option("--nets", default=60, show_default=True)
 @click.option("--seed", default=0, show_default=True)
 @click.option("--of-catch", default=0.0, show_default=True, help="Share of the weight that the catch bears.")
-def main(nets: int, seed: int, of_catch: float) -> None:
+@click.option("--few", is_flag=True, help="Of 6 to 10 meshes round, one section (accuracy.TIPPED_OF_FEW).")
+@click.option("--share", "given", type=float, help="Weight over drag of all nets.")
+def main(nets: int, seed: int, of_catch: float, few: bool, given: float | None) -> None:
     """Print the errors, net by net and at most."""
-    table = table_of(nets, seed, of_catch)
+    table = table_of(nets, seed, of_catch, few, given)
     print(table.round(4).to_string(index=False))
     worst = 0.0
     for stable, rows in table.groupby("stable"):
