@@ -18,6 +18,7 @@ from codend.bag.measures import Measures, measure_all
 from codend.equilibrium.bag_model import BagModel
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, rotate
+from codend.plan.plan import Case
 from codend.solvers import gentle
 from codend.solvers.gentle import End
 from codend.solvers.outcome import Solution
@@ -45,11 +46,12 @@ NOT_TRIED = np.array([2e-3, 5e-4, 5e-4, 0.0]), np.array([0.0, 0.0, 0.0, 1.0])
 opening in degrees, some twice what they changed in a bag of 24 meshes round under a layer between two ropes."""
 
 
-def apart_by_snapping(model: BagModel, problem: Problem, solution: Solution, measures: Measures) -> Floats:
+def apart_by_snapping(model: BagModel, case: Case, problem: Problem, solution: Solution, measures: Measures) -> Floats:
     """How far the shapes lie into which it may snap over, drag, volume, largest radius and opening ahead, (4,).
 
     Knots that are all but slack are mirrored all at once, joints are wrung, and the net is followed gently from there.
-    0 where there are none, and where the layers of the net press on each other, whose shape is one of many anyway.
+    0 where there are none, and where the layers of the net press on each other, whose shape is one of many anyway; of
+    the volume where the catch gives it.
     """
     apart = np.zeros(4)
     starts = () if problem.surface is not None else tuple(_starts(model, problem, solution))
@@ -57,6 +59,8 @@ def apart_by_snapping(model: BagModel, problem: Problem, solution: Solution, mea
         return apart
     of_size, by_itself = NOT_TRIED
     assumed = np.asarray(of_size * measures.estimated + by_itself)
+    if case.gives_volume:
+        assumed[1] = 0.0
     if len(solution.positions) > MOST_KNOTS:
         return assumed
     # the tangent's own factors are in the model's room

@@ -196,7 +196,7 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
     changed = changed + by_contact(result.measures) if compared else changed
     changed = changed + apart_from_other_shapes(model, case, tangent, stability, result.measures)
     if stability.stable == "yes":
-        changed = changed + apart_by_snapping(model, problem, solution, result.measures)
+        changed = changed + apart_by_snapping(model, case, problem, solution, result.measures)
     errors = accuracy.estimate(model, case, tangent, result.measures, unseen_weight_n, changed)
     aside = replace(NOT_FOLLOWED, reason=HANGS_ASIDE) if may_hang_aside(stability, result.measures) else NOT_FOLLOWED
     followed = replace(NOT_FOLLOWED, folds=True, reason=LYING_ON_ITSELF) if touching else aside
@@ -231,8 +231,8 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
 def _with_sliding(model: BagModel, result: CaseResult, progress: Progress) -> CaseResult:
     """The result with what it may change that layers slide, which following what grows makes no smaller."""
     shape = result.bag, result.problem, result.solution, result.measures
-    changed = changed_by_sliding(model, result.case, *shape, progress)
-    return replace(result, errors=result.errors.with_more(changed), by_sliding=changed)
+    changed, slid = changed_by_sliding(model, result.case, *shape, progress)
+    return replace(result, errors=result.errors.with_more(changed), by_sliding=changed, slid=slid)
 
 
 def _nearest(near: Sequence[CaseResult], model: BagModel, case: Case) -> list[tuple[Case, Solution]]:
