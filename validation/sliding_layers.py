@@ -26,7 +26,7 @@ ROWS_A_MESH = {"diamond": 2.0, "t90": 2.0, "square": 1.0}
 """Of bars along a mesh."""
 NOISE = 1e-5
 """Relative change that the tolerance of the contact leaves."""
-THIRD = 0.03, 0.12
+THIRD = 0.08, 0.15
 """Shares by which layers start outside of the netting below, by neither of which errors are told."""
 
 

@@ -31,9 +31,9 @@ BEGINS_M = 1e-3
 """Distance at which contact begins."""
 PUSH = 5.0
 """Force of parts at half of that on each other, over the mean tension: with a tenth fewer layers came to rest."""
-NEAR, FAR = (0.01, 0.02, 0.04, 0.08, 0.15, 0.3), (0.08, 0.15)
+NEAR, FAR = (0.01, 0.02, 0.04, 0.08, 0.15, 0.3), (0.03, 0.06, 0.12)
 """Shares by which a layer may start outside of what it lies on, of which the first with which nothing is pierced is
-taken. From afar it takes several times as many steps, or comes to no rest, and now and then to another shape."""
+taken. From farther it takes more steps, seldom comes to no rest, and now and then to another shape."""
 STEPS = 400
 WORK = 200_000
 """Most steps times knots of the netting below: some 6 s a start. Layers that come to rest mostly do so in 50 to 150."""

@@ -31,7 +31,7 @@ BY_SPARE_WIDTH = np.array([2.0, 0.6, 0.35, 0.0])
 """And what is more of it by the share by which the layer is narrower than the netting below, both pulled fully open."""
 LEAST_OPENING_DEG = 10.0
 """Opening that its change is at least taken of: shut meshes under layers open by degrees, too."""
-IN_CONTACT = np.array([0.1, 0.06, 0.05, 0.1])
+IN_CONTACT = np.array([0.1, 0.08, 0.06, 0.1])
 """Of the same where layers were solved in contact, for the distance at which it begins and other shapes in which they
 come to rest: with a third of it two of 14 nets had others outside, by up to 1.9."""
 
