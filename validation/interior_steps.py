@@ -24,7 +24,7 @@ from codend.scenes.scene import scene_from_dict
 from codend.solvers import interior_point
 from codend.solvers.outcome import Solution
 from validation.cage.gear import box, cylinder
-from validation.layers import ROUND_SHARES, codend_plan, with_layer
+from validation.layers import MESHES_ROUND, codend_plan, with_layer
 from validation.ropes_short import plan_with
 from validation.which_starts import MOST_KNOTS, random_plan
 
@@ -98,7 +98,7 @@ def classes() -> Iterator[tuple[str, Iterator[Begun]]]:
     yield "full, with weight", (all_round(full(kind, speed), None, 2) for kind in KINDS for speed in (0.4, 1.2))
     shortenings, filled = (0.1, 0.2), (10.0, 20.0)
     yield "short ropes", (all_round(plan_with(n, s, f), 1) for n in (2, 4) for s in shortenings for f in filled)
-    yield "layers", (crude(with_layer(codend_plan(), share), case=case) for share in ROUND_SHARES for case in (0, 3))
+    yield "layers", (crude(with_layer(codend_plan(), n), case=case) for n in MESHES_ROUND for case in (0, 3))
     joined = (crude(random_plan("joined", number)) for number in range(60))
     yield "joined, random", (begun for begun in joined if len(begun[0].net.positions) <= MOST_KNOTS)
     yield "cages at rest", (laid(tables) for tables in cages())

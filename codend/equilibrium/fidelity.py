@@ -87,6 +87,8 @@ class Choice:
     """The sector of nearly the ratio of the counts that stands for one too wide."""
     real_ropes: bool = False
     """Whether ropes are modelled where they are, in a plan whose ropes may be smeared."""
+    layered: bool = False
+    """Whether second layers lie over the netting, of which every model knows no more than that they move with it."""
 
     @property
     def weight_over_drag(self) -> float:
@@ -143,6 +145,7 @@ def choose(plan: Plan) -> Choice:
         knots=knots,
         slow=slow,
         real_ropes=bool(plan.ropes) and not plan.window,
+        layered=len(plan.layer) > 0,
     )
 
     def all_round(globalisation: int, reason: Reason, drag_error: float) -> Choice:

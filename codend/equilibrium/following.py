@@ -46,7 +46,9 @@ SWUNG = 0.1
 ENOUGH_SHAPES = 3
 """Shapes in contact whose spread is the error of the one that lasts among them."""
 WORK: dict[object, int] = {"auto": 500_000, True: 2_000_000}
-"""Gentle steps under contact times knots, over all starts, by ``model.contact``: a thousand take some 0.05 s."""
+"""Gentle steps under contact times knots, over all starts, by ``model.contact``."""
+SECONDS_A_STEP = 5e-5
+"""What one of them takes by the knot, of processor time: to be told ahead."""
 INNER_LAYERS = np.array([5e-4, 5e-4, 5e-4, 0.0]), np.array([0.0, 0.0, 0.0, 0.3])
 """What it changes whether the pressure of the catch acts on the inner layers of a fold, which it does here: share of
 drag, volume and radius, and opening in degrees (a prototype's, on a T90 codend of 100 meshes round)."""
@@ -127,7 +129,7 @@ class _Following:
             if touches:
                 self.in_contact = True
                 allowed = max(min(STEPS, self.work // knots), LEAST_STEPS)
-                found = follow_under_contact(wide, wide_problem, rest, start, self.progress, allowed)
+                found = follow_under_contact(wide, wide_problem, rest, start, self._telling_ahead(), allowed)
                 if found is None:
                     self.touching += 1
                     continue
@@ -144,6 +146,14 @@ class _Following:
                 if len(self.shapes) > before:
                     continue
             self.shapes.append(shape)
+
+    def _telling_ahead(self) -> Progress | None:
+        """Progress under contact, told with the most that all starts may yet take there."""
+        told = self.progress
+        if told is None:
+            return None
+        ahead = f"layers in contact, at most some {SECONDS_A_STEP * self.work:.0f} s yet"
+        return lambda doing, residual: told(f"{ahead}, {doing}", residual)
 
     def widen(self) -> None:
         """Follow on in wider sectors, under contact, the shape of which the least grows, until one lasts."""
@@ -169,6 +179,10 @@ class _Following:
 
     def _shape(self, model: BagModel, problem: Problem, motion: Motion, growth: Growth) -> Shape:
         tangent = tangent_of(model, problem, motion.solution)
+        if self.progress is not None:
+            self.progress(
+                f"whether a shape of {len(problem.net.positions)} knots lasts", motion.solution.report.residual
+            )
         return Shape(
             model,
             problem,

@@ -2,10 +2,13 @@
 
 The model holds a layer to the netting below (``bag.layers``). As a net of its own in contact without friction it
 slides, and between its bars the netting below stands out in pillows, on whose slopes the sphere law reads another
-pressure. A layer that can be is solved so beside (``layer_contact``), and the distance is told; else, with
+pressure. Layers that can be are solved so beside (``layer_contact``), and the distance is told; else, with
 ``model.contact = false``, and where that comes to no rest, a law found on random layers
-(``python -m validation.sliding_layers``).
+(``python -m validation.sliding_layers``). The answer stays that of the model: without friction layers come to rest in
+more shapes than one, or in none, so that a series would leap from one model to the other.
 """
+
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -14,7 +17,7 @@ from codend.bag.layer_measures import LayerRows, hoop_share_of_catch, measure_la
 from codend.bag.measures import Measures, measure_briefly
 from codend.equilibrium.accuracy import SAFETY
 from codend.equilibrium.bag_model import BagModel
-from codend.equilibrium.layer_contact import can_slide, in_contact
+from codend.equilibrium.layer_contact import FAR, NEAR, can_slide, in_contact
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
 from codend.plan.plan import Case
@@ -28,8 +31,9 @@ BY_SPARE_WIDTH = np.array([2.0, 0.6, 0.35, 0.0])
 """And what is more of it by the share by which the layer is narrower than the netting below, both pulled fully open."""
 LEAST_OPENING_DEG = 10.0
 """Opening that its change is at least taken of: shut meshes under layers open by degrees, too."""
-IN_CONTACT = np.array([0.02, 0.02, 0.02, 0.03])
-"""Of the same by the distance at which contact begins, where a layer was solved in contact."""
+IN_CONTACT = np.array([0.1, 0.08, 0.06, 0.1])
+"""Of the same where layers were solved in contact, for the distance at which it begins and other shapes in which they
+come to rest: with a third of it two of 14 nets had others outside, by up to 1.9."""
 
 
 def changed_by_sliding(
@@ -40,29 +44,43 @@ def changed_by_sliding(
     solution: Solution,
     measures: Measures,
     progress: Progress | None = None,
-) -> Floats:
-    """Largest changes of drag, volume, largest radius and opening ahead if layers slide, N, m3, m and degrees, (4,).
+) -> tuple[Floats, Floats]:
+    """What it changes if layers slide.
 
-    All 0 without layers and where none carries any load; that of the volume where the case gives it.
+    Returns:
+        largest changes of drag, volume, largest radius and opening ahead, N, m3, m and degrees, (4,): all 0 without
+        layers and where none carries any load, that of the volume where the case gives it;
+        these four as they are with the layers as nets of their own in contact, nan where that was not solved, (4,).
     """
+    changed, slid = np.zeros(4), np.full(4, np.nan)
     if not bag.layers:
-        return np.zeros(4)
+        return changed, slid
     layers = measure_layers(bag, problem, solution)
     carried = min(sum(largest_share(rows, solution.share) for rows in layers), 1.0)
     widest = max(part.stretched_radius_m for part in model.plan.netting)
     spare = max(1.0 - min(layer.stretched_radius_m for layer in bag.layers) / widest, 0.0)
     if carried == 0.0:
-        return np.zeros(4)
+        return changed, slid
     sizes = np.maximum(measures.estimated, [0.0, 0.0, 0.0, LEAST_OPENING_DEG])
     changed = carried * (BY_SLIDING + BY_SPARE_WIDTH * spare) * sizes
     if bag is model.bag and can_slide(model):
-        found = in_contact(model, case, problem, solution, progress)
-        if found is not None and found[2].report.outcome.converged:
-            apart = np.abs(measure_briefly(*found) - measures.estimated)
+        shapes = list(_shapes_in_contact(model, case, problem, solution, progress))
+        if shapes:
+            slid, apart = shapes[0], np.abs(np.array(shapes) - measures.estimated).max(axis=0)
             changed = SAFETY * apart + carried * IN_CONTACT * sizes
     if case.gives_volume:
         changed[1] = 0.0
-    return changed
+    return changed, slid
+
+
+def _shapes_in_contact(
+    model: BagModel, case: Case, problem: Problem, solution: Solution, progress: Progress | None
+) -> Iterator[Floats]:
+    """What is estimated of the shapes in which layers come to rest from near by and from afar, (4,) each."""
+    for starts in (NEAR, FAR):
+        found = in_contact(model, case, problem, solution, starts, progress)
+        if found is not None and found[2].report.outcome.converged:
+            yield np.array(measure_briefly(*found))
 
 
 def largest_share(rows: LayerRows, share: Floats) -> float:

@@ -54,7 +54,7 @@ def apart_by_snapping(model: BagModel, case: Case, problem: Problem, solution: S
 
     Knots that are all but slack are mirrored, all of them and every other one, joints are wrung, knots of stiff netting
     take each other's places, and the net is followed gently from there. 0 where there are none, and where the layers of
-    the net press on each other, whose shape is one of many anyway.
+    the net press on each other, whose shape is one of many anyway; of the volume where the catch gives it.
     """
     apart = np.zeros(4)
     if problem.surface is not None:
@@ -63,6 +63,8 @@ def apart_by_snapping(model: BagModel, case: Case, problem: Problem, solution: S
     starts = [replace(here, ways=ways) for ways in _ways(model, problem, solution)]
     of_size, by_itself = NOT_TRIED
     assumed = np.asarray(of_size * measures.estimated + by_itself)
+    if case.gives_volume:
+        assumed[1] = 0.0
     if len(solution.positions) > MOST_KNOTS:
         return assumed if starts or reordered else apart
     if reordered:

@@ -67,8 +67,9 @@ OF_ROPES = [
 """Columns of ``ropes.csv``."""
 
 LAYER_COLUMNS = ["layer_hoop_share", "max_layer_tension_n", "layer_opening_deg"]
+LAYER_COLUMNS += ["drag_layers_free_n", "opening_ahead_layers_free_deg"]
 """Further columns of plans with second layers: share of the hoop load on the catch that they carry, largest tension of
-their bars, mean opening of their meshes over the catch."""
+their bars, mean opening of their meshes over the catch; drag and opening with them as nets of their own in contact."""
 OF_LAYERS = ["case", "layer", "row", "meshes_from_entry", "x_m", "radius_m", "opening_deg", "opening_below_deg"]
 OF_LAYERS += ["bar_tension_n", "hoop_share", "axial_share"]
 """Columns of ``layers.csv``."""

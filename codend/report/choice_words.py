@@ -15,7 +15,7 @@ def reason_text(choice: Choice) -> str:
                 said += f"; {_left_out(weighed)}"
         case Reason.ROPES:
             alike = "The plan is the same all round but for equal ropes or seams"
-            said = f"{alike}: {_sector(choice)}, as they repeat, is exact"
+            said = f"{alike}: {_sector(choice)}, as they repeat, {_exact(choice)}"
         case Reason.SMEARED:
             said = (
                 "Ropes smeared over all meshes round are near enough for the accuracy in opening that is asked for: "
@@ -104,13 +104,20 @@ def _sector_enough(choice: Choice) -> str:
     """That the sector is exact, or why another stands for it and what that costs."""
     near = choice.near
     if near is None:
-        return f"{_sector(choice)} is exact"
+        return f"{_sector(choice)} {_exact(choice)}"
     wide, stands_for = width_and_count(near)
     return (
         f"{_sector(choice)} would be exact, but take minutes; in its place stands one {wide} meshes "
         f"wide, as of {stands_for} meshes round, which takes seconds and costs about {100.0 * choice.drag_error:.2g} % "
         f"in drag where {100.0 * choice.accuracy:g} % is allowed"
     )
+
+
+def _exact(choice: Choice) -> str:
+    """For what the sector is exact."""
+    if choice.layered:
+        return "is as good as the whole net, though not exact: its layers are taken to move with the netting below"
+    return "is exact"
 
 
 def _time(choice: Choice) -> str:

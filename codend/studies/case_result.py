@@ -36,6 +36,8 @@ class CaseResult:
     """What became of what grows of it."""
     by_sliding: Floats = field(default_factory=lambda: np.zeros(4))
     """What of the errors is for layers that may slide: of drag, volume, largest radius and opening, (4,)."""
+    slid: Floats = field(default_factory=lambda: np.full(4, np.nan))
+    """These with its layers as nets of their own, in contact without friction; nan where that was not solved, (4,)."""
     stands_in: NearRatio | None = None
     """The sector of nearly the ratio of the counts that it is the equilibrium of, where that chosen has none."""
 

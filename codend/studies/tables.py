@@ -89,8 +89,8 @@ def _of_layers(result: CaseResult) -> dict[str, float]:
     """Columns of second layers, none where there are none."""
     if not result.bag.layer_bands:
         return {}
-    values = of_the_catch(result.bag, result.problem, result.solution) if result.converged else [float("nan")] * 3
-    return dict(zip(LAYER_COLUMNS, values, strict=True))
+    held = of_the_catch(result.bag, result.problem, result.solution) if result.converged else [float("nan")] * 3
+    return dict(zip(LAYER_COLUMNS, [*held, result.slid[0], result.slid[3]], strict=True))
 
 
 def layer_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:

@@ -1,5 +1,6 @@
 """Errors know of the stable shapes into which all but slack knots and joints snap over."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -99,14 +100,22 @@ def test_a_taut_net_has_nothing_to_snap():
 def test_a_net_too_large_to_be_tried_has_an_assumed_error(monkeypatch):
     plan, result = roped()
     monkeypatch.setattr(snapping, "MOST_KNOTS", 100)
-    assumed = snapping.apart_by_snapping(
-        model_of(plan, 1, 1), result.case, result.problem, result.solution, result.measures
-    )
+    model, shape = model_of(plan, 1, 1), (result.problem, result.solution, result.measures)
+    assumed = snapping.apart_by_snapping(model, result.case, *shape)
     monkeypatch.setattr(snapping, "MOST_KNOTS", 3000)
-    tried = snapping.apart_by_snapping(
-        model_of(plan, 1, 1), result.case, result.problem, result.solution, result.measures
+    assert (assumed > snapping.apart_by_snapping(model, result.case, *shape)).all()
+
+
+def test_nothing_is_assumed_of_a_volume_that_the_catch_gives(monkeypatch):
+    plan, result = roped()
+    monkeypatch.setattr(snapping, "MOST_KNOTS", 100)
+    given = replace(result.case, catch_kind="volume_m3")
+    shape = result.problem, result.solution, result.measures
+    assumed, of_meshes = (
+        snapping.apart_by_snapping(model_of(plan, 1, 1), case, *shape) for case in (given, result.case)
     )
-    assert (assumed > tried).all()
+    assert assumed[1] == 0.0 < of_meshes[1]
+    assert np.array_equal(assumed[[0, 2, 3]], of_meshes[[0, 2, 3]])
 
 
 @pytest.mark.parametrize("fidelity", ["sector", "full"])
