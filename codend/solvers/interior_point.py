@@ -48,8 +48,6 @@ FARTHEST_TURN = 5.0
 in a direction that leads nowhere, and the tangent is shifted."""
 FINEST = 1e-10
 """Residual to which the last barrier is followed: from there Newton's method goes on though bars be nearly slack."""
-LEAST_RISE, MOST_RISE = 4.0, 64.0
-"""Least and most by which the shift rises where a step turns too far: else by how far, as the turn falls with it."""
 LEAST_SHIFT = 1e-3
 """In units of what the pull and the bending of the bars at a node resist, see ``kernels.shift_by_resistance``."""
 BOLD, EASY = 0.3, 0.5
@@ -248,6 +246,4 @@ def _step(watched: Watched, tension: float, shift: float, softness: Floats, stat
         if exact > 0.0:
             exact = less_exact(exact)
             continue
-        asked = turn / FARTHEST_TURN if np.isfinite(turn) else 0.0
-        rise = min(max(asked, LEAST_RISE), MOST_RISE)
-        shift = max(rise * shift, rise / LEAST_RISE * LEAST_SHIFT)
+        shift = max(4.0 * shift, LEAST_SHIFT)
