@@ -54,6 +54,7 @@ SUMS = (
     "folded_share",
     "turn_deg",
     "sideways_imbalance",
+    "codline_aside_m",
 )
 """Numbers of a bag as a whole: see ``measures.Measures``."""
 _RECORD = np.dtype([(name, np.float64) for name in SUMS])
@@ -311,6 +312,8 @@ def write_sums(
     found.folded_share = inward_share(position, structure, catch, share)
     found.turn_deg = np.degrees(np.sum(band_turns(position, structure, catch, rings)[0]))
     found.sideways_imbalance = sideways_imbalance(position, load, support, bag.held_by_the_entry, bag.order)
+    codline = ring_middles(bag, position)[-1]
+    found.codline_aside_m = np.hypot(codline[0], codline[1])
 
 
 @njit(cache=True, error_model="numpy")

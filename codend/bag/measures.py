@@ -58,6 +58,11 @@ class Measures:
     sideways_imbalance: float
     """What the entry's reactions leave of the loads across the axis and as a moment; see
     ``measure_kernels.sideways_imbalance``."""
+    codline_aside_m: float
+    """Distance of the codline from the axis through the middle of the entry, along the tow; 0 of sectors.
+
+    A window that is shorter or wider than the netting about it bends the bag aside, a long extension ahead of it by
+    metres, and weight lets it sag."""
 
     @property
     def estimated(self) -> Floats:

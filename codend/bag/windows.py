@@ -138,6 +138,8 @@ def _numbered_anew(
             for one, other, share, node in window.splits
         ]
     parts.bars = [whole(anew(bars, 2), 2) for bars in parts.bars]
+    # where netting tapers knots lie a little off their columns, and what hangs on one that is gone has gone with it
+    parts.facets = [facets[(number[facets[:, :3]] >= 0).all(axis=1)] for facets in parts.facets]
     parts.facets = [whole(anew(facets, 3), 3) for facets in parts.facets]
     parts.meshes = [meshes[open_meshes(meshes)] for meshes in (anew(table, 8) for table in parts.meshes)]
     parts.corners = [anew(corners, 3) for corners in parts.corners]

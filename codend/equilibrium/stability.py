@@ -26,8 +26,8 @@ from codend.solvers.ring import Ring
 from codend.solvers.whole_tangent import FIRST_EIGENVALUES, MOST_EIGENVALUES, WholeTangent
 
 ASKED_CLOSELY = 6000
-"""Unknowns of a net with ropes up to which as many eigenvalues are found as it takes, mostly: slack netting between
-ropes has many that are hardly none. Of larger ones the first tell, or it is not known."""
+"""Unknowns of a net with ropes or windows up to which as many eigenvalues are found as it takes, mostly: slack netting
+beside them has many that are hardly none. Of larger ones the first tell, or it is not known."""
 
 
 @dataclass(frozen=True)
@@ -71,14 +71,13 @@ def stability_of(
         as_sector = _by_harmonics_of_whole(model, tangent, scale) if thorough else None
         if as_sector is not None:
             return as_sector
-        found = _of_whole(tangent, scale, thorough)
+        found = _of_whole(tangent, scale, thorough, _most_asked(model, tangent))
         sways = thorough and found.stable != "unknown" and model.bag.tips
         return replace(found, sway_n_m=_sway_of_whole(model.bag, tangent)) if sways else found
     if len(model.bag.ropes) > 0 and not model.smeared:
         # a sector with real ropes is so wide that its harmonics cost more than the whole net does
         whole = tangent_of_whole(model, tangent)
-        small = np.count_nonzero(whole.problem.structure.free) <= ASKED_CLOSELY
-        found = _of_whole(whole, scale, thorough, MOST_EIGENVALUES if small else FIRST_EIGENVALUES)
+        found = _of_whole(whole, scale, thorough, _most_asked(model, whole))
         return replace(found, growths=tuple(_in_one_sector(growth, model.bag) for growth in found.growths))
     near = tangent.problem.loading.contact
     if tangent.ring is not None:
@@ -154,6 +153,13 @@ def _catch_in(bag: Bag, catch: Catch) -> Catch:
     return catch._replace(
         bar_band=bag.bar_band, facet_band=bag.facet_band, node_row=bag.node_row, row_size=bag.ring_size
     )
+
+
+def _most_asked(model: BagModel, whole: TangentAtEquilibrium) -> int:
+    """Eigenvalues of a whole net that are found at a time before it is not known whether one grows."""
+    geared = (len(model.bag.ropes) > 0 and not model.smeared) or len(model.bag.windows) > 0
+    large = np.count_nonzero(whole.problem.structure.free) > ASKED_CLOSELY
+    return FIRST_EIGENVALUES if geared and large else MOST_EIGENVALUES
 
 
 def stability_of_whole(tangent: TangentAtEquilibrium, most: int = MOST_EIGENVALUES) -> str:

@@ -47,7 +47,8 @@ def _from_where_the_last_lead(s: Situation) -> Solution:
     began = perf_counter()
     start = _led(s)
     led_ms = 1e3 * (perf_counter() - began)
-    if s.geared and not s.model.narrow:
+    unlike = len(s.model.bag.windows) > 0 and not s.within_prediction
+    if s.geared and (unlike or not s.model.narrow):
         return _later(s.through_the_interior(s.problem, start, LED_BARRIER), led_ms)
     return _later(s.by_newton(s.problem, start, s.first_settings), led_ms)
 
@@ -138,11 +139,7 @@ LED = Start(
 other twine goes slack with every catch: ten steps of Newton's method led to none of three, twenty of the other did."""
 A_SECTOR = Start(
     "the equilibrium of a sector",
-    lambda s: (
-        s.has_sector
-        and not any(rope.shortening > 0.0 for rope in s.plan.rope)
-        and (s.model.narrow or len(s.model.bag.windows) == 0)
-    ),
+    lambda s: s.has_sector and not any(rope.shortening > 0.0 for rope in s.plan.rope) and len(s.model.bag.windows) == 0,
     _from_a_sector,
 )
 """Not where ropes are shorter than the netting: there it led nowhere, at a quarter of the cost of the way through the

@@ -47,6 +47,7 @@ RESULT_COLUMNS = [
     "contact_share",
     "fold_count",
     "shapes_found",
+    "codline_aside_m",
 ]
 
 STRAP_COLUMNS = ["max_strap_tension_n"]

@@ -3,9 +3,12 @@
 import pytest
 
 from codend.bag.build import merged_in_place
+from codend.equilibrium import solve as equilibrium
+from codend.equilibrium import stability
 from codend.equilibrium.bag_model import model_of
 from codend.plan.plan import Plan, plan_from_dict
 from codend.solvers.mirror import mirror_of
+from codend.solvers.whole_tangent import FIRST_EIGENVALUES, MOST_EIGENVALUES, WholeTangent
 
 NETTING = {"mesh": "diamond", "mesh_mm": 100.0, "twine_mm": 3.0, "axial_stiffness_n": 1000.0, "panels": 2}
 
@@ -57,3 +60,31 @@ def test_merging_leaves_windows_in_the_middle_where_a_plane_mirrors_the_net(exte
     case = plan.cases()[0]
     mirrors = {g: mirror_of(model.problem(case), model.mirror_planes_rad) for g, model in models.items()}
     assert [g for g, mirror in mirrors.items() if mirror is not None] == merged
+
+
+def test_no_steps_are_spent_where_they_lead_nowhere_beside_a_window():
+    """Newton's method led from a sector, or from a single other catch, to no narrow net with a window."""
+    plan = windowed(*PLANS["in place"][:3], catch={"filled_meshes": [4, 4.5, 5]})
+    model, known = model_of(plan, 2, None), []
+    assert model.narrow
+    starts = []
+    for case in plan.cases():
+        _, solution = equilibrium.solve(model, case, known, None)
+        assert solution.report.outcome.converged
+        known.append((case, solution))
+        starts.append(solution.report.attempts[0])
+    assert starts[0].startswith("from the equilibrium of a sector, through the interior: interior point")
+    assert starts[1].startswith("from where the last equilibria lead: interior point")
+    assert starts[2].startswith("from where the last equilibria lead: newton")
+
+
+@pytest.mark.parametrize(("closely", "most"), [(10**6, MOST_EIGENVALUES), (0, FIRST_EIGENVALUES)])
+def test_a_large_net_with_a_window_is_asked_for_its_first_eigenvalues_alone(closely, most, monkeypatch):
+    plan = windowed(*PLANS["in place"][:3])
+    model, case = model_of(plan, 2, None), plan.cases()[0]
+    problem, solution = equilibrium.solve(model, case, (), None)
+    asked = []
+    monkeypatch.setattr(stability, "ASKED_CLOSELY", closely)
+    monkeypatch.setattr(WholeTangent, "growing", lambda self, scale, most, thorough: asked.append(most))
+    assert stability.stability_of(model, stability.tangent_of(model, problem, solution), True).stable == "unknown"
+    assert asked == [most]

@@ -210,7 +210,10 @@ def test_a_window_leaves_the_net_in_balance(name):
     result = solved({}, windows=[OTHER[name]])
     assert result.measures.entry_reaction_n == pytest.approx(result.measures.drag_n, rel=1e-8)
     assert result.measures.sideways_imbalance < 1e-8
-    assert result.measures.drag_n != pytest.approx(solved({}).measures.drag_n, rel=1e-3)
+    without = solved({}).measures
+    assert result.measures.drag_n != pytest.approx(without.drag_n, rel=1e-3)
+    assert result.measures.codline_aside_m == pytest.approx(np.hypot(*result.solution.positions[-1, 1:]), rel=1e-12)
+    assert result.measures.codline_aside_m > 1e-3 > 1e6 * without.codline_aside_m
 
 
 LINES = {
@@ -309,6 +312,26 @@ def test_a_window_in_a_section_that_tapers_leaves_the_net_in_balance_and_mirrore
     assert one.measures.entry_reaction_n == pytest.approx(one.measures.drag_n, rel=1e-8)
     assert one.measures.sideways_imbalance < 1e-8
     assert numbers(one) == pytest.approx(numbers(other), rel=1e-8)
+
+
+@pytest.mark.parametrize("knot_mm", [0.0, 5.0, 9.6])
+@pytest.mark.parametrize("aft", [26, 30])
+def test_a_window_without_knots_in_netting_that_tapers_with_knots_leaves_it_closed(aft, knot_mm):
+    """Knots beside a seam lie off their columns, and once left triangles between knots that were cut out."""
+    belly = {"panels": 2, "meshes_round": 36, "meshes_long": 15, "bar_mm": 48.0, "knot_mm": knot_mm}
+    sections = [belly | {"meshes_round_aft": aft}, belly | {"meshes_round": aft, "meshes_long": 17}]
+
+    def enclosed(windows: list[dict]) -> np.ndarray:
+        net = build_bag(plan(*sections, windows=windows)).net
+        corners = facet_corners(net, net.positions)
+        assert len(np.unique(np.append(net.bars.ravel(), net.facets.ravel()))) == len(net.positions)
+        area = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        return (net.facet_weight[:, None] * area).sum(axis=0)
+
+    for across, near, deep in ((7, 20, 9), (7, 18, 8), (5, 18, 3), (3, 22, 5)):
+        window = {"meshes_round": across, "meshes_across": across, "meshes_from_codline": [near, near + deep]}
+        let_in = window | {"bar_mm": 48.0 * deep / (deep + 1), "meshes_long": deep + 1}
+        assert enclosed([let_in]) == pytest.approx(enclosed([]), abs=1e-12)
 
 
 def test_a_tube_that_tapers_loses_its_meshes_beside_a_window():
