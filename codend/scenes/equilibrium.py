@@ -38,6 +38,8 @@ PUSH = 0.5
 UNDER_CONTACT: tuple[Solver, ...] = (interior_point.solve, gentle.solve)
 NEARBY = InteriorPointSettings(first_barrier=1e-3)
 """Of a net that is followed from an equilibrium near by."""
+LIGHTER = 0.7
+"""Factor on the mass of a frame that is not found, by which it is made lighter."""
 SHAKEN = 0.01
 """Of the shortest bar of netting: how far nodes are shaken, root mean square of a coordinate."""
 OF_ONE_HALF = "one half of the net, which is its own mirror image:"
@@ -217,8 +219,8 @@ def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tu
     touching = problem.touching_by(contact_law(problem), sheet).touching_at(positions)
     if apart(touching, positions):
         begun = replace(as_built(problem), positions=positions.copy())
-        found = floating.solve(touching, tolerance, begun, progress)
-        attempts, spent_ms = (*attempts, *found.report.attempts), spent_ms + found.report.solve_ms
+        for found in _made_heavier(touching, begun, tolerance, progress):
+            attempts, spent_ms = (*attempts, *found.report.attempts), spent_ms + found.report.solve_ms
         if found.report.outcome.converged:
             found = replace(found, report=replace(found.report, attempts=attempts, solve_ms=spent_ms))
             return touching.touching_at(found.positions), found
@@ -241,6 +243,32 @@ def _afloat(problem: Problem, tolerance: float, progress: Progress | None) -> tu
     attempts, spent_ms = (*attempts, *turned.report.attempts), spent_ms + turned.report.solve_ms
     settled = replace(settled, net=problem.net)
     return settled, replace(turned, report=replace(turned.report, attempts=attempts, solve_ms=spent_ms))
+
+
+def _made_heavier(
+    touching: Problem, begun: Solution, tolerance: float, progress: Progress | None
+) -> Iterator[Solution]:
+    """Every equilibrium looked for under a frame afloat, last that of its own mass: at once, or made heavier by steps.
+
+    A frame that its floats do not carry draws the netting far before it hangs on its moorings; from a lighter one that
+    does it is near.
+    """
+    body = touching.body
+    assert body is not None
+    masses, heaviest = [body.mass_kg], body.carries_kg
+    while True:
+        lighter = replace(touching, body=replace(body, mass_kg=masses[-1]))
+        found = floating.solve(lighter, tolerance, begun, progress)
+        yield found
+        if found.report.outcome.converged or masses[-1] <= heaviest:
+            break
+        masses.append(LIGHTER * masses[-1])
+    for mass in reversed(masses[:-1]):
+        if not found.report.outcome.converged:
+            return
+        there = replace(touching.touching_at(found.positions), body=replace(body, mass_kg=mass))
+        found = floating.solve(there, tolerance, found, progress)
+        yield found
 
 
 def contact_law(problem: Problem, tension: float | None = None) -> ContactLaw:
