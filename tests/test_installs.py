@@ -20,6 +20,7 @@ DATA = (
     "codend/report/report.html",
     "catch_models/py.typed",
     "catch_models/data/species_example.toml",
+    "catch_models/data/species_red_mullet.toml",
     "catch_models/data/sphere_cp_subcritical.csv",
 )
 WHERE = "import site, sys; site.addsitedir(sys.argv[1]); import codend; print(codend.__file__)"

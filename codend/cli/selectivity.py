@@ -176,8 +176,15 @@ def _print_together(many: "Sequence[Together]") -> int:
 
 
 @click.command()
-def species() -> None:
-    """Print an example of a species file, every number in it assumed; save it, and put in those of your species."""
-    from codend.selectivity.escape.species import example_species_path
+@click.argument("name", default="example", metavar="[NAME]")
+def species(name: str) -> None:
+    """Print a species file: save it, and put in the numbers of your species.
 
-    click.echo(example_species_path().read_text(encoding="utf-8"), nl=False)
+    NAME is example, which is left out, of no fish and every number in it assumed; or red-mullet, of which the section
+    was measured, by a source that is named, and all else is assumed.
+    """
+    from codend.selectivity.escape.species import SHIPPED_SPECIES, shipped_species_path
+
+    if name not in SHIPPED_SPECIES:
+        raise InputError(OPTIONS, "NAME", name, " or ".join(SHIPPED_SPECIES))
+    click.echo(shipped_species_path(name).read_text(encoding="utf-8"), nl=False)

@@ -5,7 +5,7 @@ import pytest
 
 from catch_models.fish import FishSection
 from codend.errors import InputError
-from codend.selectivity.escape.species import example_species_path, load_species
+from codend.selectivity.escape.species import example_species_path, load_species, shipped_species_path
 
 EXAMPLE = example_species_path().read_text(encoding="utf-8")
 
@@ -15,6 +15,30 @@ def test_every_number_of_the_example_is_marked_as_assumed():
     assert "assumed" in species.name.lower()
     given = [line for line in EXAMPLE.splitlines() if "value =" in line]
     assert len(species.assumed) == len(given)
+
+
+def girth(height: float, width: float, exponent: float) -> float:
+    angle = np.linspace(0.0, np.pi / 2.0, 100_001)
+    x, y = height / 2.0 * np.cos(angle) ** (2.0 / exponent), width / 2.0 * np.sin(angle) ** (2.0 / exponent)
+    return float(4.0 * np.hypot(np.diff(x), np.diff(y)).sum())
+
+
+def test_the_red_mullet_is_as_high_wide_and_round_as_it_was_measured():
+    section = load_species(shipped_species_path("red-mullet")).section
+    high, wide, exponent = section.height_per_length, section.width_per_length, section.exponent
+    assert exponent is not None
+    assert (high.value, wide.value) == (0.20, 0.11)
+    assert girth(high.value, wide.value, exponent.value) == pytest.approx(0.53, abs=1e-3)
+    assert girth(high.high, wide.high, exponent.low) == pytest.approx(0.525, abs=1e-3)
+    assert girth(high.low, wide.low, exponent.high) == pytest.approx(0.535, abs=1e-3)
+
+
+def test_only_what_was_measured_of_the_red_mullet_is_not_assumed():
+    species = load_species(shipped_species_path("red-mullet"))
+    measured = {"section.height_per_length", "section.width_per_length", "section.exponent"}
+    text = shipped_species_path("red-mullet").read_text(encoding="utf-8")
+    assert not measured & set(species.assumed)
+    assert len(species.assumed) == sum("value =" in line for line in text.splitlines()) - len(measured)
 
 
 @pytest.mark.parametrize(

@@ -13,13 +13,20 @@ from codend.errors import InputError
 from codend.io.toml import read_toml
 from codend.plan.mistakes import checked
 
+SHIPPED_SPECIES = ("example", "red-mullet")
+"""The first is of no fish, all of its numbers assumed; of the others the section was measured."""
 MOST_LENGTH_CLASSES = 10_000
 """Far more than any ruler tells apart; retention is computed for each, and a step of a micrometre fills any memory."""
 
 
+def shipped_species_path(name: str) -> Path:
+    """A species file of ``SHIPPED_SPECIES``."""
+    return Path(str(files("catch_models") / "data" / f"species_{name.replace('-', '_')}.toml"))
+
+
 def example_species_path() -> Path:
     """The documented example of a species file, all of its numbers assumed."""
-    return Path(str(files("catch_models") / "data" / "species_example.toml"))
+    return shipped_species_path("example")
 
 
 def load_species(path: str | Path) -> Species:
