@@ -103,6 +103,7 @@ def scene(scene: str, folder: Path, changes: tuple[str, ...], files: tuple[str, 
     from codend.scenes.frame_measures import float_rows, frame_rows
     from codend.scenes.measures import cautions, point_rows, result_row, rope_rows, settled, solve_scene
     from codend.scenes.netting_measures import netting_rows
+    from codend.scenes.other_shapes import frame_errors, netting_errors, not_sought, other_shapes, shape_errors
 
     built = build(checked)
     placed = checked.time is not None and checked.time.start == "placed"
@@ -115,7 +116,8 @@ def scene(scene: str, folder: Path, changes: tuple[str, ...], files: tuple[str, 
             peaks, more, last = _move(built, start, folder)
             found = settled(built, last.positions, last.bar_tension) if found is None else found
         assert found is not None
-        ropes, notes = pd.DataFrame(rope_rows(found)), cautions(found)
+        others = other_shapes(found)
+        ropes, notes = pd.DataFrame(rope_rows(found)), cautions(found) + not_sought(found, others)
         if moved:
             ropes[["peak_tension_n", "peak_time_s", "peak_from_end_m"]] = peaks
             notes += more
@@ -129,9 +131,13 @@ def scene(scene: str, folder: Path, changes: tuple[str, ...], files: tuple[str, 
         if moved and not found.converged:  # netting and frame are told as they are at the end of the motion
             shape, pulls, holds = last.positions, last.bar_tension, last.support
         frame, floats = pd.DataFrame(frame_rows(built, shape, holds)), pd.DataFrame(float_rows(built, shape))
-        netting = netting_rows(built, shape, pulls)
+        frame = frame.join(pd.DataFrame(frame_errors(found, others)))
+        netting = [
+            row | errors
+            for row, errors in zip(netting_rows(built, shape, pulls), netting_errors(found, others), strict=True)
+        ]
         tables = {
-            "results.csv": pd.DataFrame([result_row(found)]),
+            "results.csv": pd.DataFrame([result_row(found) | shape_errors(found, others)]),
             "ropes.csv": ropes,
             "netting.csv": pd.DataFrame(netting),
             "points.csv": pd.DataFrame(point_rows(found)),

@@ -63,6 +63,11 @@ class Body:
         return self.mass_kg * GRAVITY_M_S2
 
     @property
+    def carries_kg(self) -> float:
+        """What its floats carry at most, under water."""
+        return self.water_density * float(self.column_area @ self.column_height)
+
+    @property
     def size_m(self) -> float:
         """How far its parts are from its origin: what turns are measured with."""
         reach = np.linalg.norm(np.concatenate([self.arms, self.column_foot]), axis=1).max()

@@ -90,7 +90,7 @@ def frame_cautions(built: BuiltScene, positions: Floats) -> list[str]:
 
 def _why_it_may_not_float(built: BuiltScene, body: Body) -> list[str]:
     """What of a frame for which no equilibrium was found speaks against one near to where it is placed."""
-    most = body.water_density * rigid.GRAVITY_M_S2 * float(body.column_area @ body.column_height)
+    most = rigid.GRAVITY_M_S2 * body.carries_kg
     found = []
     if body.weight_n >= most:
         weighs = f"weighs {body.weight_n:.4g} N in air"

@@ -8,10 +8,11 @@ import numpy as np
 from codend.mechanics.body import load, pose_of
 from codend.net.net import Floats
 from codend.scenes.build import BuiltScene
-from codend.scenes.equilibrium import find, from_there
+from codend.scenes.equilibrium import find, from_there, stays
 from codend.scenes.frame_measures import frame_cautions
 from codend.scenes.netting_measures import contact_share, netting_caution, volume_m3
 from codend.solvers import floating, interior_point
+from codend.solvers.half import half_of
 from codend.solvers.outcome import START, Outcome, Solution
 from codend.solvers.reactions import loads_and_supports
 
@@ -25,9 +26,12 @@ NOTHING_PULLS = (
     "Nothing pulls at anything here: any shape in which all is long enough is in balance, not this one alone."
 )
 LIES_ON_NETTING = (
-    "Netting lies on netting here and presses on it without friction: of several shapes in balance this is the one to "
-    "which the net moves when the current sets in on the net at rest."
+    "Netting lies on netting here and presses on it without friction: several shapes may be in balance, of which this "
+    "is the one found first."
 )
+WOULD_LEAVE = "This shape is in balance and would not stay so: moved a little, the netting would go on to another one."
+UNLIKE = 0.01
+"""Of the shortest bar of netting: by how much two sides of a mirrored scene may be unlike untold."""
 
 
 @dataclass(frozen=True)
@@ -168,9 +172,11 @@ def result_row(result: SceneResult) -> dict[str, Any]:
         "highest_m": float(result.solution.positions[:, 2].max()),
         "volume_m3": volume_m3(built, result.solution.positions),
         "contact_share": contact_share(built, result.solution.positions),
+        "unlike_sides_m": unlike_sides_m(result),
         "method": report.method,
         "iterations": report.iterations,
         "residual": report.residual,
+        "stable": stable(result),
         "balance_error": balance_error(result),
         "converged": result.converged,
         "solve_ms": report.solve_ms,
@@ -193,6 +199,28 @@ def settled(built: BuiltScene, positions: Floats, bar_tension: Floats) -> SceneR
             return solve_scene(built)
         return SceneResult(replace(built, problem=under[0]), under[1], *loads_and_supports(*under))
     return SceneResult(built, solution, *loads_and_supports(built.problem, solution))
+
+
+def stable(result: SceneResult) -> str:
+    """Whether netting held in balance would stay there if it were moved a little: yes or no; empty of other scenes."""
+    if not (result.converged and result.built.sheet_nodes) or result.built.problem.body is not None:
+        return ""
+    return "yes" if stays(result.built.problem, result.solution) else "no"
+
+
+def unlike_sides_m(result: SceneResult) -> float:
+    """How far the two sides of a scene that is its own mirror image are from being so, m; nan of other scenes."""
+    half = half_of(result.built.problem)
+    return np.nan if half is None else half.unlike_m(result.solution.positions)
+
+
+def _unlike(result: SceneResult) -> list[str]:
+    """What is to be told of a shape that is not mirrored, of a scene that is."""
+    net, unlike = result.built.problem.net, unlike_sides_m(result)
+    if not unlike > UNLIKE * float(net.bar_length[~net.bar_is_rope].min(initial=np.inf)):
+        return []
+    said = f"The scene is its own mirror image, and this shape is not: its two sides differ by up to {unlike:.2g} m"
+    return [f"{said}. Its mirror image is in balance as well."]
 
 
 def balance_error(result: SceneResult) -> float:
@@ -247,6 +275,10 @@ def cautions(result: SceneResult) -> list[str]:
         found.append(NOTHING_PULLS)
     if result.converged:
         found += _stretched(result)
+    if result.converged:
+        found += _unlike(result)
+    if stable(result) == "no":
+        found.append(WOULD_LEAVE)
     if result.converged and contact_share(result.built, result.solution.positions) > 0.0:
         found.append(LIES_ON_NETTING)
     if "density_kg_m3" not in scene.water.model_fields_set:

@@ -1,10 +1,10 @@
 """Equilibrium of a net and of the rigid body that floats and carries it, all unknowns at once.
 
 Newton's method on the places of the nodes, the force densities of the bars and the six unknowns of the body
-(``mechanics.body``, ``body_system``), with the barrier of ``interior_point`` made lower and lower and no barrier at the
-end. After a step the body is turned by the whole rotation, not by its first order. What no mooring holds is left where
-it is: a body without one is free in x, y and yaw, of which nothing is asked but that loads there cancel. With contact
-between parts of a net (``Problem.of(contact=...)``) no step goes past where any would pass through another.
+(``mechanics.body``, ``body_system``), with the ``barrier`` made lower and lower and none at the end. After a step the
+body is turned by the whole rotation, not by its first order. What no mooring holds is left where it is: a body without
+one is free in x, y and yaw, of which nothing is asked but that loads there cancel. With contact between parts of a net
+(``Problem.of(contact=...)``) no step goes past where any would pass through another.
 """
 
 import numpy as np
@@ -18,29 +18,15 @@ from codend.mechanics.problem import Problem
 from codend.mechanics.structure import Structure
 from codend.net.net import Floats
 from codend.solvers import interior_kernels as kernels
+from codend.solvers.barrier import KEPT_TAUT, LARGEST_TURN, Course, lower
 from codend.solvers.body_system import BodySystem, out_of_balance, residual_of
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension
-from codend.solvers.interior_point import (
-    BLOCKED,
-    EXACT,
-    FARTHEST_TURN,
-    KEPT_TAUT,
-    LARGEST_TURN,
-    LEAST_SHIFT,
-    LEAST_SLACKNESS,
-    LOWERED,
-    LOWERED_WARILY,
-    NEAR,
-    InteriorPointSettings,
-    nearest_to_nothing,
-    next_shift,
-)
-from codend.solvers.newton import LARGEST_SHIFT
+from codend.solvers.interior_point import InteriorPointSettings
 from codend.solvers.outcome import START, Outcome, Progress, Solution, SolverReport
 from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.refusal import refusal, told
-from codend.solvers.watched import Watched, less_exact, more_exact
+from codend.solvers.watched import Watched
 
 METHOD = "newton with a floating body"
 SETTINGS = InteriorPointSettings()
@@ -48,6 +34,8 @@ LEAST_TENSION_N = 1e-9
 """Where nothing pulls at any bar."""
 BALANCED = 1e-9
 """Residual to which the last barrier is followed."""
+CLOSE = 1e-6
+"""Residual at the last barrier from which the finish is tried though its steps be spent."""
 LARGEST_TILT = 0.1
 """Largest rotation of the body in one step, rad."""
 FARTHEST = 1.0
@@ -157,7 +145,7 @@ class _Run:
         refused = refusal(self.problem, self.state.position, self.state.share) if outcome.converged else None
         outcome = outcome if refused is None else refused.outcome
         if outcome is Outcome.CONVERGED:
-            self._linearise(self.problem.structure, 0.0)
+            self.linearise(self.problem.structure, 0.0, 1.0)
             self.grows = self.system.growing()
             outcome = outcome if self.grows is None else Outcome.TURNS_OVER
         return outcome, told(outcome, refused)
@@ -173,40 +161,23 @@ class _Run:
 
     def _lower(self) -> Outcome:
         structure = self.problem.structure
-        loosening, softness = np.zeros(len(structure.length)), np.zeros(len(structure.length))
         tension = max(self.tension, kernels.largest_force(structure, self.state.load))
-        barrier, last = SETTINGS.first_barrier, SETTINGS.last_barrier * self.tension / tension
-        shift = 0.0
-        kernels.begin(structure, barrier * tension, LEAST_SLACKNESS, self.state)
-        for _ in range(SETTINGS.steps_allowed):
-            state = self.state
-            kernels.strain(structure, barrier * tension, state, softness)
-            if self.progress is not None:
-                self.progress(METHOD, state.residual)
-            if not np.isfinite(state.residual):
-                return Outcome.NOT_FINITE
-            if barrier <= last and state.residual <= BALANCED:
-                return Outcome.CONVERGED
-            self.steps += 1
-            turn, shift = self._linearise(structure._replace(flexibility=softness), shift)
-            if not np.isfinite(turn):
-                return Outcome.SINGULAR
-            step = self.prepared.step
-            back = self.watched.goes_back(step.move)
-            way = kernels.way_to_nothing(structure, barrier * tension, state, step, loosening)
-            of_turn = min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0
-            share = min(of_turn, nearest_to_nothing(barrier) * way)
-            kernels.go(state, step, loosening, share, self.spare)
-            blocked = share < BLOCKED
-            share *= self._carry_body(share, 1.0)
-            shift = next_shift(shift, of_turn, back)
-            if blocked:
-                barrier = max(barrier, kernels.reached_barrier(structure, self.state) / tension)
-                continue
-            force = max(kernels.largest_force(structure, self.state.force), self.left)
-            if share > 0.5 and (force <= NEAR * tension * barrier or self.state.residual <= BALANCED):
-                barrier = max((LOWERED if share > 0.9 else LOWERED_WARILY) * barrier, last)
-        return Outcome.CONVERGED if self.state.residual <= 1e-6 else Outcome.STEPS_SPENT
+        course = Course(
+            first=SETTINGS.first_barrier,
+            last=SETTINGS.last_barrier * self.tension / tension,
+            steps_allowed=SETTINGS.steps_allowed,
+            # frames that sink until they hang on their moorings take more than 80 in a row
+            patience=SETTINGS.steps_allowed,
+            enough=BALANCED,
+            close=CLOSE,
+        )
+        outcome, steps, _ = lower(self, structure, tension, course, self.progress, METHOD)
+        self.steps += steps
+        return outcome
+
+    def left_over(self) -> float:
+        """See ``barrier.Led``: on the net, and on the body."""
+        return max(kernels.largest_force(self.problem.structure, self.state.force), self.left)
 
     def _finish(self, tolerance: float, switch: float) -> Outcome:
         for _ in range(LAST_STEPS):
@@ -219,47 +190,36 @@ class _Run:
             if not np.isfinite(state.residual):
                 return Outcome.NOT_FINITE
             self.steps += 1
-            turn, _ = self._linearise(self.problem.structure, 0.0)
+            turn, _ = self.linearise(self.problem.structure, 0.0, 1.0)
             if not np.isfinite(turn):
                 return Outcome.SINGULAR
             self._take(min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0, switch)
         return Outcome.NOT_IMPROVING
 
-    def _linearise(self, softened: Structure, shift: float) -> tuple[float, float]:
-        """Write the step at the state, with the net's tangent shifted until it leads not too far; its turn, the shift.
-
-        The turn is the largest change of a bar's vector over its length, or of the body's pose over what it may.
-        """
-        state, prepared = self.state, self.prepared
+    def linearise(self, softened: Structure, shift: float, exact: float) -> tuple[float, float]:
+        """See ``barrier.Led``; the body's turn is that of its pose over what it may."""
+        state, prepared, loading = self.state, self.prepared, self.watched.loading
         structure, step = self.problem.structure, prepared.step
         if self.system.prepared is not prepared:
             steering, self.system = self.system.steering, BodySystem(self.problem, prepared)
             self.system.steering = steering
-        loading = self.watched.loading
-        near_contact = state.residual <= EXACT and len(loading.contact.kind) > 0
-        exact = more_exact(self.watched.exact) if near_contact else 0.0
-        while True:
-            turn = asked = np.inf
-            self.watched.exact = exact
-            acting = loading._replace(contact=loading.contact._replace(exact=exact if self.taut else 1.0))
-            newton_step.linearise(softened, acting, prepared.pattern, self.tension, 0.0, state, step)
-            if shift > 0.0:
-                kernels.shift_by_resistance(structure, prepared.pattern, state, shift, step.blocks)
-            factorised = self.system.factorise(step.blocks, self.pose, state.force) == 0
-            if factorised:
-                solved = self.system.solve(step.right[:1], self.pose)
-                newton_step.finish_step(structure, state, state, solved, step)
-                asked = kernels.largest_turn(structure, state, step)
-                moved, tilt = (float(np.linalg.norm(part)) for part in np.split(self.system.twist, 2))
-                of_body = max(moved / (FARTHEST * self.body.size_m), tilt / LARGEST_TILT)
-                turn = max(asked, LARGEST_TURN * of_body)
-            stands = factorised and not (near_contact and prepared.system.negative_pivots())
-            if (asked <= FARTHEST_TURN and stands) or shift >= LARGEST_SHIFT or self.taut == 0.0:
-                return turn, shift
-            if exact > 0.0:
-                exact = less_exact(exact)
-                continue
-            shift = max(4.0 * shift, LEAST_SHIFT)
+        acting = loading._replace(contact=loading.contact._replace(exact=exact))
+        newton_step.linearise(softened, acting, prepared.pattern, self.tension, 0.0, state, step)
+        if shift > 0.0:
+            kernels.shift_by_resistance(structure, prepared.pattern, state, shift, step.blocks)
+        if self.system.factorise(step.blocks, self.pose, state.force) != 0:
+            return np.nan, np.nan
+        solved = self.system.solve(step.right[:1], self.pose)
+        newton_step.finish_step(structure, state, state, solved, step)
+        of_bars = kernels.largest_turn(structure, state, step)
+        moved, tilt = (float(np.linalg.norm(part)) for part in np.split(self.system.twist, 2))
+        of_body = max(moved / (FARTHEST * self.body.size_m), tilt / LARGEST_TILT)
+        return max(of_bars, LARGEST_TURN * of_body), of_bars
+
+    def go(self, loosening: Floats, share: float) -> float:
+        """See ``barrier.Led``."""
+        kernels.go(self.state, self.prepared.step, loosening, share, self.spare)
+        return self._carry_body(share, 1.0)
 
     def _take(self, size: float, switch: float) -> None:
         step, new = self.prepared.step, self.spare

@@ -10,6 +10,7 @@ from codend.mechanics.tangent import with_contact
 from codend.net.net import Floats
 from codend.solvers.linear_systems import linear_system
 from codend.solvers.prepared import Prepared
+from codend.solvers.sparse_system import SparseSystem
 
 REVERSED = -0.5
 """Cosine between two moves under which the second goes back on the first: where parts are nearest has leapt."""
@@ -81,7 +82,9 @@ class Watched:
     def _made(self) -> Prepared:
         structure, near = self.problem.structure, self.loading.contact
         pattern = with_contact(self._without.pattern, near.node)
-        system = linear_system(structure, pattern, self._without.system)
+        # a net that contact has made wide is not numbered for a narrow band again at every step
+        last = self.prepared.system
+        system = linear_system(structure, pattern, last if isinstance(last, SparseSystem) else self._without.system)
         return Prepared(pattern, system, self._without.states, empty_step(structure, pattern))
 
     def free_share(self, position: Floats, move: Floats) -> float:

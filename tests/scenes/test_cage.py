@@ -1,5 +1,8 @@
 """Cages: what they enclose, how they stand in a current with netting on netting, and that nothing passes through it."""
 
+from dataclasses import replace
+from itertools import islice
+
 import ipctk
 import numpy as np
 import pytest
@@ -10,10 +13,15 @@ from codend.mechanics.contact_ways import least_distance
 from codend.mechanics.sheet import sheet_of
 from codend.scenes.build import build
 from codend.scenes.enclosure import enclosed_m3, facing_alike, openings
-from codend.scenes.measures import LIES_ON_NETTING, cautions, result_row, solve_scene
-from codend.scenes.netting_measures import volume_m3
+from codend.scenes.equilibrium import contact_law, in_still_water, stays
+from codend.scenes.measures import LIES_ON_NETTING, cautions, result_row, solve_scene, stable
+from codend.scenes.netting_measures import netting_rows, volume_m3
+from codend.scenes.other_shapes import LEAST_SHARE, frame_errors, netting_errors, not_sought, other_shapes, shape_errors
 from codend.scenes.scene import scene_from_dict
+from codend.solvers import gentle, interior_point
+from codend.solvers.half import half_of
 from validation.cage.gear import box, cylinder
+from validation.cage.random_cages import random_cages
 
 
 @pytest.fixture(scope="module")
@@ -69,9 +77,10 @@ def test_a_cage_in_a_current_is_in_balance_and_nothing_passes_through_it(in_curr
 
 
 def test_a_cage_in_a_current_is_found_with_contact_from_the_first_step(in_current):
-    through, last = in_current.solution.report.attempts
+    how, through, *last = in_current.solution.report.attempts
+    assert how.startswith("one half of the net")
     assert through.startswith("interior point")
-    assert last.startswith("newton")
+    assert all(attempt.startswith("newton") for attempt in last)
     assert in_current.solution.report.iterations < 60
 
 
@@ -89,6 +98,23 @@ def test_the_drag_of_a_cage_is_what_holds_its_frame(in_current):
     loads = in_current.load.sum(axis=0)
     assert held == pytest.approx(-loads, abs=1e-8 * np.linalg.norm(loads))
     assert abs(loads[1]) < 0.02 * loads[0]
+
+
+def test_a_shape_whose_sides_are_unlike_is_told_of_a_scene_whose_sides_are_not(in_current):
+    assert result_row(in_current)["unlike_sides_m"] < 1e-9
+    assert not any("mirror image" in word for word in cautions(in_current))
+    moved = in_current.solution.positions.copy()
+    side = np.flatnonzero(~in_current.built.problem.net.fixed[:, 1] & (moved[:, 1] > 0.6))
+    moved[side[0], 1] += 0.01
+    unlike = replace(in_current, solution=replace(in_current.solution, positions=moved))
+    assert result_row(unlike)["unlike_sides_m"] == pytest.approx(0.01, rel=1e-6)
+    assert any("its two sides differ by up to 0.01 m" in word for word in cautions(unlike))
+
+
+def test_a_scene_whose_sides_are_unlike_is_not_asked_for_it():
+    data = box(0.1, merged=10)
+    data["water"]["flow_m_s"] = [0.1, 0.02, 0.0]
+    assert np.isnan(result_row(solve_scene(build(scene_from_dict(data))))["unlike_sides_m"])
 
 
 def test_sheets_that_do_not_touch_are_not_changed_by_contact():
@@ -109,3 +135,69 @@ def test_a_knot_that_a_taper_leaves_on_nothing_is_refused():
         InputError, match=r"meshes_across_aft = 0 is not allowed; allowed: a count that leaves every knot"
     ):
         scene_from_dict(data)
+
+
+@pytest.fixture(scope="module")
+def slack():
+    """A cage of few meshes in a current so weak that its slack netting rests in several shapes."""
+    result = solve_scene(build(scene_from_dict(box(0.3, merged=8))))
+    assert result.converged
+    return result, other_shapes(result)
+
+
+def test_errors_cover_what_a_cage_rests_in_when_it_is_let_go_at_rest(slack):
+    result, others = slack
+    problem, tolerance = result.built.problem, result.built.scene.model.tolerance
+    assert problem.surface is not None
+    rest = in_still_water(problem, tolerance)
+    led = gentle.solve(problem.touching_at(rest.positions), tolerance, rest)
+    assert led.report.outcome.converged
+
+    def told(places, tension):
+        rows = netting_rows(result.built, places, tension)
+        return np.array([[row[name] for name in ("drag_n", "lift_n", "opening_deg")] for row in rows])
+
+    here = told(result.solution.positions, result.solution.bar_tension)
+    changed = np.abs(told(led.positions, led.bar_tension) - here)
+    assert changed[:, 0].max() > 0.01 * here[:, 0].sum()  # or there were nothing to cover
+    stated = np.array([list(row.values()) for row in netting_errors(result, others)])
+    assert np.all(changed <= stated)
+    errors = shape_errors(result, others)
+    assert (
+        abs(volume_m3(result.built, led.positions) - volume_m3(result.built, result.solution.positions))
+        < errors["volume_error_m3"]
+    )
+    assert np.linalg.norm(led.positions - result.solution.positions, axis=1).max() < errors["shape_error_m"]
+
+
+def test_errors_are_what_is_assumed_at_least_where_every_way_leads_to_one_shape(in_current):
+    others = other_shapes(in_current)
+    assert len(others) >= 4
+    row, errors = result_row(in_current), shape_errors(in_current, others)
+    assert errors["volume_error_m3"] == pytest.approx(LEAST_SHARE * row["volume_m3"], rel=1e-12)
+    (pull,) = frame_errors(in_current, others)
+    assert pull["pull_error_n"] == pytest.approx(LEAST_SHARE * in_current.load[:, 0].sum(), rel=1e-9)
+    assert not_sought(in_current, others) == []
+
+
+def test_errors_that_were_not_sought_are_empty_and_told(in_current):
+    assert np.isnan(list(shape_errors(in_current, []).values())).all()
+    assert all(np.isnan(list(row.values())).all() for row in netting_errors(in_current, []))
+    (told,) = not_sought(in_current, [])
+    assert "errors are left empty" in told
+
+
+def test_a_cage_that_would_leave_its_mirrored_shape_is_followed_to_where_it_stays():
+    data = next(islice(random_cages(29, seed=29), 28, None))
+    result = solve_scene(build(scene_from_dict(data)))
+    assert result.converged
+    assert any("which the whole net would leave" in attempt for attempt in result.solution.report.attempts)
+    assert stable(result) == "yes"
+    assert 1e-4 < result_row(result)["unlike_sides_m"] < 0.01
+    half = half_of(result.built.problem)
+    assert half is not None
+    law = contact_law(half.problem)
+    of_half = interior_point.solve(half.problem.touching_by(law), result.built.scene.model.tolerance)
+    assert of_half.report.outcome.converged
+    mirrored = half.whole(of_half)
+    assert not stays(result.built.problem.touching_by(law).touching_at(mirrored.positions), mirrored)

@@ -115,9 +115,10 @@ def test_a_frame_that_floats_for_120_kg_do_not_carry_hangs_as_deep_as_its_moorin
     assert row["pull_z_n"] == pytest.approx(row["weight_n"] - row["buoyancy_n"])
 
 
-def test_a_cage_on_such_a_frame_hangs_with_it_and_does_not_pass_through_itself():
+@pytest.mark.parametrize("mass_kg", [500.0, 1000.0])
+def test_a_cage_on_such_a_frame_hangs_with_it_and_does_not_pass_through_itself(mass_kg):
     data = afloat(box(0.3, merged=10))
-    data["frame"] = {**data["frame"], "mass_kg": 500.0}
+    data["frame"] = {**data["frame"], "mass_kg": mass_kg}
     result = solved(data)
     row = frame_rows(result.built, result.solution.positions, result.support)[0]
     assert row["z_m"] == pytest.approx(HANGS_AT_M, abs=1e-4)

@@ -3,10 +3,12 @@
 ``python -m validation.cage --out DIR`` solves the cage of ``gear`` for currents of 0 to 1 m/s under several ballasts
 (figure 18 of Le Bris et al. 1999), once more in finer netting, and once more with a current that rises by steps from
 one speed to the next; prints the tables and draws figure 18 and the shapes of figures 14 and 15. ``--random N`` solves
-random cages in their place and has every answer judged by ``ipctk``.
+random cages in their place and has every answer judged by ``ipctk``; ``--covered N`` holds their errors to shapes found
+on other ways. Both exit with 1 if an answer is wrong.
 """
 
 import argparse
+import sys
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -23,6 +25,7 @@ from codend.scenes.netting_measures import netting_rows, volume_m3
 from codend.scenes.scene import scene_from_dict
 from codend.solvers import interior_point
 from codend.solvers.outcome import Solution
+from validation.cage.covered import rows_of
 from validation.cage.drawing import shapes_figure, volume_figure
 from validation.cage.gear import BALLAST_KG, box
 from validation.cage.random_cages import judged
@@ -50,6 +53,7 @@ def solved(data: dict[str, Any]) -> tuple[SceneResult, dict[str, Any]]:
         "frame_pull_x_n": frame["pull_x_n"],
         "frame_pull_z_n": frame["pull_z_n"],
         "contact_share": row["contact_share"],
+        "unlike_sides_m": row["unlike_sides_m"],
         "residual": row["residual"],
         "processor_s": spent,
     }
@@ -83,10 +87,17 @@ def main() -> None:
     asked = argparse.ArgumentParser(description=__doc__)
     asked.add_argument("--out", type=Path, default=Path("cage"))
     asked.add_argument("--random", type=int, default=0)
+    asked.add_argument("--covered", type=int, default=0)
+    asked.add_argument("--seed", type=int, default=0)
     given = asked.parse_args()
     if given.random:
-        print(judged(given.random))
-        return
+        said, right = judged(given.random, given.seed)
+        print(said)
+        sys.exit(0 if right else 1)
+    if given.covered:
+        table = pd.DataFrame(rows_of(given.covered, given.seed))
+        print(table.to_string(index=False, float_format="%.4g"))
+        sys.exit(0 if table["over_stated"].max() <= 1.0 else 1)
     given.out.mkdir(parents=True, exist_ok=True)
     solved(box(0.3, merged=10))  # compiles
     tables, cages = {}, {}

@@ -14,9 +14,12 @@ import numpy as np
 from codend.mechanics.sheet import sheet_of
 from codend.net.net import Floats
 from codend.scenes.build import BuiltScene, build
-from codend.scenes.measures import balance_error, solve_scene
+from codend.scenes.measures import balance_error, solve_scene, stable, unlike_sides_m
 from codend.scenes.scene import scene_from_dict
 from validation.cage.gear import box, cylinder
+
+UNLIKE_M = 1e-4
+"""Of sides that are the same but for round-off and the tolerance."""
 
 
 def random_cages(count: int, seed: int = 0) -> Iterator[dict[str, Any]]:
@@ -45,11 +48,11 @@ def crosses_itself(built: BuiltScene, positions: Floats) -> bool:
     return bool(ipctk.has_intersections(mesh, np.asfortranarray(positions)))
 
 
-def judged(count: int) -> str:
-    """What came of random cages, in words."""
-    found, touching, crossed, unbalanced, began = 0, 0, [], [], process_time()
-    lost = []
-    for number, data in enumerate(random_cages(count)):
+def judged(count: int, seed: int) -> tuple[str, bool]:
+    """What came of random cages, in words, and whether no answer is wrong."""
+    found, touching, began = 0, 0, process_time()
+    lost, crossed, unbalanced, leaving, unlike = [], [], [], [], []
+    for number, data in enumerate(random_cages(count, seed)):
         built = build(scene_from_dict(data))
         result = solve_scene(built)
         if not result.converged:
@@ -59,8 +62,12 @@ def judged(count: int) -> str:
         touching += len(result.built.problem.loading.contact.kind) > 0
         crossed += [number] if crosses_itself(built, result.solution.positions) else []
         unbalanced += [number] if balance_error(result) > 1e-8 else []
-    return (
+        leaving += [number] if stable(result) == "no" else []
+        unlike += [number] if unlike_sides_m(result) > UNLIKE_M else []
+    said = (
         f"{found} of {count} random cages found in balance ({touching} with netting near netting), not found: "
         f"{lost or 'none'}; passed through themselves, by ipctk: {crossed or 'none'}; loads and supports out of "
-        f"balance by more than 1e-8: {unbalanced or 'none'}; {process_time() - began:.0f} s of processor time"
+        f"balance by more than 1e-8: {unbalanced or 'none'}; told as not stable: {leaving or 'none'}; told as unlike "
+        f"on their two sides: {unlike or 'none'}; {process_time() - began:.0f} s of processor time"
     )
+    return said, not (crossed or unbalanced)
