@@ -329,7 +329,9 @@ def test_a_neighbour_leads_to_the_same_equilibrium_in_fewer_steps(home, changes)
 
 
 def test_a_study_leaves_python_to_look_for_unused_objects_as_often_as_before(monkeypatch):
-    before, during = gc.get_threshold(), []
+    before, during = (700, 10, 10), []
+    own = gc.get_threshold()  # of a command, where one has run here
+    gc.set_threshold(*before)
 
     def fails(chunk):
         during.append(gc.get_threshold()[0])
@@ -339,8 +341,11 @@ def test_a_study_leaves_python_to_look_for_unused_objects_as_often_as_before(mon
         raise OSError
 
     monkeypatch.setattr(chunks, "_rows_of_chunk", fails)
-    for _ in range(2):
-        with pytest.raises(OSError):
-            chunks.solve_chunk(chunks.Chunk(0, (), (), False))
-        assert gc.get_threshold() == before
+    try:
+        for _ in range(2):
+            with pytest.raises(OSError):
+                chunks.solve_chunk(chunks.Chunk(0, (), (), False))
+            assert gc.get_threshold() == before
+    finally:
+        gc.set_threshold(*own)
     assert min(during) > before[0]

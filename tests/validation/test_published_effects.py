@@ -2,6 +2,8 @@
 
 import pytest
 
+from codend.equilibrium.stability import Stability
+from codend.studies import study
 from validation import published_effects
 
 SPECIES = published_effects.assumed_fish()
@@ -9,7 +11,10 @@ SPECIES = published_effects.assumed_fish()
 
 @pytest.fixture(scope="module")
 def hauls():
-    return published_effects.hauls(SPECIES)
+    with pytest.MonkeyPatch.context() as patch:
+        # which changes no opening: of small turned meshes all harmonics grow, each asked in nine tenths of the time
+        patch.setattr(study, "stability_of", lambda *_, **__: Stability("unknown", complete=False))
+        return published_effects.hauls(SPECIES)
 
 
 @pytest.mark.parametrize("push_n", [0.0, 0.5, 1.0])
