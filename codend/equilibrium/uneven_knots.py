@@ -2,8 +2,8 @@
 
 Where meshes are gathered at the codline, the last knots lie in one plane, or some lean ahead and those between back. A
 sector is stable one way or the other, by every harmonic; but round the whole net other orders are as stable, and meet.
-Beside a joint, on the side of more meshes, knots between those that the joint holds
-stand in while these stand out, or the other way about.
+Beside a joint, on the side of more meshes, knots between those that the joint holds stand in while these stand out, or
+the other way about.
 """
 
 from collections.abc import Iterator
