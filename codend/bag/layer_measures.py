@@ -63,6 +63,16 @@ def measure_layers(bag: Bag, problem: Problem, solution: Solution) -> list[Layer
     return found
 
 
+def drawn_at_most(problem: Problem, solution: Solution) -> float:
+    """Largest share of their length to which bars of layers are drawn by what is below; 1 and more pull."""
+    law = problem.structure.wrap_law
+    _, diagonal, _, _ = wrap.of_cells(np.ascontiguousarray(solution.positions), problem.structure)
+    across, along = np.linalg.norm(diagonal, axis=2).T
+    square = law[:, wrap.SQUARE] > 0.0
+    drawn = np.where(square, np.maximum(2.0 * across, along), np.hypot(across, along))
+    return float((drawn / law[:, wrap.BAR]).max())
+
+
 @dataclass(frozen=True)
 class _Cells:
     """Cells of a layer; arrays (cells,)."""

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from codend.bag.bag import Bag
-from codend.bag.layer_measures import LayerRows, hoop_share_of_catch, measure_layers
+from codend.bag.layer_measures import LayerRows, drawn_at_most, hoop_share_of_catch, measure_layers
 from codend.bag.measures import Measures, measure_briefly
 from codend.equilibrium.accuracy import SAFETY
 from codend.equilibrium.bag_model import BagModel
@@ -31,6 +31,10 @@ BY_SPARE_WIDTH = np.array([2.0, 0.6, 0.35, 0.0])
 """And what is more of it by the share by which the layer is narrower than the netting below, both pulled fully open."""
 LEAST_OPENING_DEG = 10.0
 """Opening that its change is at least taken of: shut meshes under layers open by degrees, too."""
+NEARLY_DRAWN, TOUCHING = 0.94, np.array([0.01, 0.01, 0.02, 0.02])
+"""Share of their length to which bars of a layer are drawn without a pull, from which netting that stands out may touch
+them, and what that is taken to change: of layers drawn to 0.9996 and less it changed 0.002, 0.003, 0.008 and 0.008
+(``python -m validation.sliding_layers --seed 77``), where nothing was stated."""
 IN_CONTACT = np.array([0.1, 0.08, 0.06, 0.1])
 """Of the same where layers were solved in contact, for the distance at which it begins and other shapes in which they
 come to rest: with a third of it two of 14 nets had others outside, by up to 1.9."""
@@ -49,7 +53,7 @@ def changed_by_sliding(
 
     Returns:
         largest changes of drag, volume, largest radius and opening ahead, N, m3, m and degrees, (4,): all 0 without
-        layers and where none carries any load, that of the volume where the case gives it;
+        layers and where none is near to carrying any load, that of the volume where the case gives it;
         these four as they are with the layers as nets of their own in contact, nan where that was not solved, (4,).
     """
     changed, slid = np.zeros(4), np.full(4, np.nan)
@@ -59,9 +63,12 @@ def changed_by_sliding(
     carried = min(sum(largest_share(rows, solution.share) for rows in layers), 1.0)
     widest = max(part.stretched_radius_m for part in model.plan.netting)
     spare = max(1.0 - min(layer.stretched_radius_m for layer in bag.layers) / widest, 0.0)
-    if carried == 0.0:
-        return changed, slid
     sizes = np.maximum(measures.estimated, [0.0, 0.0, 0.0, LEAST_OPENING_DEG])
+    if carried == 0.0:
+        if drawn_at_most(problem, solution) >= NEARLY_DRAWN:
+            changed = TOUCHING * sizes
+            changed[1] *= not case.gives_volume
+        return changed, slid
     changed = carried * (BY_SLIDING + BY_SPARE_WIDTH * spare) * sizes
     if bag is model.bag and can_slide(model):
         shapes = list(_shapes_in_contact(model, case, problem, solution, progress))
