@@ -32,6 +32,8 @@ class LayerRows:
     """Share of the load along the meridian, likewise."""
     hoop_load: Floats
     """Inward pull of all on a sector, N."""
+    drawn: Floats
+    """Largest length to which the netting below draws the layer's bars, over their own: from 1 on they pull."""
 
 
 def measure_layers(bag: Bag, problem: Problem, solution: Solution) -> list[LayerRows]:
@@ -58,19 +60,10 @@ def measure_layers(bag: Bag, problem: Problem, solution: Solution) -> list[Layer
                 hoop_share=_share(own_hoop, hoop)[bands],
                 axial_share=_share(own_axial, axial)[bands],
                 hoop_load=hoop[bands],
+                drawn=np.array([one.drawn[one.band == band].max() for band in bands]),
             )
         )
     return found
-
-
-def drawn_at_most(problem: Problem, solution: Solution) -> float:
-    """Largest share of their length to which bars of layers are drawn by what is below; 1 and more pull."""
-    law = problem.structure.wrap_law
-    _, diagonal, _, _ = wrap.of_cells(np.ascontiguousarray(solution.positions), problem.structure)
-    across, along = np.linalg.norm(diagonal, axis=2).T
-    square = law[:, wrap.SQUARE] > 0.0
-    drawn = np.where(square, np.maximum(2.0 * across, along), np.hypot(across, along))
-    return float((drawn / law[:, wrap.BAR]).max())
 
 
 @dataclass(frozen=True)
@@ -90,6 +83,8 @@ class _Cells:
     along_n: Floats
     tension_n: Floats
     """Largest of its bars."""
+    drawn: Floats
+    """Length of the longest over its own."""
 
     def largest_tension_n(self, band: int) -> float:
         """Largest of a band's bars, each as long as the mean of the cells on either row's sides makes it."""
@@ -104,15 +99,17 @@ class _Cells:
 
 
 def _cells(bag: Bag, structure: Structure, position: Floats) -> list[_Cells]:
-    span, diagonal, pull, tension = wrap.of_cells(position, structure)
+    span, diagonal, pull, drawn = wrap.of_cells(position, structure)
     across, length = np.linalg.norm(diagonal, axis=2).T
     work, found, start = np.einsum("wki,wki->kw", span, pull), [], 0
     along = work[1] / np.linalg.norm(span[:, 1], axis=1)
+    tension = structure.wrap_law[:, wrap.STIFFNESS] * np.maximum(drawn - 1.0, 0.0)
     for band, row in zip(bag.layer_bands, bag.layer_rows, strict=True):
         own = slice(start, start + len(band))
         start += len(band)
         square = bool(structure.wrap_law[own][0, wrap.SQUARE])
-        found.append(_Cells(square, band, row, across[own], length[own], work[0, own], along[own], tension[own]))
+        measured = (across, length, work[0], along, tension, drawn)
+        found.append(_Cells(square, band, row, *(values[own] for values in measured)))
     return found
 
 

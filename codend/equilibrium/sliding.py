@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from codend.bag.bag import Bag
-from codend.bag.layer_measures import LayerRows, drawn_at_most, hoop_share_of_catch, measure_layers
+from codend.bag.layer_measures import LayerRows, hoop_share_of_catch, measure_layers
 from codend.bag.measures import Measures, measure_briefly
 from codend.equilibrium.accuracy import SAFETY
 from codend.equilibrium.bag_model import BagModel
@@ -65,7 +65,7 @@ def changed_by_sliding(
     spare = max(1.0 - min(layer.stretched_radius_m for layer in bag.layers) / widest, 0.0)
     sizes = np.maximum(measures.estimated, [0.0, 0.0, 0.0, LEAST_OPENING_DEG])
     if carried == 0.0:
-        if drawn_at_most(problem, solution) >= NEARLY_DRAWN:
+        if max(rows.drawn.max() for rows in layers) >= NEARLY_DRAWN:
             changed = TOUCHING * sizes
             changed[1] *= not case.gives_volume
         return changed, slid

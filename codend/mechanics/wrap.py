@@ -128,17 +128,22 @@ def turn_to_spans(law: Floats, span: Floats, diagonal: Floats, slope: Floats) ->
 
 @njit(cache=True, error_model="numpy")
 def of_cells(position: Floats, structure: Structure) -> tuple[Floats, Floats, Floats, Floats]:
-    """Base and height of every cell, T and Q, the pull along base and height, N, (w, 2, 3) each, and tension, N."""
+    """Base and height of every cell, T and Q, the pull along base and height, N, (w, 2, 3) each, and how far bars go.
+
+    The last is the largest length of a bar over its own, (w,): from 1 on it pulls.
+    """
     cells = len(structure.wrap_law)
     span, diagonal, pull = np.zeros((cells, 2, 3)), np.zeros((cells, 2, 3)), np.zeros((cells, 2, 3))
-    tension = np.zeros(cells)
+    drawn, vector = np.zeros(cells), np.empty(3)
     for cell in range(cells):
         law = structure.wrap_law[cell]
         write_spans(position, structure, cell, span[cell])
         write_diagonals(law, span[cell], diagonal[cell])
-        tension[cell] = write_slopes(law, diagonal[cell], pull[cell])
+        write_slopes(law, diagonal[cell], pull[cell])
         turn_to_spans(law, span[cell], diagonal[cell], pull[cell])
-    return span, diagonal, pull, tension
+        for bar in range(2):
+            drawn[cell] = max(drawn[cell], write_bar(law, bar, diagonal[cell], vector) / law[BAR])
+    return span, diagonal, pull, drawn
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,6 +1,7 @@
 """What is told of a scene: where its points are and what holds them, and the pull of every named rope."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -50,6 +51,19 @@ class SceneResult:
     def converged(self) -> bool:
         """Whether it may be used."""
         return self.solution.report.outcome.converged
+
+    @cached_property
+    def stable(self) -> str:
+        """Whether netting held in balance would stay so if it were moved a little: yes or no; empty of other scenes."""
+        if not (self.converged and self.built.sheet_nodes) or self.built.problem.body is not None:
+            return ""
+        return "yes" if stays(self.built.problem, self.solution) else "no"
+
+    @cached_property
+    def unlike_sides_m(self) -> float:
+        """How far the two sides of a scene that is its own mirror image are from being so, m; nan of other scenes."""
+        half = half_of(self.built.problem)
+        return np.nan if half is None else half.unlike_m(self.solution.positions)
 
 
 def solve_scene(built: BuiltScene) -> SceneResult:
@@ -172,11 +186,11 @@ def result_row(result: SceneResult) -> dict[str, Any]:
         "highest_m": float(result.solution.positions[:, 2].max()),
         "volume_m3": volume_m3(built, result.solution.positions),
         "contact_share": contact_share(built, result.solution.positions),
-        "unlike_sides_m": unlike_sides_m(result),
+        "unlike_sides_m": result.unlike_sides_m,
         "method": report.method,
         "iterations": report.iterations,
         "residual": report.residual,
-        "stable": stable(result),
+        "stable": result.stable,
         "balance_error": balance_error(result),
         "converged": result.converged,
         "solve_ms": report.solve_ms,
@@ -201,22 +215,9 @@ def settled(built: BuiltScene, positions: Floats, bar_tension: Floats) -> SceneR
     return SceneResult(built, solution, *loads_and_supports(built.problem, solution))
 
 
-def stable(result: SceneResult) -> str:
-    """Whether netting held in balance would stay there if it were moved a little: yes or no; empty of other scenes."""
-    if not (result.converged and result.built.sheet_nodes) or result.built.problem.body is not None:
-        return ""
-    return "yes" if stays(result.built.problem, result.solution) else "no"
-
-
-def unlike_sides_m(result: SceneResult) -> float:
-    """How far the two sides of a scene that is its own mirror image are from being so, m; nan of other scenes."""
-    half = half_of(result.built.problem)
-    return np.nan if half is None else half.unlike_m(result.solution.positions)
-
-
 def _unlike(result: SceneResult) -> list[str]:
     """What is to be told of a shape that is not mirrored, of a scene that is."""
-    net, unlike = result.built.problem.net, unlike_sides_m(result)
+    net, unlike = result.built.problem.net, result.unlike_sides_m
     if not unlike > UNLIKE * float(net.bar_length[~net.bar_is_rope].min(initial=np.inf)):
         return []
     said = f"The scene is its own mirror image, and this shape is not: its two sides differ by up to {unlike:.2g} m"
@@ -277,7 +278,7 @@ def cautions(result: SceneResult) -> list[str]:
         found += _stretched(result)
     if result.converged:
         found += _unlike(result)
-    if stable(result) == "no":
+    if result.stable == "no":
         found.append(WOULD_LEAVE)
     if result.converged and contact_share(result.built, result.solution.positions) > 0.0:
         found.append(LIES_ON_NETTING)

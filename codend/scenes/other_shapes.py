@@ -9,13 +9,14 @@ those found that would stay, and where netting lies on netting no less than what
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
-from codend.scenes.equilibrium import NEARBY, apart, contact_law, in_still_water, shaken, stays
+from codend.scenes.equilibrium import NEARBY, SHAKEN, apart, contact_law, in_still_water, shaken, stays
 from codend.scenes.frame_measures import frame_rows
 from codend.scenes.measures import SceneResult
 from codend.scenes.netting_measures import contact_share, netting_rows, volume_m3
@@ -149,7 +150,7 @@ def _on_other_ways(whole: Problem, known: Solution, tolerance: float) -> Iterato
     bar = float(whole.net.bar_length[~whole.net.bar_is_rope].min())
     if half is not None and half.unlike_m(known.positions) > ALIKE * bar:
         half = None
-    yield interior_point.solve(whole, tolerance, shaken(whole, known), NEARBY)
+    yield _from_shaken(SHAKEN, NEARBY, whole, known, tolerance)
     if half is None:
         yield from (way(whole, known, tolerance) for way in _WAYS)
         return
@@ -162,26 +163,16 @@ def _on_other_ways(whole: Problem, known: Solution, tolerance: float) -> Iterato
         yield way(whole, known, tolerance) if meets else found
 
 
-def _from_as_built(problem: Problem, settings: InteriorPointSettings, known: Solution, tolerance: float) -> Solution:
+def _from_as_built(settings: InteriorPointSettings, problem: Problem, known: Solution, tolerance: float) -> Solution:
     if problem.surface is not None and not apart(problem, problem.net.positions):
         return _nowhere(known)
     return interior_point.solve(problem, tolerance, None, settings)
 
 
-def _lower(problem: Problem, known: Solution, tolerance: float) -> Solution:
-    return _from_as_built(problem, LOWER, known, tolerance)
-
-
-def _higher(problem: Problem, known: Solution, tolerance: float) -> Solution:
-    return _from_as_built(problem, HIGHER, known, tolerance)
-
-
-def _shaken_a_little(problem: Problem, known: Solution, tolerance: float) -> Solution:
-    return interior_point.solve(problem, tolerance, shaken(problem, known))
-
-
-def _shaken_more(problem: Problem, known: Solution, tolerance: float) -> Solution:
-    return interior_point.solve(problem, tolerance, shaken(problem, known, HARDER), NEARBY)
+def _from_shaken(
+    far: float, settings: InteriorPointSettings, problem: Problem, known: Solution, tolerance: float
+) -> Solution:
+    return interior_point.solve(problem, tolerance, shaken(problem, known, far), settings)
 
 
 def _from_rest(problem: Problem, known: Solution, tolerance: float) -> Solution:
@@ -193,7 +184,14 @@ def _from_rest(problem: Problem, known: Solution, tolerance: float) -> Solution:
     return gentle.solve(problem.touching_at(rest.positions), tolerance, rest)
 
 
-_WAYS = (_lower, _higher, _shaken_a_little, _shaken_more, _from_rest)
+_WAYS = (
+    partial(_from_as_built, LOWER),
+    partial(_from_as_built, HIGHER),
+    partial(_from_shaken, SHAKEN, InteriorPointSettings()),
+    partial(_from_shaken, HARDER, NEARBY),
+    _from_rest,
+)
+"""Of a problem, the shape known of it and a tolerance."""
 
 
 def _nowhere(known: Solution) -> Solution:

@@ -134,8 +134,8 @@ def lower(
         near = led.left_over() <= NEAR * tension * barrier or led.state.residual <= course.enough
         if share > 0.5 and near:
             lowered = steps
-            lower = min(LOWERED, np.sqrt(barrier)) if share > 0.9 else LOWERED_WARILY
-            barrier = max(lower * barrier, course.last)
+            factor = min(LOWERED, np.sqrt(barrier)) if share > 0.9 else LOWERED_WARILY
+            barrier = max(factor * barrier, course.last)
 
 
 def _step(led: Led, softened: Structure, shift: float) -> tuple[float, float]:

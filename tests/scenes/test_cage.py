@@ -14,7 +14,7 @@ from codend.mechanics.sheet import sheet_of
 from codend.scenes.build import build
 from codend.scenes.enclosure import enclosed_m3, facing_alike, openings
 from codend.scenes.equilibrium import contact_law, in_still_water, stays
-from codend.scenes.measures import LIES_ON_NETTING, cautions, result_row, solve_scene, stable
+from codend.scenes.measures import LIES_ON_NETTING, cautions, result_row, solve_scene
 from codend.scenes.netting_measures import netting_rows, volume_m3
 from codend.scenes.other_shapes import LEAST_SHARE, frame_errors, netting_errors, not_sought, other_shapes, shape_errors
 from codend.scenes.scene import scene_from_dict
@@ -192,7 +192,7 @@ def test_a_cage_that_would_leave_its_mirrored_shape_is_followed_to_where_it_stay
     result = solve_scene(build(scene_from_dict(data)))
     assert result.converged
     assert any("which the whole net would leave" in attempt for attempt in result.solution.report.attempts)
-    assert stable(result) == "yes"
+    assert result.stable == "yes"
     assert 1e-4 < result_row(result)["unlike_sides_m"] < 0.01
     half = half_of(result.built.problem)
     assert half is not None

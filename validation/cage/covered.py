@@ -74,8 +74,7 @@ def row_of(data: dict[str, Any]) -> dict[str, Any] | None:
     here, built = drag_and_volume(result.built, result.solution.positions), result.built
     others = other_shapes(result)
     (pull,) = frame_errors(result, others)
-    stated = np.array([pull["pull_error_n"],
-                       shape_errors(result, others)["volume_error_m3"]])  # fmt: skip
+    stated = np.array([pull["pull_error_n"], shape_errors(result, others)["volume_error_m3"]])
     row: dict[str, Any] = {"bars": len(built.problem.net.bars), "speed_m_s": data["water"]["flow_m_s"][0]}
     row |= {"ways": len(others), "drag_error": stated[0] / here[0], "volume_error": stated[1] / here[1]}
     worst, of = 0.0, ""

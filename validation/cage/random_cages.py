@@ -14,7 +14,7 @@ import numpy as np
 from codend.mechanics.sheet import sheet_of
 from codend.net.net import Floats
 from codend.scenes.build import BuiltScene, build
-from codend.scenes.measures import balance_error, solve_scene, stable, unlike_sides_m
+from codend.scenes.measures import balance_error, solve_scene
 from codend.scenes.scene import scene_from_dict
 from validation.cage.gear import box, cylinder
 
@@ -62,8 +62,8 @@ def judged(count: int, seed: int) -> tuple[str, bool]:
         touching += len(result.built.problem.loading.contact.kind) > 0
         crossed += [number] if crosses_itself(built, result.solution.positions) else []
         unbalanced += [number] if balance_error(result) > 1e-8 else []
-        leaving += [number] if stable(result) == "no" else []
-        unlike += [number] if unlike_sides_m(result) > UNLIKE_M else []
+        leaving += [number] if result.stable == "no" else []
+        unlike += [number] if result.unlike_sides_m > UNLIKE_M else []
     said = (
         f"{found} of {count} random cages found in balance ({touching} with netting near netting), not found: "
         f"{lost or 'none'}; passed through themselves, by ipctk: {crossed or 'none'}; loads and supports out of "
