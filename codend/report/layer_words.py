@@ -1,4 +1,4 @@
-"""A word on second layers that carry load: what the model of them takes for granted."""
+"""A word on second layers that carry load, or may: what the model of them takes for granted."""
 
 from collections.abc import Callable, Sequence
 
@@ -13,25 +13,38 @@ WORTH_TELLING = 0.01
 
 
 def held_layers(study: Study, named: Callable[[Sequence[CaseResult], Study], str]) -> list[str]:
-    """A sentence on the cases, as ``named`` tells them, in which layers carry some of the hoop load."""
+    """Sentences on the cases, as ``named`` tells them, in which layers carry some of the hoop load, or next to none."""
     solved = [result for result in study.cases if result.converged and result.bag.layers]
-    shares = [of_the_catch(result.bag, result.problem, result.solution)[0] for result in solved]
-    carried = [result for result, share in zip(solved, shares, strict=True) if share > WORTH_TELLING]
-    if not carried:
-        return []
-    errors = [result.by_sliding / result.measures.estimated for result in carried]
-    drag, degrees = max(one[0] for one in errors), max(result.by_sliding[3] for result in carried)
-    free = [result for result in carried if np.isfinite(result.slid[0])]
-    told = f" As nets of their own {_farthest(free)}." if free else ""
-    return [
-        f"Second layers carry up to {100.0 * max(shares):.2g} % of the hoop load on the catch: "
-        f"{named(carried, study)}. They are taken to move with the netting below. Where one slides on it without "
-        "friction and netting stands out through its meshes drag is mostly larger and meshes are less open: errors "
-        f"count up to {100.0 * drag:.2g} % of the drag and {degrees:.2g} degrees of the opening ahead of the catch for "
-        f"that, in {len(free)} of {len(carried)} cases by the same net with its layers in contact, else, where that "
-        "cannot be asked or comes to no rest, by a wider law of random layers (contact = true under [model] asks it "
-        f"of wider nets, in up to a minute).{told}"
-    ]
+    shares = {id(one): of_the_catch(one.bag, one.problem, one.solution)[0] for one in solved}
+    carried = [result for result in solved if shares[id(result)] > WORTH_TELLING]
+    near = [result for result in solved if shares[id(result)] <= WORTH_TELLING and result.by_sliding.any()]
+    found = []
+    if carried:
+        free = [result for result in carried if np.isfinite(result.slid[0])]
+        told = f" As nets of their own {_farthest(free)}." if free else ""
+        found.append(
+            f"Second layers carry up to {100.0 * max(shares.values()):.2g} % of the hoop load on the catch: "
+            f"{named(carried, study)}. They are taken to move with the netting below. Where one slides on it without "
+            "friction and netting stands out through its meshes drag is mostly larger and meshes are less open: "
+            f"{_counted(carried)} for that, in {len(free)} of {len(carried)} cases by the same net with its layers in "
+            "contact, else, where that cannot be asked or comes to no rest, by a wider law of random layers (contact = "
+            f"true under [model] asks it of wider nets, in up to a minute).{told}"
+        )
+    if near:
+        found.append(
+            "Second layers carry next to nothing of the hoop load on the catch, but hold netting elsewhere or lie so "
+            "close over it that it may touch them where it stands out between its knots: "
+            f"{named(near, study)}; {_counted(near)} for that."
+        )
+    return found
+
+
+def _counted(results: Sequence[CaseResult]) -> str:
+    """How much of the errors of some cases is for what their layers may do."""
+    drag = max(result.by_sliding[0] / result.measures.drag_n for result in results)
+    degrees = max(result.by_sliding[3] for result in results)
+    of_drag = f"errors count up to {100.0 * drag:.2g} % of the drag"
+    return f"{of_drag} and {degrees:.2g} degrees of the opening ahead of the catch"
 
 
 def _farthest(free: Sequence[CaseResult]) -> str:

@@ -50,8 +50,12 @@ def test_layers_that_carry_nothing_may_slide_as_they_like():
 @pytest.mark.parametrize("number", [5, 13])
 def test_netting_may_touch_a_layer_that_all_but_carries(number):
     """Round as the model has it the netting is clear of it, by 4e-4 of its bars; in pillows it is not."""
-    held, found = solve(random_plan(77, number)).cases[0], changes_of(random_plan(77, number))
+    study, found = solve(random_plan(77, number)), changes_of(random_plan(77, number))
+    (held,) = study.cases
     assert held.measures.drag_n * 0.005 < held.by_sliding[0] < held.measures.drag_n * 0.02
+    (word,) = held_layers(study, lambda cases, study: "it")
+    assert "lie so close over it" in word
+    assert "it; errors count up to 1 % of the drag and " in word
     assert found is not None
     assert max(found[f"{name} over stated"] for name in QUANTITIES) < 1.0
 
