@@ -5,8 +5,8 @@ layer held to the netting below and as two nets in contact without friction (``e
 catches of filled meshes and, with ``--by-volume``, of the volume that those hold. The law in ``equilibrium.sliding``
 was found on those of seeds 1 to 4, and of seed 5 by volume. With ``--by-nets`` errors are by the nets in contact
 themselves, and the shape to which a third start leads is judged. Printed are what sliding changes and its share of all
-that is stated. Where the layer carries nothing, nor is near it, nothing may change. Exits with 1 if any is above 1. Nets
-whose layer comes to no rest in contact, a sixth of them, are counted.
+that is stated. Where the layer carries nothing, nor is near it, nothing may change. Exits with 1 if any is above 1.
+Nets whose layer comes to no rest in contact, a sixth of them, are counted.
 """
 
 import sys
