@@ -109,7 +109,7 @@ def main(plans: int, seed: int, only: int | None, seconds: float) -> None:
             said += f", {window.mesh} in {window.netting} {window.meshes_across}"
         began = process_time()
         try:
-            ended = told(plan, found_within(plan, "auto", seconds))
+            ended = told(plan, found_within(plan, {}, seconds))
         except TooLong:
             ended = "not ended"
         print(f"{said}: {process_time() - began:.1f} s  {ended}", flush=True)

@@ -15,7 +15,7 @@ from codend.bag.near_ratio import NearRatio, quick_looks
 from codend.equilibrium.fidelity import choose
 from codend.plan.plan import Plan, plan_from_dict
 from codend.studies.study import Study, solve
-from validation.smeared_ropes import ESTIMATED, TooLong, found_within
+from validation.smeared_ropes import ESTIMATED, REAL, TooLong, found_within
 
 SEED = 33
 
@@ -78,7 +78,7 @@ def main(plans: int, ropes: bool, seed: int, seconds: float) -> None:
         said += f" {plan.rope[0].shortening if plan.rope else 0.0:6.3f}"
         began = process_time()
         try:
-            exact = found_within(plan, "sector", seconds)
+            exact = found_within(plan, REAL, seconds)
         except TooLong:
             print(f"{said}  exact one not found in {seconds:g} s", flush=True)
             continue

@@ -49,7 +49,7 @@ class Bag:
     mesh_row: Ints
     """Row that counts a mesh, at its widest part or, of a mesh that lies in one band, ahead of it, (k,)."""
 
-    globalisation: int = 1
+    globalisation: float = 1
     """Real meshes merged into one, each way."""
     abreast: int = 1
     """Sectors that would be equal but for the ropes, side by side in one that is modelled."""
@@ -150,7 +150,7 @@ class Bag:
         own[self.straps] = own[self.ropes] = False
         return BagStructure(
             order=float(self.net.order),
-            globalisation=self.globalisation,
+            globalisation=float(self.globalisation),
             sides=self.mesh_sides,
             side_image=self.mesh_side_image,
             mesh_bars=self.mesh_bars,

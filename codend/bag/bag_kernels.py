@@ -64,7 +64,7 @@ class BagStructure(NamedTuple):
     """A bag as kernels see it; see ``bag.Bag``."""
 
     order: float
-    globalisation: int
+    globalisation: float
     sides: Ints
     side_image: Ints
     mesh_bars: Ints

@@ -21,6 +21,7 @@ from codend.netting.parts import RowShape
 from codend.netting.pattern import layout_of, parts_of
 from codend.netting.taper import columns_along
 from codend.netting.windows import LetIn
+from codend.plan.merging import between_ropes
 from codend.plan.plan import Netting, Plan
 
 ROUND_OFF = 1e-6
@@ -30,7 +31,7 @@ ROUND_OFF = 1e-6
 def build_bag(
     plan: Plan,
     *,
-    globalisation: int = 1,
+    globalisation: float = 1,
     sectors: int | None = None,
     smeared: bool = False,
     rows: tuple[Floats, Floats] | None = None,
@@ -43,7 +44,8 @@ def build_bag(
         plan: the net plan.
         globalisation: real meshes merged into one each way: bar length and drag diameter grow by this factor, solid
             diameter by its square root, axial stiffness by this factor (Le Bris et al. 1999, section 3.1; Bessonneau
-            and Marichal 1997, section 4), so that mass, wet weight and drag area stay the same.
+            and Marichal 1997, section 4), so that mass, wet weight and drag area stay the same; a divisor of all mesh
+            counts, or ``between_ropes`` of the plan.
         sectors: equal sectors that are modelled side by side, of as many as the meshes round of all sections can be
             divided into: each is one (merged) mesh wide where they have the same, and wide enough that every rope
             has its place in one; None gives the full net.
@@ -83,8 +85,10 @@ def build_bag(
     return with_layers(bag, plan, knots)
 
 
-def _lattice_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool, near: NearRatio | None) -> Lattice:
-    if globalisation not in plan.globalisations:
+def _lattice_of(
+    plan: Plan, globalisation: float, sectors: int | None, smeared: bool, near: NearRatio | None
+) -> Lattice:
+    if globalisation not in plan.globalisations and globalisation != between_ropes(plan):
         raise InputError(
             file=plan.source,
             key="model.globalisation",
@@ -130,7 +134,7 @@ def _windows_mirrored(plan: Plan, globalisation: int) -> bool:
     return not sewn_aside and farthest_beside(plan, _lattice_of(plan, globalisation, None, False, None)) <= ROUND_OFF
 
 
-def _columns_of(plan: Plan, globalisation: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _columns_of(plan: Plan, globalisation: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """(Merged) meshes all round of every band, and seams at which it loses some where it tapers, each (bands,).
 
     A tube tapers in as many places round as its counts and those of the other sections allow.
@@ -139,15 +143,15 @@ def _columns_of(plan: Plan, globalisation: int) -> tuple[NDArray[np.int64], NDAr
     parts, seams = [], []
     for part in plan.netting:
         around = part.panels if part.has_seams else places
-        fore, aft = (count // globalisation // around for count in part.open_meshes)
+        fore, aft = (round(count / globalisation) // around for count in part.open_meshes)
         parts.append(around * _along(part, fore, aft, globalisation))
         seams.append(np.full(len(parts[-1]), around))
     return np.concatenate(parts), np.concatenate(seams)
 
 
-def _along(part: Netting, fore: int, aft: int, globalisation: int) -> NDArray[np.int64]:
+def _along(part: Netting, fore: int, aft: int, globalisation: float) -> NDArray[np.int64]:
     """Columns of the bands of a section, from its counts at either end, (rows,)."""
-    return columns_along(fore, aft, part.rows_per_mesh * part.meshes_long // globalisation, part.kind.staggered)
+    return columns_along(fore, aft, part.merged_rows(globalisation), part.kind.staggered)
 
 
 def _check_bending(plan: Plan) -> None:
@@ -190,12 +194,12 @@ def _check_edges(plan: Plan, lattice: Lattice) -> None:
     raise InputError(plan.source, f"entry.{key}", value, f"below {most:.4g}, so that the netting {cut}")
 
 
-def rows_of(plan: Plan, globalisation: int = 1) -> list[Netting]:
+def rows_of(plan: Plan, globalisation: float = 1) -> list[Netting]:
     """Section of each band between two rows, from the entry to the codline."""
     return [plan.netting[number] for number in plan.sections_of_bands(globalisation)]
 
 
-def crude_rows(plan: Plan, globalisation: int = 1) -> tuple[Floats, Floats]:
+def crude_rows(plan: Plan, globalisation: float = 1) -> tuple[Floats, Floats]:
     """Positions and radii of the rows of a plain bag that any solver can start from: tubes with conical ends."""
     sections = rows_of(plan, globalisation)
     number = list(plan.sections_of_bands(globalisation))
@@ -208,7 +212,7 @@ def crude_rows(plan: Plan, globalisation: int = 1) -> tuple[Floats, Floats]:
     wanted = np.maximum(0.55 * bound, from_wide_entry)
     wanted[0], wanted[-1] = plan.entry_radius_m, 0.0
     for strap, rows in zip(plan.straps, plan.strap_rows, strict=True):
-        row = len(sections) - rows // globalisation
+        row = len(sections) - round(rows / globalisation)
         wanted[row] = min(wanted[row], 0.9 * strap.around_m / (2.0 * np.pi))
     # no row is wider than the slopes of the bag from any other row allow
     widening = np.minimum.accumulate(wanted - 0.4 * from_entry) + 0.4 * from_entry

@@ -59,7 +59,7 @@ def _with_layer(bag: Bag, plan: Plan, index: int, layer: Layer, knots: Knots) ->
     rows_below = plan.rows_to_codline(layer.meshes_from_codline[1])
     assert rows_below is not None
     net, lattice = bag.net, knots.lattice
-    bands = np.arange(lattice.bands - rows_below // lattice.globalisation, lattice.bands)
+    bands = np.arange(lattice.bands - round(rows_below / lattice.globalisation), lattice.bands)
     _check_below(plan, index, [lattice.sections[band] for band in bands])
     length = lattice.stretched_m[bands]
     rows = layer.rows_per_mesh * layer.meshes_long * length / length.sum()

@@ -169,7 +169,7 @@ def sideways_imbalance(position: Floats, load: Floats, support: Floats, entry: F
 
 
 @njit(cache=True)
-def rows_ahead(share: Floats, band_meshes: Floats, globalisation: int, most: int) -> Floats:
+def rows_ahead(share: Floats, band_meshes: Floats, globalisation: float, most: int) -> Floats:
     """Middles of the real mesh rows just ahead of the front, in meshes from the entry, ``most`` of them at most."""
     place = np.zeros(len(share) + 1)
     end, found = 0.0, 0

@@ -6,7 +6,8 @@ nearest column of knots; one that runs half a mesh beside the knots of the entry
 
 Smeared, a share of the ropes runs along every column of knots: all columns are alike, and one mesh is a sector. Ropes
 hold short netting out all round there. Real ones hold it out where they are, and between them it hangs in, narrower and
-with less drag: that is taken off the twine's diameter of drag (``HANGS_IN``).
+with less drag: that is taken off the twine's diameter of drag (``HANGS_IN``). That will do for netting whose meshes
+open as it is shortened; other is merged between real ropes (``plan.merging``).
 """
 
 from collections.abc import Iterator
@@ -124,7 +125,7 @@ def _rows_of(rope: Rope | Selvedge, plan: Plan, lattice: Lattice) -> tuple[int, 
     if rope.meshes_from_codline is None:
         return 0, lattice.bands
     aft, fore = (int(plan.rows_to_codline(meshes) or 0) for meshes in rope.meshes_from_codline)
-    return aft // lattice.globalisation, fore // lattice.globalisation
+    return round(aft / lattice.globalisation), round(fore / lattice.globalisation)
 
 
 def _places(rope: Rope | Selvedge, lattice: Lattice, smeared: bool) -> Iterator[tuple[int, float, float]]:

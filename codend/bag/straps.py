@@ -33,7 +33,7 @@ def with_straps(bag: Bag, plan: Plan, knots: Knots, drag: tuple[int, float, floa
         InputError: a strap is shorter than the netting of its row allows.
     """
     for index, strap in enumerate(plan.straps):
-        row = knots.lattice.bands - plan.strap_rows[index] // knots.lattice.globalisation
+        row = knots.lattice.bands - round(plan.strap_rows[index] / knots.lattice.globalisation)
         across_m = knots.lattice.sections[row - 1].knot_m if knots.across[row] else 0.0
         _check_length(plan, index, knots, row, across_m)
         bag = _with_strap(bag, strap, knots, row, across_m, drag)

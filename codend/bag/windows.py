@@ -33,7 +33,7 @@ def with_windows(
     """
     windows: list[LetIn] = []
     azimuth = np.arctan2(positions[:, 2], positions[:, 1]) - shape.azimuth_rad
-    count, g = len(positions), knots.lattice.globalisation
+    count, g = len(positions), round(knots.lattice.globalisation)
     rows = [node_row]
     for index, window in enumerate(plan.window):
         opening = opening_of(plan, knots.lattice, index)
@@ -49,7 +49,7 @@ def with_windows(
 
 def opening_of(plan: Plan, lattice: Lattice, index: int) -> Opening:
     """The hole that a window of a plan is let into, in the lattice of its full net."""
-    g = lattice.globalisation
+    g = round(lattice.globalisation)
     section = plan.holes[index].section
     hole, part = plan.holes[index].merged(g), plan.netting[section]
     start = plan.sections_of_bands(g).index(section)

@@ -100,6 +100,12 @@ def smeared_errors(plan: Plan) -> np.ndarray:
     return np.asarray(wider * (SMEARED @ [1.0, most]))
 
 
+def between_ropes_errors(plan: Plan) -> np.ndarray | None:
+    """How far merged meshes between ropes may be off, as ``smeared_errors``; None where ropes are better smeared."""
+    known = [part.kind.between_ropes_errors for part in plan.netting if part.kind.between_ropes_errors is not None]
+    return np.max(known, axis=0) if known else None
+
+
 @dataclass(frozen=True)
 class Errors:
     """Estimates beside the quantities of ``Measures``; nan where none could be made."""
@@ -166,7 +172,8 @@ def estimate(
         shape = there.positions + by_suction, there.share.copy()
         with_suction = float(drag_in_shape(problem.structure, changed, *shape) / exact[0] - 1.0) / SMALL
     globalised = by_ratio(model, case, measures, 1 if problem.surface is None else IN_CONTACT)
-    if model.globalisation > 1:
+    by_ropes = between_ropes_errors(model.plan) if model.between_ropes else None
+    if model.globalisation > 1 and by_ropes is None:
         globalised += _distance(*(sector_measures(model.plan, case, g) for g in (1, model.globalisation)))
         globalised += by_merged_windows(model, case, measures)
     # N per m3 of the catch, in all and as the model bears it
@@ -176,6 +183,8 @@ def estimate(
     share = (net_n + catch_n) / measures.drag_n
     weight = weight_errors(model.plan, share) + OF_THE_CATCH * catch_n / measures.drag_n
     errors = SAFETY * (solver + globalised) + NOISE * np.maximum(sizes, NOISE_OF) + weight * sizes + by_wrinkles
+    if by_ropes is not None:
+        errors += by_ropes * [*sizes[:3], 1.0]
     if model.smeared and model.plan.ropes:
         errors += smeared_errors(model.plan) * [*sizes[:3], 1.0]
     if any(share > part.kind.folds_over_from for part in model.plan.netting):

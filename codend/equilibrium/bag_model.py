@@ -29,7 +29,7 @@ class BagModel:
     bag: Bag
     sectors: int | None
     """Equal sectors that are modelled side by side, None for all."""
-    globalisation: int
+    globalisation: float
     smeared: bool = False
     """Whether ropes are spread over all columns of knots."""
     near: NearRatio | None = None
@@ -54,6 +54,11 @@ class BagModel:
             return prepare(structure, bands)
         like = _prepared.of(_joints(structure, bands), lambda: prepare(structure, bands))
         return prepare(structure, bands, like)
+
+    @property
+    def between_ropes(self) -> bool:
+        """Whether it is a sector of merged meshes with ropes as they are."""
+        return self.globalisation > 1 and self.sectors is not None and len(self.plan.rope) > 0 and not self.smeared
 
     @property
     def narrow(self) -> bool:
@@ -99,17 +104,17 @@ def _joints(structure: Structure, bands: int) -> tuple[Hashable, ...]:
 
 
 @lru_cache(maxsize=1)
-def _bag_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool) -> Bag:
+def _bag_of(plan: Plan, globalisation: float, sectors: int | None, smeared: bool) -> Bag:
     return build_bag(plan, globalisation=globalisation, sectors=sectors, smeared=smeared)
 
 
-def bag_of(plan: Plan, globalisation: int, sectors: int | None, smeared: bool = False) -> Bag:
+def bag_of(plan: Plan, globalisation: float, sectors: int | None, smeared: bool = False) -> Bag:
     """The bag of a plan; the last one is kept, for what chooses a model builds the one that is mostly chosen."""
     return _bag_of(plan, globalisation, sectors, smeared)
 
 
 def model_of(
-    plan: Plan, globalisation: int, sectors: int | None, smeared: bool = False, near: NearRatio | None = None
+    plan: Plan, globalisation: float, sectors: int | None, smeared: bool = False, near: NearRatio | None = None
 ) -> BagModel:
     """Build the net of a plan.
 

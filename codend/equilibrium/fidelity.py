@@ -10,6 +10,7 @@ from codend.bag.build import build_bag, merged_in_place
 from codend.bag.loads import catch_weight_density
 from codend.bag.near_ratio import DRAG_BY_MISMATCH, SLOW_KNOTS, SLOW_MESHES, NearRatio, near_enough
 from codend.equilibrium.accuracy import (
+    between_ropes_errors,
     least_by_ratio,
     quick_look,
     rough_measures,
@@ -20,6 +21,7 @@ from codend.equilibrium.bag_model import bag_of
 from codend.errors import InputError
 from codend.mechanics.weight import wet_weight
 from codend.net.net import Net
+from codend.plan.merging import between_ropes
 from codend.plan.plan import Plan
 
 HEAVIEST_GLOBALISED = 0.5
@@ -36,6 +38,8 @@ class Reason(Enum):
     """The plan names it."""
     ROPES = auto()
     """The plan is the same all round but for its equal ropes, and sectors as wide as they are apart are exact."""
+    BETWEEN_ROPES = auto()
+    """Merged meshes in a sector with its ropes as they are are near enough for the accuracy in opening asked for."""
     SMEARED = auto()
     """Ropes smeared over all meshes are near enough for the accuracy in opening that was asked for."""
     WINDOW = auto()
@@ -58,7 +62,7 @@ class Choice:
 
     fidelity: str
     """``meridian``, ``sector``, ``globalised`` or ``full``."""
-    globalisation: int
+    globalisation: float
     """Real meshes merged into one, each way."""
     sectors: int | None
     """Equal sectors that are modelled side by side, None for all."""
@@ -187,7 +191,11 @@ def choose(plan: Plan) -> Choice:
         globalisation, error = _largest_globalisation(plan)
         return all_round(globalisation, Reason.WINDOW, error)
     if plan.ropes and plan.model.opening_accuracy_deg is not None:
-        quick = _smeared(by_sector, plan, Reason.SMEARED, plan.model.opening_accuracy_deg, left_out)
+        merged, errors = between_ropes(plan), between_ropes_errors(plan)
+        if merged is None or errors is None:
+            quick = _smeared(by_sector, plan, Reason.SMEARED, plan.model.opening_accuracy_deg, left_out)
+        else:
+            quick = _between_ropes(by_sector, plan, merged, errors)
         if quick is not None:
             return quick
     near_enough_by_sector = by_sector.drag_error <= plan.model.accuracy
@@ -200,6 +208,31 @@ def choose(plan: Plan) -> Choice:
         globalisation, error = _largest_globalisation(plan)
         return all_round(globalisation, Reason.WEIGHT, error)
     return all_round(1, Reason.TOO_HEAVY_TO_GLOBALISE, 0.0)
+
+
+def _between_ropes(exact: Choice, plan: Plan, merged: float, errors: np.ndarray) -> Choice | None:
+    """Meshes merged in the exact sector; None: it is narrow as it is, or they are not near enough in opening."""
+    assert plan.model.opening_accuracy_deg is not None
+    if merged == 1:
+        return None
+    net = build_bag(plan, globalisation=merged, sectors=1).net
+    relative = weight_errors(plan, exact.weight_over_drag if net.order > 1 else 0.0)
+    if relative[3] > 0.0:
+        first = min(plan.cases(), key=lambda case: (case.speed_m_s, case.catch_value))
+        errors = errors + relative * [1.0, 1.0, 1.0, rough_measures(plan, first).opening_ahead_deg]
+    if not errors[3] <= plan.model.opening_accuracy_deg:
+        return None
+    return replace(
+        exact,
+        fidelity="globalised",
+        globalisation=merged,
+        reason=Reason.BETWEEN_ROPES,
+        drag_error=float(errors[0]),
+        unseen_weight_n=exact.weight_n if net.order > 1 else 0.0,
+        order=net.sectors,
+        knots=len(net.positions),
+        slow=False,
+    )
 
 
 def _smeared(

@@ -43,7 +43,7 @@ def too_little(plan: Plan, choice: Choice, free: float, allowed: float) -> TooLi
     said = f"{choice.knots} knots take about {_gb(needed_bytes(choice.knots))}, and {there}"
     full = choice.knots * choice.globalisation**2 * (1 if choice.sectors is None else choice.order)
     for g in plan.globalisations:
-        if g > choice.globalisation and (merged := needed_bytes(1 + full // g**2)) <= allowed:
+        if g > choice.globalisation and (merged := needed_bytes(1 + int(full // g**2))) <= allowed:
             return TooLittleMemory(
                 f'{said}; {g} x {g} meshes merged into one (model.fidelity = "globalised", model.globalisation = {g}) '
                 f"take {_gb(merged)}"

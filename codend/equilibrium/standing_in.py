@@ -3,7 +3,8 @@
 Where much netting is spare at a joint it lies in folds, or hangs all but without load, and a wide sector then ends
 unsolved after minutes. One of nearly the ratio of the counts mostly is solved in milliseconds; how far its counts are
 off is in its errors. Between short ropes netting may hang so slack that it flutters, or lie in folds to which no start
-leads: there the ropes are smeared, and what that costs is in the errors; that of the weight too where it is left out.
+leads: there fewer, larger meshes stand between T90's and square mesh's ropes, and others' are smeared. What that costs
+is in the errors; that of the weight too where it is left out.
 """
 
 from collections.abc import Sequence
@@ -11,11 +12,13 @@ from dataclasses import replace
 
 from codend.bag.near_ratio import quick_looks, smeared_sectors, stand_ins
 from codend.equilibrium import solve as equilibrium
+from codend.equilibrium.accuracy import between_ropes_errors
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
 from codend.equilibrium.situation import MOST_RELAXED
 from codend.equilibrium.starts import BETWEEN_ROPES, BRIEFLY, STARTS, Start
 from codend.mechanics.problem import Problem
+from codend.plan.merging import between_ropes
 from codend.plan.plan import Case
 from codend.solvers.outcome import Progress, Solution
 
@@ -38,7 +41,8 @@ def solve(
     others = [model_of(plan, 1, 1, near=near) for near in by_ratio]
     starts: tuple[Start, ...] = BRIEFLY
     if automatic and plan.rope and not (model.smeared or plan.window):
-        others = [model_of(plan, 1, 1, smeared=True, near=near) for near in smeared_sectors(plan)]
+        others = [*_between_ropes(model)]
+        others += [model_of(plan, 1, 1, smeared=True, near=near) for near in smeared_sectors(plan)]
         starts = BETWEEN_ROPES if len(model.bag.net.positions) > MOST_RELAXED else STARTS["auto"]
     if choice.fidelity == "smeared" and choice.near is not None:
         # not every catch is solved on the one that the first is
@@ -48,7 +52,9 @@ def solve(
         return model, problem, solution
     attempts, spent_ms = solution.report.attempts, solution.report.solve_ms
     for other in others:
-        its_problem, found = equilibrium.solve(other, case, (), progress, BRIEFLY)
+        # merged meshes may lie in folds too, to which the last starts lead in a second
+        brief = None if other.between_ropes else BRIEFLY
+        its_problem, found = equilibrium.solve(other, case, (), progress, brief)
         spent_ms += found.report.solve_ms
         if found.report.outcome.converged:
             report = replace(found.report, attempts=(*attempts, *found.report.attempts), solve_ms=spent_ms)
@@ -56,3 +62,11 @@ def solve(
     problem, solution = equilibrium.solve(model, case, known, progress)
     report = replace(solution.report, solve_ms=spent_ms + solution.report.solve_ms)
     return model, problem, replace(solution, report=report)
+
+
+def _between_ropes(model: BagModel) -> list[BagModel]:
+    """The sector of merged meshes between ropes as they are, where those of its netting are not better smeared."""
+    merged = between_ropes(model.plan)
+    if merged is None or merged == 1 or model.globalisation > 1 or between_ropes_errors(model.plan) is None:
+        return []
+    return [model_of(model.plan, merged, 1)]

@@ -12,6 +12,7 @@ from codend.bag.meridian.plan_case import tensions_on
 from codend.bag.meridian.problem import MeridianShape
 from codend.equilibrium.bag_model import BagModel
 from codend.net.net import Floats, Net, rotate
+from codend.plan.merging import rows_merged
 from codend.solvers.mirror import ALIKE
 from codend.solvers.outcome import START, Solution
 
@@ -156,9 +157,11 @@ def along_the_rows(narrow: Bag, solution: Solution, model: BagModel) -> Solution
 
 def laid_out(model: BagModel, shape: MeridianShape) -> Solution:
     """Shape and tensions of the meridian method on the model's net, which has no hinges."""
-    g = model.globalisation
-    sector = build_bag(model.plan, globalisation=g, sectors=1, smeared=True, rows=(shape.x_m[::g], shape.radius_m[::g]))
-    tension = g * tensions_on(sector, shape, g)
+    g, bands = model.globalisation, model.bag.bands
+    rows = np.rint(np.append(0.0, np.cumsum(rows_merged(model.plan.netting, bands, g)))).astype(np.int32)
+    places = shape.x_m[rows], shape.radius_m[rows]
+    sector = build_bag(model.plan, globalisation=g, sectors=1, smeared=True, rows=places)
+    tension = g * tensions_on(sector, shape, rows)
     sectors = sector.net.sectors // model.bag.net.sectors
     return all_round_start(sector, sector.net.positions, tension, sectors, model.bag)
 

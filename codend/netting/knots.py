@@ -96,7 +96,7 @@ def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
     lattice = knots.lattice
     positions = np.empty((knots.codline + 1, 3))
     node_row = np.full(knots.codline + 1, -1, dtype=np.int32)
-    knot_m = lattice.globalisation * lattice.of_bands(lambda section: section.knot_m)
+    knot_m = lattice.merged * lattice.of_bands(lambda section: section.knot_m)
     # a knot keeps its length, however far the rows have closed up
     knot_share = np.minimum(knot_m / np.hypot(np.diff(shape.x), np.diff(shape.radius)), 0.9)
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.net.net import Floats
+from codend.plan.merging import rows_merged
 from codend.plan.plan import Netting
 
 Counts = NDArray[np.int64]
@@ -28,7 +29,7 @@ class Lattice:
     abreast: int
     """Equal sectors that are modelled side by side."""
     order: float
-    globalisation: int
+    globalisation: float
     seams: Counts | None = None
     """Seams of every band in the modelled sectors, at which its section loses meshes where it tapers, the first at
     azimuth 0, (bands,); None: no section tapers or has any."""
@@ -54,9 +55,14 @@ class Lattice:
         return np.array([value(section) for section in self.distinct])[self.number]
 
     @cached_property
+    def merged(self) -> Floats:
+        """Real rows that every band stands for, (bands,)."""
+        return rows_merged(self.distinct, self.bands, self.globalisation)
+
+    @cached_property
     def stretched_m(self) -> Floats:
         """Stretched length of every band, m, (bands,)."""
-        return self.globalisation * self.of_bands(lambda section: section.bar_m + section.knot_along_m)
+        return self.merged * self.of_bands(lambda section: section.bar_m + section.knot_along_m)
 
     @cached_property
     def staggered(self) -> NDArray[np.bool_]:
@@ -102,8 +108,8 @@ class Lattice:
             return gathered
         for row in range(1, self.bands):
             ahead, aft = self.sections[row - 1 : row + 1]
-            g = self.globalisation
-            gathered[row] = ahead is aft or ahead.open_meshes[1] // g == aft.open_meshes[0] // g
+            counts = round(ahead.open_meshes[1] / self.globalisation), round(aft.open_meshes[0] / self.globalisation)
+            gathered[row] = ahead is aft or counts[0] == counts[1]
         return gathered
 
     @cached_property

@@ -168,12 +168,12 @@ class Plan(Table):
         """Whether a section does."""
         return any(part.tapers for part in self.netting)
 
-    def places_round(self, globalisation: int = 1) -> int:
+    def places_round(self, globalisation: float = 1) -> int:
         """Places round, at equal angles, at which a tube that tapers loses meshes; as many as windows leave room."""
-        counts = [count // globalisation for part in self.netting for count in part.open_meshes]
+        counts = [round(count / globalisation) for part in self.netting for count in part.open_meshes]
         most = math.gcd(*counts, *(part.panels for part in self.netting if part.has_seams))
-        holes = [hole.merged(globalisation) for hole in self.holes]
-        return lines_of_loss(holes, self.netting, most, globalisation) or most
+        holes = [hole.merged(round(globalisation)) for hole in self.holes]
+        return lines_of_loss(holes, self.netting, most, round(globalisation)) or most
 
     @property
     def seam_deg(self) -> float:
@@ -372,9 +372,9 @@ class Plan(Table):
         """What tables call the sections: their names, or their numbers, counted from 1 at the entry."""
         return tuple(part.name or str(number) for number, part in enumerate(self.netting, start=1))
 
-    def sections_of_bands(self, globalisation: int = 1) -> tuple[int, ...]:
+    def sections_of_bands(self, globalisation: float = 1) -> tuple[int, ...]:
         """Number of the section, from 0, of each band between two rows of knots, from the entry to the codline."""
-        rows = (part.rows_per_mesh * part.meshes_long // globalisation for part in self.netting)
+        rows = (part.merged_rows(globalisation) for part in self.netting)
         return tuple(chain.from_iterable(repeat(number, count) for number, count in enumerate(rows)))
 
     @property

@@ -397,6 +397,10 @@ class Netting(Table):
         """Rows of knots that a mesh is long: 2, in square mesh 1."""
         return self.kind.rows_per_mesh
 
+    def merged_rows(self, globalisation: float) -> int:
+        """Rows that so many meshes merged into one leave of its own: the nearest whole number of them."""
+        return max(round(self.rows_per_mesh * self.meshes_long / globalisation), 1)
+
     @property
     def stretched_length_m(self) -> float:
         """Length of the section pulled fully straight, knots included where they lie along it, m."""
@@ -551,8 +555,8 @@ class Model(Table):
     accuracy: Annotated[Number, Gt(0), Le(0.5)] = 0.01
     """What ``fidelity = "auto"`` may cost: in drag by merging meshes, in openings by leaving weight out; relative."""
     opening_accuracy_deg: Annotated[Number, Gt(0), Le(90)] | None = None
-    """What it may cost in the mean opening ahead of the catch, where that is what counts: lets ropes be smeared. An
-    error above it has what grows followed."""
+    """What it may cost in the mean opening ahead of the catch, where that is what counts: lets ropes be smeared, or
+    meshes be merged between them. An error above it has what grows followed."""
     wrinkles: Literal["auto"] | bool = "auto"
     """Whether shapes that are not the same all round are followed where the symmetric one is unstable: ``auto`` where
     the estimates would exceed the accuracy asked for."""

@@ -16,6 +16,12 @@ def reason_text(choice: Choice) -> str:
         case Reason.ROPES:
             alike = "The plan is the same all round but for equal ropes or seams"
             said = f"{alike}: {_sector(choice)}, as they repeat, {_exact(choice)}"
+        case Reason.BETWEEN_ROPES:
+            said = (
+                "Ropes as they are with fewer, larger meshes between them are near enough for the accuracy in opening "
+                f"that is asked for: one of {choice.order} equal sectors, {_by(choice)} meshes merged into one, "
+                f"which costs {100.0 * choice.drag_error:.2g} % in drag"
+            )
         case Reason.SMEARED:
             said = (
                 "Ropes smeared over all meshes round are near enough for the accuracy in opening that is asked for: "
@@ -47,8 +53,8 @@ def _left_out(weighed: str) -> str:
 
 def _merged(choice: Choice) -> str:
     """The full net, how many of its meshes are merged, and what that costs."""
-    g = choice.globalisation
-    model = f"the full net, {g} x {g} meshes merged into one" if g > 1 else "the full net"
+    merged = choice.globalisation > 1
+    model = f"the full net, {_by(choice)} meshes merged into one" if merged else "the full net"
     allowed = f"{100.0 * choice.drag_error:.2g} % in drag where {100.0 * choice.accuracy:g} % is allowed"
     return f"{model}, which costs {allowed}"
 
@@ -63,7 +69,6 @@ def _weighed(choice: Choice) -> str:
 
 
 def _model(choice: Choice) -> str:
-    g = choice.globalisation
     match choice.fidelity:
         case "sector":
             return _sector(choice)
@@ -72,9 +77,14 @@ def _model(choice: Choice) -> str:
         case "meridian":
             return "the netting as a membrane, the same all round"
         case "globalised":
-            return f"the full net, {g} x {g} real meshes merged into one"
+            return f"the full net, {_by(choice)} real meshes merged into one"
         case _:
             return "every mesh of the real net"
+
+
+def _by(choice: Choice) -> str:
+    """How many meshes are merged into one, each way."""
+    return f"{choice.globalisation:.3g} x {choice.globalisation:.3g}"
 
 
 def _sector(choice: Choice) -> str:
@@ -128,5 +138,8 @@ def _time(choice: Choice) -> str:
     narrower = "; meshes round with a larger common divisor make a narrower sector" if wide else ""
     quick = ""
     if choice.real_ropes:
-        quick = " For a quick look model.opening_accuracy_deg lets ropes be smeared, which takes about a second."
+        quick = (
+            " For a quick look model.opening_accuracy_deg lets ropes be smeared, or meshes between them be merged, "
+            "which takes about a second."
+        )
     return f" Its {choice.knots} knots take seconds to minutes a case{narrower}.{quick}"

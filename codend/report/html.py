@@ -10,6 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from codend.equilibrium.fidelity import Choice, Reason
 from codend.equilibrium.situation import MOST_HUNG
 from codend.equilibrium.stability import ranges_text
 from codend.io.names import as_text
@@ -65,7 +66,7 @@ def page_html(study: Study, figures: Sequence[PageFigure], run: str = "", turnin
         summary=f"{_count(len(study.cases), 'case')}; written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}"
         + (f"; run {run}, as run.json beside its tables says." if run else "."),
         notes=notes(study),
-        fidelity=FIDELITIES.get(study.choice.fidelity, study.choice.fidelity),
+        fidelity=_fidelity(study.choice),
         why=reason_text(study.choice),
         cards=cards_of(study),
         tables=study.tables,
@@ -190,6 +191,18 @@ def cautions(study: Study) -> list[str]:
             f"over all meshes{', and the wet weight is left out' if study.choice.sees_weight else ''}; "
             "the estimates cover what that changed on nets that were found both ways."
         )
+    of_merged = [
+        result
+        for result in study.cases
+        if result.bag.globalisation > 1 and study.choice.globalisation == 1 and result.followed.shape is None
+    ]
+    if merged := _named(of_merged, study):
+        g = f"{of_merged[0].bag.globalisation:.3g}"
+        found.append(
+            f"No equilibrium was found with every mesh between the ropes: {merged}. In their place stand fewer, larger "
+            f"ones, {g} x {g} merged into one{', and the wet weight is left out' if study.choice.sees_weight else ''}; "
+            "the estimates cover what that changed on nets that were found both ways."
+        )
     pressed = [result for result in study.cases if result.followed.contact_share > 0.0]
     if in_contact := _named(pressed, study):
         counts = sorted({result.followed.fold_count for result in pressed})
@@ -206,6 +219,12 @@ def cautions(study: Study) -> list[str]:
             "sum over the layers of a fold, not on each; no error estimate covers that."
         )
     return found + held_layers(study, _named) + slack_straps(study, _named)
+
+
+def _fidelity(choice: Choice) -> str:
+    if choice.reason is Reason.BETWEEN_ROPES:
+        return "One rotational sector, globalised"
+    return FIDELITIES.get(choice.fidelity, choice.fidelity)
 
 
 def input_sections(tables: Mapping[str, Any]) -> list[dict[str, Any]]:

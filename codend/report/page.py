@@ -56,8 +56,8 @@ def shown_case(study: Study) -> CaseResult:
 def _net_caption(study: Study) -> str:
     shown = shown_case(study)
     catch = catch_text(shown.measures.catch_volume_m3, study.plan.catch_density_kg_m3)
-    globalisation = shown.bag.globalisation
-    merged = f" One mesh drawn stands for {globalisation} x {globalisation} real ones." if globalisation > 1 else ""
+    g = f"{shown.bag.globalisation:.3g}"
+    merged = f" One mesh drawn stands for {g} x {g} real ones." if shown.bag.globalisation > 1 else ""
     layers = " Dark lines are the bars of second layers." if shown.bag.layer_bands else ""
     return (
         f"The net with {catch} of catch at {number_text(shown.case.speed_m_s)} m/s (case {shown.case.number}), "

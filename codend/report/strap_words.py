@@ -21,7 +21,7 @@ def slack_straps(study: Study, named: Callable[[Sequence[CaseResult], Study], st
         around: list[float] = []
         for result in filter(lambda result: result.converged, study.cases):
             bag = result.bag
-            row = bag.bands - rows // bag.globalisation
+            row = bag.bands - round(rows / bag.globalisation)
             own = bag.straps[bag.node_row[bag.net.bars[bag.straps, 0]] == row]
             pull = result.solution.bar_tension
             if row <= result.solution.front_row or pull[own].max() > SLACK * pull.mean():

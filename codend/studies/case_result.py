@@ -46,6 +46,11 @@ class CaseResult:
         """Whether its ropes are spread over all meshes: asked for so, or as none was found with them as they are."""
         return self.bag.smeared
 
+    def of_another_model(self, fidelity: str) -> bool:
+        """Whether what was chosen led to no equilibrium, or to another shape, so that it is one of another model."""
+        merged = self.bag.globalisation > 1 and fidelity != "globalised"
+        return self.followed.shape is not None or self.smeared or merged
+
     @property
     def net(self) -> Net:
         """The net as it was modelled."""

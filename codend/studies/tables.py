@@ -63,7 +63,7 @@ def result_row(plan: Plan, fidelity: str, result: CaseResult) -> dict[str, objec
         "speed_m_s": result.case.speed_m_s,
         **measures,
         **vars(result.errors),
-        "fidelity": fidelity if result.followed.shape is None and not result.smeared else _fidelity_of(result.bag),
+        "fidelity": _fidelity_of(result.bag) if result.of_another_model(fidelity) else fidelity,
         "method": result.report.method,
         "iterations": result.report.iterations,
         "residual": result.report.residual,
@@ -248,7 +248,7 @@ def panels_of_meshes(plan: Plan, bag: Bag, copies: int) -> NDArray[np.object_]:
     return np.array([ALL_PANELS if one and name != TUBE else name for name in found], dtype=object)
 
 
-def sections_of_rows(plan: Plan, globalisation: int) -> NDArray[np.object_]:
+def sections_of_rows(plan: Plan, globalisation: float) -> NDArray[np.object_]:
     """What the section is called whose meshes a row counts, (rows + 1,).
 
     At a joint that is the one with fewer meshes round, the one ahead where they have the same; but a square mesh lies

@@ -66,6 +66,33 @@ def test_a_rope_longer_than_the_netting_or_without_stiffness_changes_nothing(num
     assert with_rope.max_rope_tension_n < 1e-5
 
 
+@pytest.mark.parametrize("mesh", [{"mesh": "diamond"}, KNOTTED | {"mesh": "t90"}, {"mesh": "square"}])
+def test_smeared_ropes_of_every_kind_of_netting_balance_and_leave_straps_their_length(mesh):
+    rope = {"number": 4, "shortening": 0.1, "axial_stiffness_n": 5000.0, "diameter_mm": 20.0}
+    narrow = {"entry": {"radius_m": 0.1}, "strap": [{"length_m": 0.9, "meshes_from_codline": 6}]}
+    plan = plan_from_dict(roped(rope, model={"fidelity": "smeared"}, **mesh).to_dict() | narrow)
+    result = case_of(plan)
+    net, positions = result.net, result.positions
+    length, straps = np.linalg.norm(result_vectors(result), axis=1), result.bag.straps
+    assert net.order * length[straps].sum() <= net.order * net.bar_length[straps].sum() + 1e-9
+    assert result.bar_tension_n[straps].min() > 1.0
+    load, ends = nodal_loads(result.problem, positions, result.solution.share)[:, 0], positions[net.bars, 0]
+    along = np.abs(np.diff(ends, axis=1)[:, 0]) / length
+    for cut in np.linspace(0.05, 0.9, 7) * result.measures.length_m:
+        crossing = (ends.min(axis=1) < cut) & (ends.max(axis=1) > cut)
+        pulls = (result.solution.bar_tension * along)[crossing].sum()
+        assert pulls == pytest.approx(load[positions[:, 0] > cut].sum(), rel=1e-8)
+
+
+@pytest.mark.parametrize("mesh", [KNOTTED | {"mesh": "t90"}, {"mesh": "square"}])
+@pytest.mark.parametrize("rope", [{"shortening": -0.02}, {"shortening": 0.1, "axial_stiffness_n": 1e-6}])
+def test_smeared_ropes_that_do_nothing_leave_t90_and_square_mesh_as_they_are(rope, mesh):
+    tables = (None, {}), ({"number": 2, **rope}, {"fidelity": "smeared"})
+    none, with_rope = (case_of(roped(r, model=model, **mesh)).measures for r, model in tables)
+    for name in ("drag_n", "length_m", "opening_ahead_deg", "max_radius_m"):
+        assert getattr(with_rope, name) == pytest.approx(getattr(none, name), rel=1e-8)
+
+
 @pytest.mark.parametrize(
     ("number", "netting"),
     [(2, {}), (4, {}), (3, KNOTTED | {"mesh": "t90"}), (5, {"meshes_round": 50})],

@@ -10,6 +10,7 @@ from codend.bag.meridian.problem import Floats, MeridianProblem, MeridianShape
 from codend.bag.meridian.solve import solve_meridian, uniform_pressure_shape
 from codend.errors import InputError
 from codend.mechanics.water import VISCOSITY_M2_S
+from codend.net.net import Ints
 from codend.plan.kinds import kinds_in_words
 from codend.plan.plan import Case, Plan
 from codend.solvers.outcome import Outcome
@@ -117,9 +118,9 @@ def _within_straps(plan: Plan, shape: MeridianShape) -> bool:
     return all(2.0 * np.pi * shape.radius_m[_rows(plan) - row] <= strap.around_m for strap, row in places)
 
 
-def tensions_on(bag: Bag, shape: MeridianShape, globalisation: int = 1) -> Floats:
-    """Tension of the real bars that every bar of a sector laid out along the shape stands for, N, (m,)."""
-    tension, phi = shape.bar_tension_n[::globalisation], shape.half_angle_rad[::globalisation]
+def tensions_on(bag: Bag, shape: MeridianShape, rows: Ints | slice = slice(None)) -> Floats:
+    """Tension of the real bars that every bar of a sector laid out along rows of the shape stands for, N, (m,)."""
+    tension, phi = shape.bar_tension_n[rows], shape.half_angle_rad[rows]
     by_band = 0.5 * (tension[:-1] + tension[1:])
     phi = 0.5 * (phi[:-1] + phi[1:])
     tension, phi = by_band[bag.bar_band], phi[bag.bar_band]

@@ -14,6 +14,7 @@ from codend.errors import InputError
 from codend.io.columns import ALL_PANELS, OF_LAYERS, PLACE
 from codend.io.input_table import InputTable
 from codend.io.run_tables import read_run_table, solved_cases
+from codend.plan.merging import between_ropes, rows_merged
 from codend.plan.plan import Netting, Plan, load_plan
 from codend.plan.tables import TUBE
 from codend.plan.windows import Window
@@ -149,10 +150,11 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
         front_row = np.interp(place[-1] - result["filled_meshes"], place, merged * np.arange(len(place)))
         # a merged row stands for real rows about it, of square mesh for those behind it
         staggered = np.array([section.kind.staggered for section in sections])
-        within = np.arange(merged) - np.where(staggered[:, None], 0.5 * (merged - 1), 0.0)
+        lines = round(merged)
+        within = (np.arange(lines) - np.where(staggered[:, None], 0.5 * (lines - 1), 0.0)) * merged / lines
         ahead = (float(front_row) - merged * row[:, None] - within).ravel()
         near = (ahead > 0.0) & (ahead < most_rows + 1.0)
-        which = np.repeat(np.arange(len(row)), merged)[near]
+        which = np.repeat(np.arange(len(row)), lines)[near]
         share = 1.0 / np.bincount(row)[row]
         names, panels = meshes["section"].to_numpy(), np.full(len(row), "", dtype=object)
         if "panel" in meshes.columns:
@@ -180,10 +182,13 @@ def catches_of(run: Run, most_rows: float) -> list[Catch]:
     return found
 
 
-def _profile_of(run: Run, result: dict[Hashable, Any]) -> tuple[pd.DataFrame, int]:
+def _profile_of(run: Run, result: dict[Hashable, Any]) -> tuple[pd.DataFrame, float]:
     """Rows of a solved case, from the entry, and how many real ones each stands for."""
     source = str(Path(run.source) / "profile.csv")
-    globalisations = run.plan.globalisations if result["fidelity"] == "globalised" else (1,)
+    globalisations: list[float] = [1]
+    if result["fidelity"] == "globalised":
+        # in sectors between ropes by a number that divides nothing
+        globalisations = [between_ropes(run.plan) or 1, *run.plan.globalisations]
     merged_in = {len(run.plan.sections_of_bands(g)): g for g in globalisations}
     profile = run.profile[run.profile["case"] == result["case"]].sort_values("row")
     last = len(profile) - 1
@@ -192,17 +197,18 @@ def _profile_of(run: Run, result: dict[Hashable, Any]) -> tuple[pd.DataFrame, in
         raise InputError(source, "case", result["case"], allowed, f"has {len(profile)} rows, not those of the plan")
     merged = merged_in[last]
     band, names = np.array(run.plan.sections_of_bands(merged)), np.array(run.plan.section_names, dtype=object)
-    long = np.array([merged / section.rows_per_mesh for section in run.plan.netting])[band]
+    per_mesh = np.array([section.rows_per_mesh for section in run.plan.netting])[band]
+    long = rows_merged(run.plan.netting, last, merged) / per_mesh
     section, place = profile["section"].to_numpy(), profile["meshes_from_entry"].to_numpy()
     joined = (section == names[np.append(band[:1], band)]) | (section == names[np.append(band, band[-1:])])
     table = InputTable(source, profile)
     table.check("section", joined, "a section of the plan that lies there: its name, or its number where it has none")
-    placed = np.diff(place, prepend=0.0) == np.append(0.0, long)
+    placed = np.isclose(np.diff(place, prepend=0.0), np.append(0.0, long), rtol=1e-9, atol=1e-9)
     table.check("meshes_from_entry", placed, "the place of the plan's row")
     return profile, merged
 
 
-def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, merged: int) -> pd.DataFrame:
+def _meshes_of(run: Run, result: dict[Hashable, Any], profile: pd.DataFrame, merged: float) -> pd.DataFrame:
     """Meshes of a solved case: one a row of a net that is the same all round, of another all."""
     bands = [run.plan.netting[number].kind for number in run.plan.sections_of_bands(merged)]
     staggered = np.array([kind.staggered for kind in bands])

@@ -97,7 +97,7 @@ def measure(scene: Scene, quick: bool, progress: StudyProgress | None = None) ->
         answer = _answer(scene.plan(*contender.keys))
         answer.row |= asdict(contender)
         answers.append(answer)
-    chosen: dict[tuple[str, int], Answer] = {}
+    chosen: dict[tuple[str, float], Answer] = {}
     asked = []
     for accuracy in ACCURACIES:
         plan = scene.plan(f"model.accuracy={accuracy:g}")
