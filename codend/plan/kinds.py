@@ -57,7 +57,8 @@ class Kind:
     degrees in opening. None where smeared ropes are as near: netting whose meshes open as ropes shorten it. T90 is
     open already there, and square mesh does not open: between ropes they lie aft of where those have their knots, hang
     in ahead of the catch, and stand out behind it, where they carry half of the load that smeared ropes do. Twice what
-    T90 and square mesh needed on 12 and 24 plans (``python -m validation.smeared_ropes --kind t90``).
+    T90 and square mesh needed on 12 and 24 plans, or more (``python -m validation.smeared_ropes --kind t90``); with
+    ``--seed 91``, not used for it, differences were at most 0.39 of all that is stated.
     """
 
     @cached_property
@@ -92,7 +93,7 @@ KINDS: Final[dict[MeshName, Kind]] = {
         hole="rhombus, knots across",
         straight_cut="T",
         smeared_errors=(1.5, 1.0, 1.0, 1.8),
-        between_ropes_errors=(0.015, 0.015, 0.006, 1.0),
+        between_ropes_errors=(0.021, 0.015, 0.006, 1.0),
     ),
     "square": Kind(
         words="square",
@@ -107,7 +108,7 @@ KINDS: Final[dict[MeshName, Kind]] = {
         tips=True,
         folds_over_from=0.5,
         smeared_errors=(7.5, 4.5, 3.0, 2.5),
-        between_ropes_errors=(0.07, 0.08, 0.025, 9.0),
+        between_ropes_errors=(0.07, 0.08, 0.025, 10.0),
     ),
 }
 
