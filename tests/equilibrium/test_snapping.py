@@ -233,8 +233,9 @@ def test_knots_of_limp_and_of_plain_netting_take_no_other_order():
     assert not uneven_knots.may_take_another_order(model_of(plain, 1, 1), result.problem, result.solution)
 
 
-def test_errors_cover_folds_in_which_a_bag_of_very_stiff_twine_stays_that_is_all_but_empty():
-    """Shaken by 1 % of a bar it keeps folds at its hoop: 1e-4 of the drag, where 1e-8 was stated."""
-    row = row_of_random(197)
+@pytest.mark.parametrize("number", [197, 343])
+def test_errors_cover_folds_in_which_a_bag_of_stiff_twine_stays_that_is_all_but_empty(number):
+    """Shaken by 1 % of a bar it keeps folds: 1e-4 and 2e-2 of the drag, where 1e-8 was stated."""
+    row = row_of_random(number)
     assert (row["stable"], row["comes back"]) == ("yes", "beside")
     assert row["drag"] > COMES_BACK
