@@ -18,6 +18,7 @@ from codend.report.choice_words import reason_text
 from codend.report.html import cautions
 from codend.selectivity.escape.catches import catches_of, run_of
 from codend.solvers.outcome import Outcome, Solution
+from codend.studies.catches_solved import catches_in
 from codend.studies.study import Study, solve
 from validation.reference import nodal_loads
 from validation.smeared_ropes import QUICK, SEED, compare, random_plan
@@ -159,7 +160,8 @@ def test_fish_meet_its_rows_as_far_apart_as_real_ones():
     """A merged row stands for rows about it that need not be a whole number of them."""
     rope = {"number": 6, "shortening": 0.05}
     study = quick(plan_of([tube(around=60)], rope))
-    (catch,) = catches_of(run_of(study), 20.0)
+    (catch,), (in_memory,) = catches_of(run_of(study), 20.0), catches_in(study, 20.0)
+    assert in_memory.rows_ahead == pytest.approx(catch.rows_ahead)
     assert between_ropes(study.plan) == 2.5
     rows = np.unique(np.round(catch.rows_ahead, 9))
     assert np.ptp(np.diff(rows)) < 1.0
