@@ -62,7 +62,9 @@ def search_figure(found: Found) -> "Figure":
         axis.set_ylabel(f"{words}, {unit}, {'at least' if bound.sign > 0.0 else 'at most'} {bound.bound:g}")
     for axis in axes[len(found.conditions) :]:
         axis.set_visible(False)
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", frameon=False, ncols=3)
+    figure.legend(
+        *axes[0].get_legend_handles_labels(), loc="outside lower center", frameon=False, ncols=2, fontsize=8.5
+    )
     return figure
 
 
