@@ -99,7 +99,8 @@ def _html(title: str, table: pd.DataFrame, intervals: pd.DataFrame | None, figur
     known = last[["quantity", "key", "value", "derivative", "by_10_percent", "note"]]
     remark = (
         f"Of {case_name(last)}, per unit of the number, of counts per one more; sensitivities.csv has those of all "
-        "cases, towards smaller and larger values each, and between which values nothing goes slack or taut and the front passes no row."
+        "cases, towards smaller and larger values each, and between which values nothing goes slack or taut and the "
+        "front passes no row."
     )
     sections.append(table_section("Derivatives", (remark,), known))
     return rendered(
