@@ -8,10 +8,9 @@ from typing import Final
 import pandas as pd
 
 from codend.io.files import write_bytes, write_table, write_text
-from codend.report.fit_page import Section
 from codend.report.html import PageFigure, rendered
 from codend.report.own_look import own_look
-from codend.report.page_sections import table_section
+from codend.report.page_sections import Section, table_section
 from codend.report.style import number_text, png, spread
 from codend.report.tornado_plot import named, tornado_figure
 
@@ -104,7 +103,7 @@ def _html(title: str, table: pd.DataFrame, intervals: pd.DataFrame | None, figur
     )
     sections.append(table_section("Derivatives", (remark,), known))
     return rendered(
-        "fit.html",
+        "sections.html",
         title=title,
         summary=f"Sensitivities. Written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}.",
         lead=(),
