@@ -135,12 +135,14 @@ def _sweep_of_study(path: str, folder: Path, workers: int, scheduler: str | None
         runs = study.designs.some(MOST_DRAWN)
         with own_look():
             write_bytes(png(sweep_figure(table, {run.number: run.label for run in runs})), folder / "sweep.png")
+        intervals = None
         if study.uncertain:
             found = of_designs(study, study.species, list(study.uncertain), workers, progress)
             write_table(found.sensitivities, folder / OF_UNCERTAIN[0])
             write_table(found.intervals, folder / OF_UNCERTAIN[1])
+            intervals = found.intervals
         title = str(data.get("title", Path(path).stem))
-        written = write_study(title, table, lambda number: study.designs.run(number).plan(), folder)
+        written = write_study(title, table, lambda number: study.designs.run(number).plan(), folder, intervals)
     keys = [name for name in table.columns[: list(table.columns).index("case")] if name != "run"]
     if len(study.designs) <= MOST_PRINTED:
         _print_runs(table, keys)

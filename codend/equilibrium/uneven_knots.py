@@ -79,22 +79,33 @@ def in_another_order(
     """
     leaning = lean_by_turns(model, solution)
     own, count = len(last_knots(model.bag, solution.positions)[0]), len(solution.positions) - 1
-    sectors, abreast = model.bag.net.sectors, model.sectors or 1
+    sectors = model.bag.net.sectors
     widths = [width for width in range(1, sectors + 1) if sectors % width == 0 and width * own >= FEWEST]
     for width, every in zip((widths + widths[-1:])[: len(EVERY)], EVERY, strict=False):
-        wide, loaded, rest = model, problem, solution
-        if width > 1:
-            if width * count > most_knots or len(model.bag.ropes):
-                return
-            wide = model_of(model.plan, model.globalisation, abreast * width, near=model.near)
-            loaded = problem_of(wide.bag, wide.plan, case)
-            if loaded.loading.dead.any() or loaded.loading.catch.weight_density:
-                return  # which the sector does not bear
-            start = all_round_start(model.bag, solution.positions, solution.bar_tension, width, abreast=abreast)
-            rest = replace(solution, positions=start.positions, bar_tension=start.bar_tension)
+        if width > 1 and (width * count > most_knots or len(model.bag.ropes)):
+            return
+        wider = set_side_by_side(model, case, problem, solution, width)
+        if wider is None:
+            return
+        wide, loaded, rest = wider
         yield wide, loaded, rest, _bent_over(wide.bag, rest, every)
         if leaning:
             yield wide, loaded, rest, _exchanged(wide.bag, rest, every)
+
+
+def set_side_by_side(
+    model: BagModel, case: Case, problem: Problem, solution: Solution, width: int
+) -> tuple[BagModel, Problem, Solution] | None:
+    """The model so many times as wide and its shape there; None where weight acts, which a sector does not bear."""
+    if width == 1:
+        return model, problem, solution
+    abreast = model.sectors or 1
+    wide = model_of(model.plan, model.globalisation, abreast * width, near=model.near)
+    loaded = problem_of(wide.bag, wide.plan, case)
+    if loaded.loading.dead.any() or loaded.loading.catch.weight_density:
+        return None
+    start = all_round_start(model.bag, solution.positions, solution.bar_tension, width, abreast=abreast)
+    return wide, loaded, replace(solution, positions=start.positions, bar_tension=start.bar_tension)
 
 
 def _exchanged(bag: Bag, rest: Solution, every: int) -> Floats:

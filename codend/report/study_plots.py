@@ -19,6 +19,15 @@ MARKERS: Final = ("o", "s", "^", "D")
 MOST_COLOURS: Final = 8
 """Values of the second number that have a line each; of more, those evenly spread."""
 DRAWN: Final = ("opening_ahead_deg", "drag_n", "l50_cm", "sr_cm")
+ERRORS: Final = {
+    "opening_ahead_deg": "opening_ahead_error_deg",
+    "drag_n": "drag_error_n",
+    "l50_cm": "l50_opening_error_cm",
+    "sr_cm": "sr_opening_error_cm",
+}
+"""Column of the error of what is drawn."""
+CONDITIONS: Final = ("catch.", "tow.")
+"""Beginnings of keys that are no choice of the gear: designs are compared where they are alike."""
 NO_KEY: Final = ("run", "design")
 
 
@@ -32,8 +41,16 @@ class Swept:
     """Columns of numbers that vary, the one with most values first."""
     kinds: tuple[str, ...]
     """Other columns that vary, the design's name among them."""
+    conditions: tuple[str, ...]
+    """Columns of catch and tow that vary."""
     case: str
     """The case in words."""
+
+    @property
+    def alike(self) -> list[pd.DataFrame]:
+        """Rows of like catch and tow; all rows where no two are of the same, as in a sample."""
+        groups = [own for _, own in self.table.groupby(list(self.conditions))] if self.conditions else []
+        return groups if any(len(own) > 1 for own in groups) else [self.table]
 
     @property
     def quantities(self) -> list[str]:
@@ -74,7 +91,14 @@ def swept(table: pd.DataFrame) -> Swept | None:
     same = own["catch_mass_kg"].max() <= 1.001 * own["catch_mass_kg"].min()
     mass = f", {number_text(float(first['catch_mass_kg']))} kg" if same else ""
     words = f"case {int(last)}: {number_text(float(first['speed_m_s']))} m/s{mass}"
-    return Swept(own, tuple(numbers), tuple(kinds), words)
+    conditions = tuple(key for key in keys if key.startswith(CONDITIONS) and own[key].nunique() > 1)
+    return Swept(own, tuple(numbers), tuple(kinds), conditions, words)
+
+
+def error_of(quantity: str) -> str:
+    """Column of a quantity's error, of the same species."""
+    column, space, species = quantity.partition(" ")
+    return ERRORS[column] + space + species
 
 
 def response_figure(found: Swept) -> "Figure":
@@ -137,6 +161,9 @@ def _lines(
                 rising = curve.sort_values(across)
                 look: dict[str, Any] = {"linestyle": DASHES[number], "marker": MARKERS[number], "color": shade}
                 axis.plot(rising[across], rising[quantity], lw=1.6, ms=3.5, **look)
+                if error_of(quantity) in rising:
+                    low, high = (rising[quantity] + sign * rising[error_of(quantity)] for sign in (-1.0, 1.0))
+                    axis.fill_between(rising[across], low, high, color=shade, alpha=0.12, linewidth=0)
 
 
 def _points(figure: "Figure", axis: "Axes", table: pd.DataFrame, across: str, quantity: str, colour: Any) -> None:
@@ -208,6 +235,11 @@ def _edges(grid: pd.DataFrame) -> tuple[Floats, Floats]:
     return found[0], found[1]
 
 
+def fronts_of(found: Swept, more: str) -> list[pd.DataFrame]:
+    """The front of every like catch and tow (``front_of``)."""
+    return [front_of(own, more) for own in found.alike]
+
+
 def front_of(table: pd.DataFrame, more: str) -> pd.DataFrame:
     """Rows than which no other has both less drag and more of a quantity, by rising drag."""
     rising = table.dropna(subset=["drag_n", more]).sort_values(["drag_n", more], ascending=[True, False])
@@ -216,7 +248,7 @@ def front_of(table: pd.DataFrame, more: str) -> pd.DataFrame:
 
 
 def pareto_figure(found: Swept, more: str) -> "Figure":
-    """Drag against L50 (or the opening) of every design; a line through those that none betters in both."""
+    """Drag against L50 (or the opening) of every design; lines through those not bettered at like catch."""
     table = found.table
     figure = new_figure(7.4, 4.6)
     axis = figure.subplots()
@@ -233,9 +265,11 @@ def pareto_figure(found: Swept, more: str) -> "Figure":
         drawn = axis.scatter(
             own["drag_n"], own[more], c=shade, s=26, marker=MARKERS[number % len(MARKERS)], **limits
         )  # fmt: skip
-    front = front_of(table, more)
-    axis.step(front["drag_n"], front[more], where="post", color=ORANGE, lw=1.2, zorder=0)
-    chosen = front.iloc[spread(len(front), 8)]
+    fronts = fronts_of(found, more)
+    for front in fronts:
+        axis.step(front["drag_n"], front[more], where="post", color=ORANGE, lw=1.2, zorder=0)
+    ahead = pd.concat(fronts)
+    chosen = ahead.iloc[spread(len(ahead), 8)]
     for drag, value, run in chosen[["drag_n", more, "run"]].itertuples(index=False):
         axis.annotate(f"run {run}", (drag, value), xytext=(5, -11), textcoords="offset points", fontsize=8, color=INK)
     if colour is not None and drawn is not None:

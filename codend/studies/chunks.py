@@ -19,11 +19,14 @@ from codend.plan.copy import toml_value
 from codend.plan.plan import Plan
 from codend.selectivity.escape.catches import catches_of, run_of
 from codend.selectivity.escape.haul import hauls_of, terms_of_catches
+from codend.selectivity.escape.haul_ends import moved_by_opening_error
 from codend.studies import tables
 from codend.studies.case_result import CaseResult
 from codend.studies.designs import Run
 from codend.studies.study import Study, solve
 
+OF_FISH = ("l50_cm", "sr_cm", "l50_opening_error_cm", "sr_opening_error_cm")
+"""Columns of selectivity, of several species each with its name behind."""
 _ROWS_AHEAD = PARAMETERS.index("behaviour.rows_ahead")
 _LOOKED_FOR_AFTER = 20_000
 """Objects made, over those that went, after which Python looks for some that only refer to each other: what some ten
@@ -138,22 +141,18 @@ def _rows_of(study: Study, species: Sequence[Species]) -> Iterator[dict[str, Any
 
 
 def _selectivity(study: Study, species: Sequence[Species]) -> dict[int, dict[str, float]]:
-    """L50 and SR of fish that meet each solved case, cm, by its number."""
+    """L50 and SR of fish that meet each solved case, and what errors of the openings change, cm, by its number."""
     found: dict[int, dict[str, float]] = {}
     if not any(result.converged for result in study.cases):
         return found
     most_rows = max(one.values[_ROWS_AHEAD] for one in species)
     for haul in hauls_of(catches_of(run_of(study), most_rows)):
         for one in species:
-            for catch, terms in zip(haul.catches, terms_of_catches(haul, one), strict=True):
-                names = selectivity_columns([other.name for other in species], one.name)
-                found.setdefault(catch.case, {}).update(zip(names, terms.l50_sr(), strict=True))
+            names = [name if len(species) == 1 else f"{name} {one.name}" for name in OF_FISH]
+            moved = moved_by_opening_error(haul, one)
+            for catch, terms, by in zip(haul.catches, terms_of_catches(haul, one), moved, strict=False):
+                found.setdefault(catch.case, {}).update(zip(names, (*terms.l50_sr(), *by), strict=True))
     return found
-
-
-def selectivity_columns(species: Sequence[str], name: str) -> tuple[str, str]:
-    """Columns of L50 and SR of one of some species: with its name where there are several."""
-    return ("l50_cm", "sr_cm") if len(species) == 1 else (f"l50_cm {name}", f"sr_cm {name}")
 
 
 def _cell(value: Any) -> Any:

@@ -5,7 +5,8 @@ import pandas as pd
 import pytest
 
 from codend.plan.plan import load_plan
-from codend.report.study_plots import front_of, map_figure, pareto_figure, response_figure, swept
+from codend.report.study_page import write_study
+from codend.report.study_plots import front_of, fronts_of, map_figure, pareto_figure, response_figure, swept
 from tests.cli.test_cli import TINY_PLAN, codend_cli
 
 
@@ -56,6 +57,40 @@ def test_no_design_betters_those_on_the_front():
     assert front["drag_n"].is_monotonic_increasing
     assert front["l50_cm"].is_monotonic_increasing
     assert "run" in pareto_figure(swept(table), "l50_cm").axes[0].texts[0].get_text()
+
+
+def test_designs_are_compared_at_like_catch():
+    table = table_of(a=[1.0, 2.0, 3.0], **{"catch.mass_kg": [100.0, 500.0]})
+    # of the larger catch all have more drag and a larger L50
+    larger = table["catch.mass_kg"] == 500.0
+    table = table.assign(drag_n=table["drag_n"] + 1000.0 * larger, l50_cm=30.0 - table["a"] + 5.0 * larger)
+    fronts = fronts_of(swept(table), "l50_cm")
+    assert [front["run"].tolist() for front in fronts] == [[1], [2]]
+    (mixed,) = fronts_of(swept(table.drop_duplicates("a")), "l50_cm")
+    assert mixed["run"].tolist() == [1]
+
+
+def test_errors_are_drawn_behind_lines():
+    table = table_of(a=[1.0, 2.0, 3.0]).assign(opening_ahead_error_deg=2.0)
+    axes = response_figure(swept(table)).axes
+    shades = [axis for axis in axes if axis.collections]
+    assert [axis.get_ylabel() for axis in shades] == ["opening ahead (°)"]
+    low, high = shades[0].collections[0].get_datalim(shades[0].transData).intervaly
+    assert (low, high) == pytest.approx((55.0, 61.0))
+
+
+def test_the_page_tells_what_is_not_drawn_and_how_well_the_rest_is_known(tmp_path):
+    (tmp_path / "plan.toml").write_text(TINY_PLAN, encoding="utf-8")
+    table = table_of(a=[1.0, 2.0, 3.0]).assign(stable=["yes", "no", "yes"], drag_error_n=7.0)
+    table.loc[2, ["converged", "reason"]] = [False, "No equilibrium."]
+    interval = {"case": 1, "quantity": "drag_n", "value": 100.0, "lower_95": 83.0, "upper_95": 117.0}
+    intervals = pd.DataFrame([{"run": run, **interval, "measure_better": "a", "share": 1.0} for run in (1, 3)])
+    write_study("study", table, lambda _: load_plan(tmp_path / "plan.toml"), tmp_path, intervals)
+    page = (tmp_path / "study.html").read_text(encoding="utf-8")
+    assert "in no figure: run 3: No equilibrium." in page
+    assert "1 of 2 shapes are not stable" in page
+    assert "drag error" in page
+    assert page.count(">83<") == 1
 
 
 def test_a_sweep_writes_the_page_and_plans_of_the_best(tmp_path):

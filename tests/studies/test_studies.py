@@ -156,6 +156,8 @@ def test_species_give_l50_and_sr_of_every_case(home):
     study = solve(load_plan(home / "plan.toml"))
     found = selectivity_table(predict(run_of(study), [load_species(path)], n_bootstrap=0, samples=0))
     assert table["l50_cm"].to_numpy() == pytest.approx(found["l50_cm"][:-1].to_numpy(float))
+    for name in ("l50_opening_error_cm", "sr_opening_error_cm"):
+        assert table[name].to_numpy() == pytest.approx(found[name][:-1].to_numpy(float), rel=1e-6, abs=1e-9)
     assert table["sr_cm"].to_numpy() == pytest.approx(found["sr_cm"][:-1].to_numpy(float))
 
 

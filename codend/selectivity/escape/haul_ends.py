@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from catch_models.fish import Species
 from codend.selectivity.escape.catches import Catch
-from codend.selectivity.escape.haul import MOST_CATCHES, Haul, haul_of, terms_of_catches, terms_of_haul
+from codend.selectivity.escape.haul import MOST_CATCHES, Haul, haul_of, terms_of_catches
 from codend.selectivity.escape.haul_kernels import BIN, time_shares
 from codend.selectivity.escape.retention import EscapeTerms, nodes_of
 
@@ -63,11 +63,11 @@ def moved_by_opening_error(haul: Haul, species: Species) -> Floats:
     if not error.any():
         return np.zeros((len(haul.catches) + 1, 2))
 
+    shares = np.vstack([np.eye(len(few.catches)), few.time_shares(species)])
+
     def all_of(sign: float) -> Floats:
         moved = haul_of(few.speed_m_s, [_wider(c, sign * e) for c, e in zip(few.catches, error, strict=True)])
-        terms = terms_of_catches(moved, species, ROUGH)
-        whole = terms_of_haul(few, terms, species)
-        return np.array([one.l50_sr() for one in (*terms, whole)])
+        return l50_sr_of_ends(terms_of_catches(moved, species, ROUGH), shares)
 
     base = all_of(0.0)
     change = np.maximum(np.abs(all_of(1.0) - base), np.abs(all_of(-1.0) - base))
