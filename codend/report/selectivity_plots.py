@@ -13,7 +13,7 @@ import numpy as np
 
 from catch_models.fish import FishSection
 from codend.report.style import BLUE, INK, ORANGE, PALE, dress, new_figure, number_text, ordered_colours, spread
-from codend.selectivity.escape.catches import Catch
+from codend.selectivity.escape.meshes_met import Catch
 from codend.selectivity.escape.penetration import SHAPES, hole_corners, longest_fish
 from codend.selectivity.escape.predict import Prediction
 

@@ -11,23 +11,23 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from catch_models.fish import PARAMETERS, Species
+from catch_models.fish import Species
 from codend.equilibrium.fidelity import choose
 from codend.errors import InputError
 from codend.io.columns import REASON, TEXT_COLUMNS
 from codend.plan.copy import toml_value
 from codend.plan.plan import Plan
-from codend.selectivity.escape.catches import catches_of, run_of
 from codend.selectivity.escape.haul import hauls_of, terms_of_catches
 from codend.selectivity.escape.haul_ends import moved_by_opening_error
+from codend.selectivity.escape.predict import rows_needed
 from codend.studies import tables
 from codend.studies.case_result import CaseResult
+from codend.studies.catches_solved import catches_in
 from codend.studies.designs import Run
 from codend.studies.study import Study, solve
 
 OF_FISH = ("l50_cm", "sr_cm", "l50_opening_error_cm", "sr_opening_error_cm")
 """Columns of selectivity, of several species each with its name behind."""
-_ROWS_AHEAD = PARAMETERS.index("behaviour.rows_ahead")
 _LOOKED_FOR_AFTER = 20_000
 """Objects made, over those that went, after which Python looks for some that only refer to each other: what some ten
 cases of a sector make. As often as it does otherwise that takes a twentieth of a study's time."""
@@ -143,10 +143,7 @@ def _rows_of(study: Study, species: Sequence[Species]) -> Iterator[dict[str, Any
 def _selectivity(study: Study, species: Sequence[Species]) -> dict[int, dict[str, float]]:
     """L50 and SR of fish that meet each solved case, and what errors of the openings change, cm, by its number."""
     found: dict[int, dict[str, float]] = {}
-    if not any(result.converged for result in study.cases):
-        return found
-    most_rows = max(one.values[_ROWS_AHEAD] for one in species)
-    for haul in hauls_of(catches_of(run_of(study), most_rows)):
+    for haul in hauls_of(catches_in(study, max(map(rows_needed, species)))):
         for one in species:
             names = [name if len(species) == 1 else f"{name} {one.name}" for name in OF_FISH]
             moved = moved_by_opening_error(haul, one)

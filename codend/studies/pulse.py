@@ -14,11 +14,11 @@ from codend.bag.measures import measure_all
 from codend.net.net import Floats
 from codend.plan.plan import Plan
 from codend.plan.pulse import Following
-from codend.selectivity.escape.catches import run_of
-from codend.selectivity.escape.haul import terms_of_catches
-from codend.selectivity.escape.predict import hauls_for
+from codend.selectivity.escape.haul import hauls_of, terms_of_catches
+from codend.selectivity.escape.predict import rows_needed
 from codend.solvers.pulsing import BagWater, PulsingBag
 from codend.studies.case_result import CaseResult
+from codend.studies.catches_solved import catches_in
 from codend.studies.study import Study, StudyProgress
 
 SHAPE = ("opening_ahead_deg", "front_radius_m", "max_radius_m", "filled_meshes")
@@ -219,5 +219,5 @@ def ranges(study: Study, pulsing: Sequence[Pulse], species: Sequence[Species]) -
 
 
 def _l50_cm(study: Study, species: Species) -> float:
-    haul = hauls_for(run_of(study), [species])[0]
+    (haul,) = hauls_of(catches_in(study, rows_needed(species)))
     return terms_of_catches(haul, species)[0].l50_sr()[0]

@@ -1,7 +1,8 @@
 """Results as tables: ``results.csv``, ``profile.csv``, ``meshes.csv`` and ``opening_force.csv``."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -95,26 +96,30 @@ def _of_layers(result: CaseResult) -> dict[str, float]:
 
 def layer_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
     """``layers.csv``: a row a band of netting under a second layer of a solved case."""
-    parts = []
-    for result in cases:
-        if result.rows is None:
-            continue
-        bag = result.bag
-        for number, rows in enumerate(measure_layers(bag, result.problem, result.solution), start=1):
-            band = rows.band.astype(int)
-            place = bag.row_place[band] + 0.5 * bag.band_meshes[band]
-            known = np.flatnonzero(np.isfinite(result.rows.opening_deg))
-            below = np.interp(place, bag.mesh_place[known], result.rows.opening_deg[known])
-            columns = {
-                "case": result.case.number,
-                "layer": plan.layer[number - 1].name or str(number),
-                "row": band,
-                "meshes_from_entry": place,
-                "opening_below_deg": below,
-                **{name: value for name, value in asdict(rows).items() if name != "band"},
-            }
-            parts.append(pd.DataFrame(columns))
+    parts = [
+        pd.DataFrame({"case": result.case.number, **columns})
+        for result in cases
+        if result.rows is not None
+        for columns in layer_columns(plan, result)
+    ]
     return pd.concat(parts, ignore_index=True)[OF_LAYERS] if parts else pd.DataFrame(columns=OF_LAYERS)
+
+
+def layer_columns(plan: Plan, result: CaseResult) -> Iterator[dict[str, Any]]:
+    """Columns of ``layers.csv`` of a solved case, of each layer in turn."""
+    bag, under = result.bag, result.rows
+    assert under is not None
+    for number, rows in enumerate(measure_layers(bag, result.problem, result.solution), start=1):
+        band = rows.band.astype(int)
+        place = bag.row_place[band] + 0.5 * bag.band_meshes[band]
+        known = np.flatnonzero(np.isfinite(under.opening_deg))
+        yield {
+            "layer": plan.layer[number - 1].name or str(number),
+            "row": band,
+            "meshes_from_entry": place,
+            "opening_below_deg": np.interp(place, bag.mesh_place[known], under.opening_deg[known]),
+            **{name: value for name, value in asdict(rows).items() if name != "band"},
+        }
 
 
 def _fidelity_of(bag: Bag) -> str:
@@ -168,21 +173,24 @@ def rope_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
 
 def profile_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
     """A row a knot row of a solved case, row 0 at the entry."""
-    parts = [
-        pd.DataFrame(
-            {
-                "case": r.case.number,
-                "row": np.arange(len(r.rows.x_m)),
-                "section": sections_of_rows(plan, r.bag.globalisation),
-                "meshes_from_entry": r.bag.row_place,
-                **asdict(r.rows),
-                **_sizes(plan, sections_of_rows(plan, r.bag.globalisation)),
-            }
-        )
-        for r in cases
-        if r.rows is not None
-    ]
+    parts = []
+    for result in cases:
+        if result.rows is not None:
+            columns = profile_columns(plan, result)
+            sizes = _sizes(plan, columns["section"])
+            parts.append(pd.DataFrame({"case": result.case.number, **columns, **sizes}))
     return pd.concat(parts, ignore_index=True)[PROFILE_COLUMNS] if parts else pd.DataFrame(columns=PROFILE_COLUMNS)
+
+
+def profile_columns(plan: Plan, result: CaseResult) -> dict[str, Any]:
+    """Columns of ``profile.csv`` of a solved case, without the sizes of its meshes."""
+    assert result.rows is not None
+    return {
+        "row": np.arange(len(result.rows.x_m)),
+        "section": sections_of_rows(plan, result.bag.globalisation),
+        "meshes_from_entry": result.bag.row_place,
+        **vars(result.rows),
+    }
 
 
 def mesh_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
@@ -192,36 +200,44 @@ def mesh_table(plan: Plan, cases: Sequence[CaseResult]) -> pd.DataFrame:
     """
     parts = []
     for result in cases:
-        bag = result.bag
-        if result.meshes is None or np.bincount(bag.mesh_row).max() == 1:
+        columns = mesh_columns(plan, result)
+        if columns is None:
             continue
-        copies = _panels_alike(plan, bag)
-        row = np.tile(bag.mesh_row, copies)
+        bag, copies = result.bag, _panels_alike(plan, result.bag)
+        assert result.meshes is not None
         sector = np.repeat(np.arange(copies), len(bag.mesh_row))
         centre = rotate(np.tile(result.meshes.centre_m, (copies, 1)), sector, bag.net.order)
-        section = sections_of_rows(plan, bag.globalisation)[bag.mesh_row]
-        if bag.windows:
-            names = np.array(plan.window_names, dtype=object)
-            section = np.where(bag.mesh_of_section, section, names[np.maximum(bag.mesh_window, 0)])
-        section = np.tile(section, copies)
-        values = {name: np.tile(value, copies) for name, value in vars(result.meshes).items() if name in OF_MESHES}
+        centre = centre[np.argsort(np.tile(bag.mesh_row, copies), kind="stable")]
         table = pd.DataFrame(
             {
                 "case": result.case.number,
-                "row": row,
-                "section": section,
-                "meshes_from_entry": bag.mesh_place[row],
-                "x_m": centre[:, 0],
-                "y_m": centre[:, 1],
-                "z_m": centre[:, 2],
-                **values,
-                **_sizes(plan, section),
-                PANEL: panels_of_meshes(plan, bag, copies),
+                **columns,
+                "meshes_from_entry": bag.mesh_place[columns["row"]],
+                **dict(zip(("x_m", "y_m", "z_m"), centre.T, strict=True)),
+                **_sizes(plan, columns["section"]),
             }
-        ).sort_values("row", kind="stable")
+        )
         table["mesh"] = table.groupby("row").cumcount()
         parts.append(table)
     return pd.concat(parts, ignore_index=True)[MESH_COLUMNS] if parts else pd.DataFrame(columns=MESH_COLUMNS)
+
+
+def mesh_columns(plan: Plan, result: CaseResult) -> dict[str, Any] | None:
+    """Columns of ``meshes.csv`` of a solved case by row, without places and sizes; None of one mesh wide."""
+    bag = result.bag
+    if result.meshes is None or np.bincount(bag.mesh_row).max() == 1:
+        return None
+    copies = _panels_alike(plan, bag)
+    section = sections_of_rows(plan, bag.globalisation)[bag.mesh_row]
+    if bag.windows:
+        names = np.array(plan.window_names, dtype=object)
+        section = np.where(bag.mesh_of_section, section, names[np.maximum(bag.mesh_window, 0)])
+    values = {"row": bag.mesh_row, "section": section}
+    values |= {name: value for name, value in vars(result.meshes).items() if name in OF_MESHES}
+    columns = {name: np.tile(value, copies) for name, value in values.items()}
+    columns[PANEL] = panels_of_meshes(plan, bag, copies)
+    order = np.argsort(columns["row"], kind="stable")
+    return {name: column[order] for name, column in columns.items()}
 
 
 def _panels_alike(plan: Plan, bag: Bag) -> int:

@@ -150,8 +150,10 @@ def test_parts_are_stale_when_a_curve_that_varies_is_changed(home, tmp_path):
     assert (after["drag_n"][~changed] == before["drag_n"][~changed]).all()
 
 
-def test_species_give_l50_and_sr_of_every_case(home):
-    path = example_species_path()
+@pytest.mark.parametrize("where", ["", "[along]\nrows_ahead = [0.0, 9.0]\nweight = [1.0, 0.5]\nsource = 'assumed'\n"])
+def test_species_give_l50_and_sr_of_every_case(home, where):
+    path = home / "fish.toml"
+    path.write_text(example_species_path().read_text(encoding="utf-8") + where, encoding="utf-8")
     table = codend.sweep({"plan": str(home / "plan.toml"), "species": [str(path)]})
     study = solve(load_plan(home / "plan.toml"))
     found = selectivity_table(predict(run_of(study), [load_species(path)], n_bootstrap=0, samples=0))

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_models.fish import PARAMETERS, Species
-from codend.selectivity.escape.catches import Catch, Part
 from codend.selectivity.escape.crowd_kernels import Crowd, Nodes, Trying
 from codend.selectivity.escape.haul_kernels import alike_together, retain_hauls, time_shares
+from codend.selectivity.escape.meshes_met import Catch, Part
 from codend.selectivity.escape.retention import EscapeTerms, crowd_of, escape_terms, everywhere_alike, nodes_of
 
 Floats = NDArray[np.float64]

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_models.fish import Species
-from codend.selectivity.escape.catches import Catch
 from codend.selectivity.escape.haul import MOST_CATCHES, Haul, haul_of, terms_of_catches
 from codend.selectivity.escape.haul_kernels import BIN, time_shares
+from codend.selectivity.escape.meshes_met import Catch
 from codend.selectivity.escape.retention import EscapeTerms, nodes_of
 
 Floats = NDArray[np.float64]

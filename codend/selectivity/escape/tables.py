@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from codend.selectivity.escape.catches import Catch
+from codend.selectivity.escape.meshes_met import Catch
 from codend.selectivity.escape.predict import Prediction
 
 HAUL = "haul"

@@ -12,16 +12,15 @@ from codend.bag.measures import measure_briefly
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
 from codend.equilibrium.fidelity import Choice
-from codend.errors import InputError
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats
 from codend.plan.plan import Plan
-from codend.selectivity.escape.catches import catches_of, run_of
 from codend.selectivity.escape.haul import hauls_of, terms_of_catches
 from codend.selectivity.escape.predict import rows_needed
 from codend.selectivity.escape.retention import nodes_of
 from codend.solvers.newton import NEARBY, solve_nearby, tangent_at
 from codend.solvers.outcome import Solution
+from codend.studies.catches_solved import catches_in
 from codend.studies.study import Study, measured
 
 FINEST: Final = (1e-13, 1e-12, 1e-11, 1e-10)
@@ -106,11 +105,7 @@ def _selectivity(case: SolvedCase, species: Sequence[Species]) -> dict[str, floa
     study = Study(case.plan, case.choice, (measured(case.model.bag, asked, case.problem, case.solution),))
     found: dict[str, float] = {}
     for one in species:
-        try:
-            (haul,) = hauls_of(catches_of(run_of(study), rows_needed(one)))
-            (terms,) = terms_of_catches(haul, one, SMOOTH)
-            l50_sr = terms.l50_sr()
-        except InputError:  # no meshes ahead of this catch
-            l50_sr = (float("nan"), float("nan"))
-        found.update(zip(_columns(species, one), l50_sr, strict=True))
+        (haul,) = hauls_of(catches_in(study, rows_needed(one)))
+        (terms,) = terms_of_catches(haul, one, SMOOTH)
+        found.update(zip(_columns(species, one), terms.l50_sr(), strict=True))
     return found

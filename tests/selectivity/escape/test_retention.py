@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from catch_models.fish import PARAMETERS, FishSection, Species
-from codend.selectivity.escape.catches import Catch
 from codend.selectivity.escape.haul import hauls_of, many_hauls, terms_of_catches, terms_of_haul
+from codend.selectivity.escape.meshes_met import Catch
 from codend.selectivity.escape.penetration import Holes, longest_fish
 from codend.selectivity.escape.retention import Crowd, crowd_of, escape_terms, nodes_of
 from codend.selectivity.escape.sensitivity import COARSE, sensitivity

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from codend.report.selectivity_words import answers, notes
-from codend.selectivity.escape.catches import Catch
 from codend.selectivity.escape.haul import hauls_of, shares_until, terms_of_catches, terms_of_haul
 from codend.selectivity.escape.haul_ends import moved_by_opening_error
+from codend.selectivity.escape.meshes_met import Catch
 from codend.selectivity.escape.penetration import Holes
 from codend.selectivity.escape.predict import Prediction, predict_haul
 from codend.selectivity.escape.species import example_species_path, load_species

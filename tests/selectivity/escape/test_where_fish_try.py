@@ -8,8 +8,8 @@ import pytest
 from catch_models.fish import Along, Sourced, Zone
 from codend.errors import InputError
 from codend.report.selectivity_words import notes
-from codend.selectivity.escape.catches import Catch, Part
 from codend.selectivity.escape.haul import hauls_of, many_hauls, terms_of_catches, terms_of_haul, trying_of
+from codend.selectivity.escape.meshes_met import Catch, Part
 from codend.selectivity.escape.penetration import Holes
 from codend.selectivity.escape.predict import predict_haul
 from codend.selectivity.escape.retention import crowd_of, escape_terms, nodes_of

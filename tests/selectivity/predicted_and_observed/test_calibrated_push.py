@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 from codend.errors import InputError
-from codend.selectivity.escape.catches import Catch
 from codend.selectivity.escape.haul import Haul, hauls_of
+from codend.selectivity.escape.meshes_met import Catch
 from codend.selectivity.escape.penetration import Holes
 from codend.selectivity.escape.predict import predict_haul
 from codend.selectivity.escape.species import example_species_path, load_species

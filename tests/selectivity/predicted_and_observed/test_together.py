@@ -14,8 +14,8 @@ from codend.cli.main import main
 from codend.errors import InputError
 from codend.report.selectivity_page import write_selectivity
 from codend.report.together_plot import together_plot
-from codend.selectivity.escape.catches import Catch
 from codend.selectivity.escape.haul import hauls_of, shares_until, time_shares
+from codend.selectivity.escape.meshes_met import Catch
 from codend.selectivity.escape.penetration import Holes
 from codend.selectivity.escape.predict import Prediction, predict_haul
 from codend.selectivity.escape.species import example_species_path, load_species, species_toml
