@@ -45,7 +45,7 @@ def sensitivities(
     every design is asked, and where it has a table [uncertain], relative standard deviations of numbers, intervals.csv
     says how well drag, opening and L50 are known, and which number to measure better.
     """
-    from codend.report.sensitivity_page import FILES, better, told, write_sensitivities
+    from codend.report.sensitivity_page import FILES, better, case_name, told, write_sensitivities
     from codend.selectivity.escape.species import load_species
     from codend.studies.sensitivity.of_designs import check_count, of_designs
     from codend.studies.workers import cores
@@ -63,7 +63,10 @@ def sensitivities(
         return NOT_CONVERGED
     with written_into(folder, FILES):
         written = write_sensitivities(title, table, intervals, folder)
-    _, last = list(table.groupby([name for name in ("run", "case") if name in table], sort=False))[-1]
+    cases = list(table.groupby([name for name in ("run", "case") if name in table], sort=False))
+    _, last = cases[-1]
+    if len(cases) > 1:
+        click.echo(f"In {case_name(last)}:")
     for sentence in (*told(last), *(better(intervals)[-MOST_TOLD:] if intervals is not None else ())):
         click.echo(sentence)
     click.echo(f"{len(written)} files written into {folder}; see {folder / 'sensitivities.html'}")

@@ -18,6 +18,7 @@ from codend.cli.common import (
 )
 from codend.cli.console import shown_progress, text_table
 from codend.errors import OPTIONS, InputError
+from codend.io.columns import error_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,10 +28,18 @@ SUMMARY = {
     "solved": ("converged", "sum"),
     "least drag N": ("drag_n", "min"),
     "most drag N": ("drag_n", "max"),
+    "largest error N": ("drag_error_n", "max"),
     "least opening deg": ("opening_ahead_deg", "min"),
     "most opening deg": ("opening_ahead_deg", "max"),
+    "largest error deg": ("opening_ahead_error_deg", "max"),
 }
 """What is printed of every run: heading, column of ``results.csv``, and what of it."""
+OF_A_CASE = {
+    "drag_n": ("drag N", "+- N"),
+    "opening_ahead_deg": ("opening deg", "+- deg"),
+    "l50_cm": ("L50 cm", "+- cm"),
+}
+"""What is printed of runs of one case, and its error."""
 MOST_PRINTED = 30
 """Runs of a study that are printed each; of more, all in one."""
 MOST_TOLD = 10
@@ -184,5 +193,12 @@ def _sweep_of_plan(plan: str, folder: Path, vary: Sequence[str], changes: Sequen
 
 
 def _print_runs(table: "pd.DataFrame", keys: list[str]) -> None:
-    summary = table.groupby(["run", *keys], sort=False, dropna=False).agg(**SUMMARY).reset_index()
-    click.echo(text_table(["run", *keys, *SUMMARY], summary.itertuples(index=False)))
+    if len(table) > table["run"].nunique():
+        summary = table.groupby(["run", *keys], sort=False, dropna=False).agg(**SUMMARY).reset_index()
+        click.echo(text_table(["run", *keys, *SUMMARY], summary.itertuples(index=False)))
+        return
+    told = [name for name in table.columns if name.partition(" ")[0] in OF_A_CASE]
+    names = [column for name in told for column in (name, error_of(name))]
+    heads = [f"{head} {name.partition(' ')[2]}".strip() for name in told for head in OF_A_CASE[name.partition(" ")[0]]]
+    shown = table[["run", *keys, *names]]
+    click.echo(text_table(["run", *keys, *heads], shown.itertuples(index=False)))

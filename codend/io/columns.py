@@ -109,3 +109,19 @@ OPENING_FORCE_COLUMNS = [
     "residual",
     "converged",
 ]
+
+ERRORS = {
+    "drag_n": "drag_error_n",
+    "catch_volume_m3": "catch_volume_error_m3",
+    "max_radius_m": "max_radius_error_m",
+    "opening_ahead_deg": "opening_ahead_error_deg",
+    "l50_cm": "l50_opening_error_cm",
+    "sr_cm": "sr_opening_error_cm",
+}
+"""Column of the error of what a case tells."""
+
+
+def error_of(quantity: str) -> str:
+    """Column of a quantity's error, of the same species."""
+    column, space, species = quantity.partition(" ")
+    return ERRORS[column] + space + species

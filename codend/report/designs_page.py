@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Final
 import pandas as pd
 
 from codend.io.files import whole_file, write_bytes, write_table
-from codend.report.fit_page import Section
 from codend.report.html import PageFigure, rendered
 from codend.report.own_look import own_look
+from codend.report.page_sections import Section
 from codend.report.style import dress, new_figure, number_text, png
 from codend.studies.comparison.designs import BesideEachOther
 
@@ -80,7 +80,7 @@ def designs_html(found: BesideEachOther, figure: PageFigure) -> str:
         "number of fish and the error of the openings, taken as independent."
     )
     return rendered(
-        "fit.html",
+        "sections.html",
         title="Designs beside each other",
         summary=f"{', '.join(found.names)}. Written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}.",
         lead=(),

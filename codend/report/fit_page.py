@@ -14,6 +14,7 @@ from codend.io.files import whole_file, write_bytes, write_table
 from codend.report.fit_plots import comparison_plot, curve_plot, delta_plot, haul_plot, residual_plot
 from codend.report.html import PageFigure, rendered
 from codend.report.own_look import own_look
+from codend.report.page_sections import Section
 from codend.report.style import number_text, png
 from codend.selectivity.fits.catch_comparison import CatchComparison
 from codend.selectivity.fits.fit import Fit
@@ -80,18 +81,6 @@ class FitReport:
     covariates: list[str] = field(default_factory=list)
     reference_length_cm: float = np.nan
     comparison: CatchComparison | None = None
-
-
-@dataclass(frozen=True)
-class Section:
-    """A part of the page."""
-
-    heading: str
-    texts: tuple[str, ...] = ()
-    heads: tuple[str, ...] = ()
-    words: tuple[bool, ...] = ()
-    rows: tuple[tuple[str, ...], ...] = ()
-    figures: tuple[PageFigure, ...] = ()
 
 
 SHOWN: Final = {
@@ -199,7 +188,7 @@ def fit_html(report: FitReport, figures: Mapping[str, PageFigure]) -> str:
         _table(report, "diagnostics"),
     ]
     return rendered(
-        "fit.html",
+        "sections.html",
         title=report.title,
         summary=f"{report.summary} Written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}.",
         lead=report.lead,

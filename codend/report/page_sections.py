@@ -1,10 +1,23 @@
-"""Tables as parts of a page."""
+"""Parts of a page that is made of headings, texts, tables and figures: `sections.html`."""
 
 import math
+from dataclasses import dataclass
 
 import pandas as pd
 
-from codend.report.fit_page import Section
+from codend.report.html import PageFigure
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the page."""
+
+    heading: str
+    texts: tuple[str, ...] = ()
+    heads: tuple[str, ...] = ()
+    words: tuple[bool, ...] = ()
+    rows: tuple[tuple[str, ...], ...] = ()
+    figures: tuple[PageFigure, ...] = ()
 
 
 def table_section(heading: str, texts: tuple[str, ...], table: pd.DataFrame) -> Section:

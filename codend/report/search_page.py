@@ -8,10 +8,9 @@ import pandas as pd
 
 from codend.io.files import write_bytes, write_table, write_text
 from codend.plan.copy import plan_toml
-from codend.report.fit_page import Section
 from codend.report.html import PageFigure, rendered
 from codend.report.own_look import own_look
-from codend.report.page_sections import table_section
+from codend.report.page_sections import Section, table_section
 from codend.report.style import dress, new_figure, png
 from codend.report.tornado_plot import named
 from codend.studies.search.search import Condition, Design, Found
@@ -62,7 +61,9 @@ def search_figure(found: Found) -> "Figure":
         axis.set_ylabel(f"{words}, {unit}, {'at least' if bound.sign > 0.0 else 'at most'} {bound.bound:g}")
     for axis in axes[len(found.conditions) :]:
         axis.set_visible(False)
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", frameon=False, ncols=3)
+    figure.legend(
+        *axes[0].get_legend_handles_labels(), loc="outside lower center", frameon=False, ncols=2, fontsize=8.5
+    )
     return figure
 
 
@@ -81,7 +82,7 @@ def _html(title: str, found: Found, figure: PageFigure) -> str:
     sentences = tuple(ended(found))
     change = "The change is the root of the sum of the squares of the relative changes of the numbers that may change."
     return rendered(
-        "fit.html",
+        "sections.html",
         title=title,
         summary=f"Search. Written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}.",
         lead=sentences if found.best else (),

@@ -8,10 +8,9 @@ from typing import Final
 import pandas as pd
 
 from codend.io.files import write_bytes, write_table, write_text
-from codend.report.fit_page import Section
 from codend.report.html import PageFigure, rendered
 from codend.report.own_look import own_look
-from codend.report.page_sections import table_section
+from codend.report.page_sections import Section, table_section
 from codend.report.style import number_text, png, spread
 from codend.report.tornado_plot import named, tornado_figure
 
@@ -41,7 +40,9 @@ def write_sensitivities(title: str, table: pd.DataFrame, intervals: pd.DataFrame
     with own_look():
         pictures = [png(tornado_figure(own)) for _, own in shown]
     figures = [
-        PageFigure(picture, f"{_name(own)}: 10 % more and less of every number, in proportion; of small counts one.")
+        PageFigure(
+            picture, f"{case_name(own)}: 10 % more and less of every number, in proportion; of small counts one."
+        )
         for picture, (_, own) in zip(pictures, shown, strict=True)
     ]
     page = _html(title, table, intervals, figures)
@@ -86,7 +87,8 @@ def better(intervals: pd.DataFrame) -> list[str]:
 
 def _html(title: str, table: pd.DataFrame, intervals: pd.DataFrame | None, figures: list[PageFigure]) -> str:
     last = list(table.groupby([name for name in WHAT if name in table], sort=False))[-1][1]
-    sections = [Section("What does most", tuple(told(last)), figures=tuple(figures))]
+    heading = "What does most" + (f" in {case_name(last)}" if len(figures) > 1 else "")
+    sections = [Section(heading, tuple(told(last)), figures=tuple(figures))]
     if intervals is not None:
         remark = (
             "In proportion, numbers as independent: the interval holds what the plan's numbers leave open, and no "
@@ -95,13 +97,13 @@ def _html(title: str, table: pd.DataFrame, intervals: pd.DataFrame | None, figur
         sections.append(table_section("Intervals", (remark, *better(intervals)[-MOST_SENTENCES:]), intervals))
     known = last[["quantity", "key", "value", "derivative", "by_10_percent", "note"]]
     remark = (
-        f"Of {_name(last)}, per unit of the number, of counts per one more; sensitivities.csv has those of all cases, "
-        "towards smaller "
-        "and larger values each, and between which values nothing goes slack or taut and the front passes no row."
+        f"Of {case_name(last)}, per unit of the number, of counts per one more; sensitivities.csv has those of all "
+        "cases, towards smaller and larger values each, and between which values nothing goes slack or taut and the "
+        "front passes no row."
     )
     sections.append(table_section("Derivatives", (remark,), known))
     return rendered(
-        "fit.html",
+        "sections.html",
         title=title,
         summary=f"Sensitivities. Written {datetime.now().astimezone():%d %B %Y, %H:%M %Z}.",
         lead=(),
@@ -111,7 +113,8 @@ def _html(title: str, table: pd.DataFrame, intervals: pd.DataFrame | None, figur
     )
 
 
-def _name(own: pd.DataFrame) -> str:
+def case_name(own: pd.DataFrame) -> str:
+    """What a case is called, of which there are rows."""
     return _name_of(own.iloc[0].to_dict())
 
 

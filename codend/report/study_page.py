@@ -7,14 +7,14 @@ from typing import Final
 
 import pandas as pd
 
+from codend.io.columns import error_of
 from codend.io.files import write_bytes, write_text
 from codend.plan.copy import plan_toml
 from codend.plan.plan import Plan
-from codend.report.fit_page import Section
 from codend.report.html import PageFigure, rendered
 from codend.report.own_look import own_look
-from codend.report.page_sections import table_section
-from codend.report.study_plots import Swept, error_of, fronts_of, map_figure, pareto_figure, response_figure, swept
+from codend.report.page_sections import Section, table_section
+from codend.report.study_plots import Swept, fronts_of, map_figure, pareto_figure, response_figure, swept
 from codend.report.style import png, spread
 from codend.report.tornado_plot import named
 
@@ -146,7 +146,7 @@ def _html(
         sections.append(_known(intervals, best, more))
     written = f"{datetime.now().astimezone():%d %B %Y, %H:%M %Z}"
     return rendered(
-        "fit.html",
+        "sections.html",
         title=title,
         summary=f"{len(found.table)} designs at {found.case}. Written {written}.",
         lead=(),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 import pandas as pd
 
+from codend.io.columns import error_of
 from codend.net.net import Floats
 from codend.report.style import INK, ORANGE, dress, new_figure, number_text, ordered_colours, spread
 from codend.report.tornado_plot import named
@@ -19,13 +20,6 @@ MARKERS: Final = ("o", "s", "^", "D")
 MOST_COLOURS: Final = 8
 """Values of the second number that have a line each; of more, those evenly spread."""
 DRAWN: Final = ("opening_ahead_deg", "drag_n", "l50_cm", "sr_cm")
-ERRORS: Final = {
-    "opening_ahead_deg": "opening_ahead_error_deg",
-    "drag_n": "drag_error_n",
-    "l50_cm": "l50_opening_error_cm",
-    "sr_cm": "sr_opening_error_cm",
-}
-"""Column of the error of what is drawn."""
 CONDITIONS: Final = ("catch.", "tow.")
 """Beginnings of keys that are no choice of the gear: designs are compared where they are alike."""
 NO_KEY: Final = ("run", "design")
@@ -93,12 +87,6 @@ def swept(table: pd.DataFrame) -> Swept | None:
     words = f"case {int(last)}: {number_text(float(first['speed_m_s']))} m/s{mass}"
     conditions = tuple(key for key in keys if key.startswith(CONDITIONS) and own[key].nunique() > 1)
     return Swept(own, tuple(numbers), tuple(kinds), conditions, words)
-
-
-def error_of(quantity: str) -> str:
-    """Column of a quantity's error, of the same species."""
-    column, space, species = quantity.partition(" ")
-    return ERRORS[column] + space + species
 
 
 def response_figure(found: Swept) -> "Figure":

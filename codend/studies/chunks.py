@@ -17,17 +17,12 @@ from codend.errors import InputError
 from codend.io.columns import REASON, TEXT_COLUMNS
 from codend.plan.copy import toml_value
 from codend.plan.plan import Plan
-from codend.selectivity.escape.haul import hauls_of, terms_of_catches
-from codend.selectivity.escape.haul_ends import moved_by_opening_error
-from codend.selectivity.escape.predict import rows_needed
 from codend.studies import tables
 from codend.studies.case_result import CaseResult
-from codend.studies.catches_solved import catches_in
+from codend.studies.catches_solved import selectivity_in
 from codend.studies.designs import Run
 from codend.studies.study import Study, solve
 
-OF_FISH = ("l50_cm", "sr_cm", "l50_opening_error_cm", "sr_opening_error_cm")
-"""Columns of selectivity, of several species each with its name behind."""
 _LOOKED_FOR_AFTER = 20_000
 """Objects made, over those that went, after which Python looks for some that only refer to each other: what some ten
 cases of a sector make. As often as it does otherwise that takes a twentieth of a study's time."""
@@ -132,24 +127,12 @@ def _studies_of(plan: Plan, near: Sequence[CaseResult]) -> Iterator[tuple[Study 
 
 
 def _rows_of(study: Study, species: Sequence[Species]) -> Iterator[dict[str, Any]]:
-    selected = _selectivity(study, species) if species else {}
+    selected = selectivity_in(study, species) if species else {}
     for result in study.cases:
         found = tables.result_row(study.plan, study.choice.fidelity, result)
         row = {name: found[name] for name in tables.result_columns(study.plan)}
         reason = None if result.converged else result.report.outcome.value
         yield {**row, **selected.get(result.case.number, {}), REASON: reason}
-
-
-def _selectivity(study: Study, species: Sequence[Species]) -> dict[int, dict[str, float]]:
-    """L50 and SR of fish that meet each solved case, and what errors of the openings change, cm, by its number."""
-    found: dict[int, dict[str, float]] = {}
-    for haul in hauls_of(catches_in(study, max(map(rows_needed, species)))):
-        for one in species:
-            names = [name if len(species) == 1 else f"{name} {one.name}" for name in OF_FISH]
-            moved = moved_by_opening_error(haul, one)
-            for catch, terms, by in zip(haul.catches, terms_of_catches(haul, one), moved, strict=False):
-                found.setdefault(catch.case, {}).update(zip(names, (*terms.l50_sr(), *by), strict=True))
-    return found
 
 
 def _cell(value: Any) -> Any:

@@ -119,3 +119,14 @@ def test_few_designs_are_drawn_too(keys):
     found = swept(table_of(**keys))
     assert found is not None
     assert pareto_figure(found, "l50_cm").axes
+
+
+def test_designs_of_one_case_are_printed_with_their_errors(tmp_path):
+    (tmp_path / "plan.toml").write_text(TINY_PLAN, encoding="utf-8")
+    (tmp_path / "study.toml").write_text(
+        'plan = "plan.toml"\n[vary]\n"catch.filled_meshes" = [2.0]\n', encoding="utf-8"
+    )
+    result = codend_cli("sweep", tmp_path / "study.toml", "--workers", "1", "--out", tmp_path / "out")
+    (row,) = pd.read_csv(tmp_path / "out" / "sweep.csv").to_dict("records")
+    told = result.stdout.splitlines()[2].split()
+    assert [float(cell) for cell in told[2:4]] == pytest.approx([row["drag_n"], row["drag_error_n"]], rel=1e-2)

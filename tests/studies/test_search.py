@@ -51,6 +51,7 @@ def test_a_real_number_is_changed_no_more_than_it_takes():
     assert found.best is not None
     told = found.best.told[0]
     assert told["l50_cm"] == pytest.approx(13.5, rel=1e-4)
+    assert "l50_cm 13.5 +- " in ended(found)[1]
     # at the least change, changes are in the ratio of what they do: the gradients point the same way
     assert found.plan is not None
     share = [found.best.values[key] / found.start.values[key] - 1.0 for key in (BAR, "netting.0.twine_mm")]

@@ -13,12 +13,12 @@ from codend.net.net import Floats
 from codend.plan.numbers import PlanNumber, numbers_of
 from codend.plan.overrides import CATCH_QUANTITIES, apply_values
 from codend.plan.plan import Plan, plan_from_dict
+from codend.studies.catches_solved import OF_FISH
 from codend.studies.sensitivity.solved_case import OF_NETS
 from codend.studies.study_file import StudyPlan
 
 KEYS: Final = ("change", "target", "limits", "within")
 BOUNDS: Final = ("least", "most")
-OF_FISH: Final = ("l50_cm", "sr_cm")
 WITHIN: Final = 0.25
 """How far a number may change where nothing limits it, relative."""
 

@@ -10,7 +10,7 @@ the target is therefore the one that a search through the whole grid finds.
 import heapq
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -21,6 +21,7 @@ from codend.net.net import Floats
 from codend.plan.numbers import alone
 from codend.plan.plan import Plan
 from codend.studies.case_result import CaseResult
+from codend.studies.catches_solved import selectivity_in
 from codend.studies.designs import Base, Run
 from codend.studies.search.asked import Asked, Condition, Variable
 from codend.studies.sensitivity.derivatives import Told, derivatives_at
@@ -79,6 +80,8 @@ class Found:
     """... so many were tried, and the others left out for their change."""
     cases: tuple[CaseResult, ...] = ()
     """Of that plan, as ``codend run`` solves them: with errors and stability, which designs on the way go without."""
+    selected: Mapping[int, Mapping[str, float]] = field(default_factory=dict)
+    """L50 and SR of these and what errors of the openings change in them, by the number of the case."""
 
 
 def search(asked: Asked, progress: Progress | None = None) -> Found:
@@ -127,6 +130,7 @@ class _Search:
                     best = one
         told = [one for one in self.looked_at.values() if one.told]
         plan = None if best is None else self._plan(np.array([best.values[one.number.key] for one in self.variables]))
+        study = None if plan is None else solve(plan)
         return Found(
             start=start,
             best=best,
@@ -136,7 +140,8 @@ class _Search:
             looked_at=tuple(self.looked_at.values()),
             combinations=combinations,
             tried=tried,
-            cases=() if plan is None else solve(plan).cases,
+            cases=() if study is None else study.cases,
+            selected=selectivity_in(study, self.asked.species) if study and self.asked.species else {},
         )
 
     def _reaching(self, start: Design) -> Iterator[Condition]:

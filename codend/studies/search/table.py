@@ -1,20 +1,13 @@
 """``search.csv``: every design that a search looked at; and how it ended, in words."""
 
 import math
-from typing import Final
 
 import pandas as pd
 
-from codend.io.columns import REASON
+from codend.io.columns import REASON, error_of
+from codend.studies.case_result import CaseResult
 from codend.studies.search.asked import Condition
 from codend.studies.search.search import MOST_DESIGNS, REACHED, Design, Found
-
-ERRORS: Final = {
-    "drag_n": "drag_error_n",
-    "catch_volume_m3": "catch_volume_error_m3",
-    "opening_ahead_deg": "opening_ahead_error_deg",
-}
-"""Of what a run tells, the column of its error."""
 
 
 def search_table(found: Found) -> pd.DataFrame:
@@ -56,11 +49,10 @@ def _as_run(found: Found) -> list[str]:
     if not all(case.converged for case in found.cases):
         return ["As codend run solves this plan, not every case of it is solved."]
     told, missed = [], []
-    bounds = {one.quantity: one for one in found.conditions if one.quantity in ERRORS}
-    # L50 hangs on the opening
+    bounds = {one.quantity: one for one in found.conditions}
     bounds.setdefault("opening_ahead_deg", Condition("opening_ahead_deg", 0.0, 1.0))
     for quantity, bound in bounds.items():
-        values = [(getattr(one.measures, quantity), getattr(one.errors, ERRORS[quantity])) for one in found.cases]
+        values = [_with_error(found, case, quantity) for case in found.cases]
         value, error = min(values, key=lambda pair: bound.margin(pair[0]))
         if math.isnan(value):
             continue
@@ -78,6 +70,12 @@ def _as_run(found: Found) -> list[str]:
             f"The shape is not stable (case {', '.join(unstable)}): the errors cover what wrinkles change."
         )
     return sentences
+
+
+def _with_error(found: Found, case: CaseResult, quantity: str) -> tuple[float, float]:
+    """What a case tells of a quantity, and its error; nan where that is not known."""
+    told = vars(case.measures) | vars(case.errors) | dict(found.selected.get(case.case.number, {}))
+    return told.get(quantity, math.nan), told.get(error_of(quantity), math.nan)
 
 
 def _stopped(found: Found) -> bool:

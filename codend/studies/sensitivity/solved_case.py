@@ -20,7 +20,7 @@ from codend.selectivity.escape.predict import rows_needed
 from codend.selectivity.escape.retention import nodes_of
 from codend.solvers.newton import NEARBY, solve_nearby, tangent_at
 from codend.solvers.outcome import Solution
-from codend.studies.catches_solved import catches_in
+from codend.studies.catches_solved import catches_in, fish_columns
 from codend.studies.study import Study, measured
 
 FINEST: Final = (1e-13, 1e-12, 1e-11, 1e-10)
@@ -93,11 +93,7 @@ def quantities(case: SolvedCase, species: Sequence[Species]) -> dict[str, float]
 
 def quantity_names(species: Sequence[Species]) -> list[str]:
     """Names of what ``quantities`` tells."""
-    return [*OF_NETS, *(name for one in species for name in _columns(species, one))]
-
-
-def _columns(species: Sequence[Species], one: Species) -> tuple[str, str]:
-    return ("l50_cm", "sr_cm") if len(species) == 1 else (f"l50_cm {one.name}", f"sr_cm {one.name}")
+    return [*OF_NETS, *(name for one in species for name in fish_columns(species, one))]
 
 
 def _selectivity(case: SolvedCase, species: Sequence[Species]) -> dict[str, float]:
@@ -107,5 +103,5 @@ def _selectivity(case: SolvedCase, species: Sequence[Species]) -> dict[str, floa
     for one in species:
         (haul,) = hauls_of(catches_in(study, rows_needed(one)))
         (terms,) = terms_of_catches(haul, one, SMOOTH)
-        found.update(zip(_columns(species, one), terms.l50_sr(), strict=True))
+        found.update(zip(fish_columns(species, one), terms.l50_sr(), strict=True))
     return found
