@@ -86,9 +86,10 @@ there is in any case, and by the square of the shortening over the number of rop
 
 def weight_errors(plan: Plan, share: float) -> np.ndarray:
     """What weight that is left out may change, relative, by its share of the drag, (4,)."""
-    few = min(min(part.open_meshes) for part in plan.netting) < FEW_ROUND
-    tips = share > 0.0 and any(part.kind.tips for part in plan.netting)
-    tipped = (TIPPED_OF_FEW if few else TIPPED) * tips
+    tipped = np.zeros(4)
+    if share > 0.0 and any(part.kind.tips for part in plan.netting):
+        few = min(min(part.open_meshes) for part in plan.netting) < FEW_ROUND
+        tipped = TIPPED_OF_FEW if few else TIPPED
     at_first = AT_FIRST * min(share, AT_FIRST_UP_TO)
     return np.asarray(WEIGHT_LEFT_OUT @ [share, share**2] + at_first + tipped)
 

@@ -155,13 +155,12 @@ def all_but_slack(bag: Bag, problem: Problem, solution: Solution) -> NDArray[np.
     """Numbers of the free knots of three bars and more of which at most one pulls; not the codline, (k,)."""
     structure, count = problem.structure, len(solution.positions)
     pulls = solution.bar_tension > SLACK * solution.mean_tension
-    if pulls.all():
-        return np.zeros(0, dtype=np.int64)
-    ends = np.concatenate([structure.first, structure.second])
-    slack = (np.bincount(ends, np.tile(pulls, 2), count) <= 1.0) & (np.bincount(ends, minlength=count) >= 3)
-    slack &= (structure.free > 0.0).all(axis=1)
-    slack[-1 - bag.anchors] = False
-    return np.flatnonzero(slack)
+    first, second = structure.first, structure.second
+    pulling = np.bincount(first[pulls], minlength=count) + np.bincount(second[pulls], minlength=count)
+    slack = np.flatnonzero(pulling <= 1)
+    bars = np.bincount(first, minlength=count) + np.bincount(second, minlength=count)
+    free = (structure.free[slack] > 0.0).all(axis=1) & (slack != count - 1 - bag.anchors)
+    return slack[(bars[slack] >= 3) & free]
 
 
 def to_the_plane(problem: Problem, positions: Floats, knots: NDArray[np.int_]) -> Floats:

@@ -290,7 +290,7 @@ def _led(s: Situation) -> Solution:
     Limp inextensible twine takes the same shape at any speed, under tensions that grow with its square.
     """
     wanted, speed = s.case.catch_value, s.case.speed_m_s
-    nearest, solution = min(s.known, key=lambda pair: (abs(pair[0].catch_value - wanted), pair[0].speed_m_s))
-    if nearest.catch_value != wanted and s.within_prediction:
+    if s.within_prediction and all(case.catch_value != wanted for case, _ in s.known):
         return predict(s.at_its_speed, wanted)
+    nearest, solution = min(s.known, key=lambda pair: (abs(pair[0].catch_value - wanted), pair[0].speed_m_s))
     return replace(solution, bar_tension=(speed / nearest.speed_m_s) ** 2 * solution.bar_tension)

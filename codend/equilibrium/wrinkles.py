@@ -78,7 +78,7 @@ def changed_by_wrinkles(
         return np.full(4, np.nan)
     aside = may_hang_aside(stability, measures)
     if not stability.growths and not touching and not unknown:
-        return measures.estimated * _swung(bag, measures) * aside
+        return measures.estimated * _swung(bag, measures) if aside else np.zeros(4)
     strength, reach = CONTACT if touching else (0.0, 0.0)
     swings, own = False, 0.0
     ahead, codline = _knots_ahead(bag, solution.share), -1 - bag.anchors

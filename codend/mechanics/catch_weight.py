@@ -245,21 +245,18 @@ def add_tangent(
     height = front_height(position, catch, share)
     facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
     bands, weights, slots = catch.facet_band, structure.facet_weight, pattern.facet_slot
-    h = np.empty((3, 3))
     for facet in range(len(bands)):
         third = share[bands[facet]] * weights[facet] * catch.weight_density / 3.0
         if third == 0.0:
             continue
         corners = corners_of_facet(position, facets, images, rotations, facet)
-        area = area_vector(corners)
+        x, y, z = area_vector(corners)
+        x, y, z = third * x / 3.0, third * y / 3.0, third * z / 3.0
         half = 0.5 * third * (height - (corners[2] + corners[5] + corners[8]) / 3.0)
         for moved in range(3):
             ex, ey, ez = side_across(corners, moved)
-            h[0, 0], h[0, 1], h[0, 2] = 0.0, half * ez, -half * ey
-            h[1, 0], h[1, 1], h[1, 2] = -half * ez, 0.0, half * ex
-            h[2, 0], h[2, 1], h[2, 2] = half * ey, -half * ex, 0.0
-            for i in range(3):
-                h[i, 2] -= third * area[i] / 3.0
+            ex, ey, ez = half * ex, half * ey, half * ez
+            h = (0.0, ez, -ey - x, -ez, 0.0, ex - y, ey, -ex, -z)
             take_from_facet_blocks(blocks, slots, facet, moved, h, images, rotations)
 
 

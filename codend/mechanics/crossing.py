@@ -40,8 +40,10 @@ def band_turns(position: Floats, structure: Structure, catch: Catch, rings: Ring
         np.zeros((count, 3)),
         np.zeros((count, 3)),
     )
-    shortest = np.inf
+    shortest, whole = np.inf, structure.order == 1.0
     for middling in (True, False):
+        if middling and not whole:
+            continue
         for bar in range(len(bands)):
             first, second, band = firsts[bar], seconds[bar], bands[bar]
             if rows[first] == rows[second] and rows[first] >= 0:
@@ -53,14 +55,14 @@ def band_turns(position: Floats, structure: Structure, catch: Catch, rings: Ring
             forward = rows[first] == band if part == 0 else (rows[second] >= 0 if part == 2 else False)
             if not forward:
                 fore_y, fore_z, aft_y, aft_z = aft_y, aft_z, fore_y, fore_z
-            if middling:
+            if middling == whole:
                 bars[band, part] += 1.0
                 shortest = min(shortest, lengths[bar])
-                if structure.order == 1.0:
-                    middles[band, part, 0] += fore_y
-                    middles[band, part, 1] += fore_z
-                    middles[band, part, 2] += aft_y
-                    middles[band, part, 3] += aft_z
+            if middling:
+                middles[band, part, 0] += fore_y
+                middles[band, part, 1] += fore_z
+                middles[band, part, 2] += aft_y
+                middles[band, part, 3] += aft_z
             else:
                 middle = middles[band, part]
                 fore_y, fore_z, aft_y, aft_z = (

@@ -52,7 +52,8 @@ def hermitian_parts(blocks: Floats, place: Ints, weight: Floats, even: Floats, o
         where = place[entry]
         if where >= 0:
             evens[where] += weight[entry, 0] * entries[entry]
-            odds[where] += weight[entry, 1] * entries[entry]
+            if weight[entry, 1] != 0.0:
+                odds[where] += weight[entry, 1] * entries[entry]
 
 
 @njit(cache=True, error_model="numpy")
@@ -223,42 +224,53 @@ def write_rows(band: Numbers, centre: float, hermitian: bool, rows: Numbers) -> 
     """
     width, size = band.shape
     half = width // 2
-    for i in range(size):
-        for j in range(max(0, i - half), min(size, i + half + 1)):
-            entry = band[half + i - j, j]
+    for place in range(width):
+        right = place - half  # of the diagonal
+        count, first = size - abs(right), max(0, -right)
+        own, other = band[half - right, first + right :], band[half + right, first:]
+        for i in range(count):
+            entry = own[i]
             if hermitian:
-                entry = 0.5 * (entry + np.conj(band[half + j - i, i]))
-            rows[i, half + j - i] = entry
-        rows[i, half] -= centre
+                entry = 0.5 * (entry + np.conj(other[i]))
+            rows[first + i, place] = entry
+    rows[:, half] -= centre
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
 def band_times(band: Numbers, vectors: Numbers) -> Numbers:
     """Products of a band, laid out as for ``write_rows``, with vectors (unknowns, k), which are complex if it is."""
     width, size = band.shape
     half, product = width // 2, np.zeros_like(vectors)
-    for d in range(width):
-        lower = d - half
-        for j in range(max(0, -lower), min(size, size - lower)):
-            for k in range(vectors.shape[1]):
-                product[j + lower, k] += band[d, j] * vectors[j, k]
+    for k in range(vectors.shape[1]):
+        vector, found = vectors[:, k].copy(), np.zeros_like(vectors[:, k])
+        for d in range(width):
+            lower = d - half
+            count = size - abs(lower)
+            first, row = max(0, -lower), max(0, lower)
+            entries, known = band[d, first : first + count], vector[first : first + count]
+            sums = found[row : row + count]
+            for j in range(count):
+                sums[j] += entries[j] * known[j]
+        product[:, k] = found
     return product
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
 def factorise_band_of_numbers(band: Numbers) -> None:
     """Factorise a band in place as L U without pivoting: entry (i, j) in ``band[i, half + j - i]``."""
     size, width = band.shape
     half = width // 2
     for k in range(size):
-        inverse = 1.0 / band[k, half]
-        for below in range(1, min(half, size - 1 - k) + 1):
-            row, start = band[k + below], half - below
-            factor = row[start] * inverse
-            row[start] = factor
+        inverse, reach = 1.0 / band[k, half], min(half, size - 1 - k)
+        upper = band[k, half + 1 : half + 1 + reach]
+        for below in range(1, reach + 1):
+            row, start = k + below, half - below
+            factor = band[row, start] * inverse
+            band[row, start] = factor
             if factor != 0.0:
-                for i in range(1, min(half, size - 1 - k) + 1):
-                    row[start + i] -= factor * band[k, half + i]
+                lower = band[row, start + 1 : start + 1 + reach]
+                for i in range(reach):
+                    lower[i] -= factor * upper[i]
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
@@ -267,14 +279,16 @@ def solve_band_of_numbers(band: Numbers, x: Numbers) -> None:
     size, width = band.shape
     half = width // 2
     for i in range(size):
-        value = x[i]
-        for j in range(max(0, i - half), i):
-            value -= band[i, half + j - i] * x[j]
+        value, reach = x[i], min(half, i)
+        row, known = band[i, half - reach : half], x[i - reach : i]
+        for j in range(reach):
+            value -= row[j] * known[j]
         x[i] = value
     for i in range(size - 1, -1, -1):
-        value = x[i]
-        for j in range(i + 1, min(size, i + half + 1)):
-            value -= band[i, half + j - i] * x[j]
+        value, reach = x[i], min(half, size - 1 - i)
+        row, known = band[i, half + 1 : half + 1 + reach], x[i + 1 : i + 1 + reach]
+        for j in range(reach):
+            value -= row[j] * known[j]
         x[i] = value / band[i, half]
 
 

@@ -5,8 +5,9 @@ weight, is pierced when a bar pierces one triangle of either: a bar that ends in
 touches it. A bar pierces a facet if it meets it and both its ends are further from the facet's plane than a tolerance:
 bars that share a node with a facet do not, nor does netting that is folded flat and lies on itself.
 
-Facets are sorted into the cells of a grid by the middles of their boxes, in (x, r) for a sector, whose images are told
-apart by their azimuths, and in (x, y, z) for a full net.
+Facets are sorted into the cells of a grid by the middles of their boxes: in (z, y, x) for a full net, along x alone for
+a sector, each as the image of it that is nearest to the azimuth 0. Bars are held against all planes of a stretch of the
+list at a time, as their images about that azimuth: few have their ends on either side of one and not at it.
 """
 
 import math
@@ -27,7 +28,6 @@ ON_EDGE = 1e-9
 CELLS = 8
 """Most cells of the grid, over the number of facets."""
 
-
 DEEPEST = 0.1
 """Of the shortest bar; see ``touching_m``."""
 
@@ -43,32 +43,24 @@ def touching_m(length: Floats, thickness: Floats) -> float:
     return max(TOUCHING * shortest, min(np.median(thickness), DEEPEST * shortest))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def write_point(position: Floats, node: int, image: int, cosines: Floats, sines: Floats, point: Floats) -> None:
     """Write a node turned about the x axis by ``image`` sectors, (3,)."""
     y, z = position[node, 1], position[node, 2]
-    turn = image % len(cosines)
+    turn = image + len(cosines) if image < 0 else image
+    if turn < 0 or turn >= len(cosines):
+        turn = image % len(cosines)
     cosine, sine = cosines[turn], sines[turn]
     point[0], point[1], point[2] = position[node, 0], cosine * y - sine * z, sine * y + cosine * z
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def wrapped(angle: float) -> float:
     """The angle between -pi and pi that differs from this one by whole turns."""
-    return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
+    return angle if abs(angle) <= math.pi else angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
 
 
-@njit(cache=True)
-def nearest_to_axis(ay: float, az: float, by: float, bz: float) -> float:
-    """Least distance from the axis of a straight line between two points, seen along the axis."""
-    y, z = by - ay, bz - az
-    square = y * y + z * z
-    along = min(max(-(ay * y + az * z) / square, 0.0), 1.0) if square > 0.0 else 0.0
-    y, z = ay + along * y, az + along * z
-    return math.sqrt(y * y + z * z)
-
-
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def around_axis(azimuths: Floats, radii: Floats, count: int, on_axis: float) -> tuple[float, float]:
     """Middle and half width of the azimuths of a bar or a facet, by its corners (count,); pi where it spans the axis.
 
@@ -92,28 +84,7 @@ def around_axis(azimuths: Floats, radii: Floats, count: int, on_axis: float) -> 
     return base + 0.5 * (low + high), 0.5 * (high - low)
 
 
-@njit(cache=True)
-def write_box(points: Floats, radii: Floats, count: int, sector: bool, box: Floats) -> None:
-    """Write the least and the largest coordinates of a bar or a facet, (6,): (x, y, z), or (x, r, 0) in a sector."""
-    for i in range(1 if sector else 3):
-        box[i], box[3 + i] = points[0, i], points[0, i]
-        for j in range(1, count):
-            box[i], box[3 + i] = min(box[i], points[j, i]), max(box[3 + i], points[j, i])
-    if not sector:
-        return
-    least, most = np.inf, 0.0
-    inside = 0
-    for j in range(count):
-        k = (j + 1) % count
-        ay, az, by, bz = points[j, 1], points[j, 2], points[k, 1], points[k, 2]
-        least, most = min(least, nearest_to_axis(ay, az, by, bz)), max(most, radii[j])
-        inside += 1 if ay * bz - az * by > 0.0 else -1
-    if count == 3 and abs(inside) == 3:
-        least = 0.0
-    box[1], box[4], box[2], box[5] = least, most, 0.0, 0.0
-
-
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def write_plane(corners: Floats, touching: float, plane: Floats) -> None:
     """Write the unit normal of a facet (3, 3) and its distance from the origin, (4,).
 
@@ -129,7 +100,7 @@ def write_plane(corners: Floats, touching: float, plane: Floats) -> None:
         plane[3] = plane[0] * corners[0, 0] + plane[1] * corners[0, 1] + plane[2] * corners[0, 2]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def meets(corners: Floats, plane: Floats, x: float, y: float, z: float) -> bool:
     """Whether a point in the plane of a facet (3, 3) lies in it: on the inner side of all its edges."""
     for i in range(3):
@@ -142,7 +113,21 @@ def meets(corners: Floats, plane: Floats, x: float, y: float, z: float) -> bool:
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
+def crossed(planes: Floats, begin: int, end: int, bar: Floats, touching: float) -> int:
+    """How many of some planes, (4, f), have the ends of a bar, (2, 3), on either side, both beyond a tolerance."""
+    nx, ny, nz = planes[0, begin:end], planes[1, begin:end], planes[2, begin:end]
+    distance, count = planes[3, begin:end], 0
+    px, py, pz, qx, qy, qz = bar[0, 0], bar[0, 1], bar[0, 2], bar[1, 0], bar[1, 1], bar[1, 2]
+    for i in range(end - begin):
+        p = nx[i] * px + ny[i] * py + nz[i] * pz - distance[i]
+        q = nx[i] * qx + ny[i] * qy + nz[i] * qz - distance[i]
+        # an end that is one of the facet's corners lies in its plane
+        count += (p * q < 0.0) & (min(abs(p), abs(q)) > touching)
+    return count
+
+
+@njit(cache=True, error_model="numpy")
 def first_pierced(
     position: Floats,
     first: Ints,
@@ -176,86 +161,99 @@ def first_pierced(
         # each the nearer way round: with a fraction of a sector to spare the two ways differ
         nearer = turn if 2 * turn <= sectors else turn - sectors
         cosines[turn], sines[turn] = math.cos(angle * nearer), math.sin(angle * nearer)
-    corners, boxes, planes, spans = (
-        np.empty((count, 3, 3)),
-        np.empty((count, 6)),
-        np.empty((count, 4)),
-        np.zeros((count, 2)),
-    )
     azimuth, radius = np.zeros(len(position)), np.zeros(len(position))
     if sector:
         for node in range(len(position)):
             y, z = position[node, 1], position[node, 2]
             azimuth[node], radius[node] = math.atan2(z, y), math.sqrt(y * y + z * z)
+    corners, boxes, reaches = np.empty((count, 3, 3)), np.zeros((count, 6)), np.zeros(count)
     azimuths, radii = np.empty(3), np.empty(3)
     for facet in range(count):
-        for i in range(3):
-            node, turn = facets[facet, i], facet_image[facet, i]
-            write_point(position, node, turn, cosines, sines, corners[facet, i])
-            azimuths[i], radii[i] = wrapped(azimuth[node] + turn * angle), radius[node]
-        write_box(corners[facet], radii, 3, sector, boxes[facet])
-        write_plane(corners[facet], touching, planes[facet])
+        back = 0
         if sector:
-            spans[facet, 0], spans[facet, 1] = around_axis(azimuths, radii, 3, 1e-3 * touching)
+            for i in range(3):
+                node = facets[facet, i]
+                azimuths[i], radii[i] = wrapped(azimuth[node] + facet_image[facet, i] * angle), radius[node]
+            middle, half = around_axis(azimuths, radii, 3, 1e-3 * touching)
+            back = math.floor(middle / angle + 0.5)
+            reaches[facet] = abs(middle - back * angle) + half
+        for i in range(3):
+            write_point(position, facets[facet, i], facet_image[facet, i] - back, cosines, sines, corners[facet, i])
+        write_box(corners[facet], sector, boxes[facet])
     start, contents, low, size, shape, reach = sorted_into_cells(boxes)
-    boxes, planes, spans = boxes[contents], planes[contents], spans[contents]
-    bars, box, span = np.empty((2, 3)), np.empty(6), np.zeros(2)
+    planes, plane, widest = np.empty((4, count)), np.empty(4), np.zeros(len(start) - 1)
+    for cell in range(len(widest)):
+        for place in range(start[cell], start[cell + 1]):
+            write_plane(corners[contents[place]], touching, plane)
+            for k in range(4):
+                planes[k, place] = plane[k]
+            widest[cell] = max(widest[cell], reaches[contents[place]])
+    bar_ends, turned, box = np.empty((2, 3)), np.empty((2, 3)), np.zeros(6)
     cells = np.empty((3, 2), dtype=np.int64)
     for bar in range(len(first)):
-        write_point(position, first[bar], 0, cosines, sines, bars[0])
-        write_point(position, second[bar], image[bar], cosines, sines, bars[1])
-        azimuths[0], azimuths[1] = azimuth[first[bar]], wrapped(azimuth[second[bar]] + image[bar] * angle)
-        radii[0], radii[1] = radius[first[bar]], radius[second[bar]]
-        write_box(bars, radii, 2, sector, box)
-        if sector:
-            span[0], span[1] = around_axis(azimuths, radii, 2, 1e-3 * touching)
+        write_point(position, first[bar], 0, cosines, sines, bar_ends[0])
+        write_point(position, second[bar], image[bar], cosines, sines, bar_ends[1])
+        write_box(bar_ends, sector, box)
         for i in range(3):
             cells[i, 0] = max(int((box[i] - reach[i] - low[i]) / size), 0)
             cells[i, 1] = min(int((box[3 + i] + reach[i] - low[i]) / size), shape[i] - 1)
         if cells[2, 0] > cells[2, 1]:
             continue  # beyond all facets, where the list has no stretch
-        px, qx = bars[0, 0], bars[1, 0]
+        middle, half = 0.0, 0.0
+        if sector:
+            azimuths[0], azimuths[1] = azimuth[first[bar]], wrapped(azimuth[second[bar]] + image[bar] * angle)
+            radii[0], radii[1] = radius[first[bar]], radius[second[bar]]
+            middle, half = around_axis(azimuths, radii, 2, 1e-3 * touching)
         pierced = 0.0
         for i in range(cells[0, 0], cells[0, 1] + 1):
             for j in range(cells[1, 0], cells[1, 1] + 1):
                 row = (i * shape[1] + j) * shape[2]
                 # cells that follow one another along the last coordinate are one stretch of the list
-                for place in range(start[row + cells[2, 0]], start[row + cells[2, 1] + 1]):
-                    if (
-                        box[0] > boxes[place, 3]
-                        or box[3] < boxes[place, 0]
-                        or box[1] > boxes[place, 4]
-                        or box[4] < boxes[place, 1]
-                        or box[2] > boxes[place, 5]
-                        or box[5] < boxes[place, 2]
-                    ):
+                begin, end = start[row + cells[2, 0]], start[row + cells[2, 1] + 1]
+                least, most = 0, 0
+                if sector:
+                    wide = half + ON_EDGE
+                    for cell in range(row + cells[2, 0], row + cells[2, 1] + 1):
+                        wide = max(wide, half + ON_EDGE + widest[cell])
+                    least = math.ceil((middle - wide) / angle)
+                    most = min(math.floor((middle + wide) / angle), least + sectors - 1)
+                for turn in range(least, most + 1):
+                    # the bar is turned back, rather than the facets forward
+                    write_point(bar_ends, 0, -turn, cosines, sines, turned[0])
+                    write_point(bar_ends, 1, -turn, cosines, sines, turned[1])
+                    if crossed(planes, begin, end, turned, touching) == 0:
                         continue
-                    least, most = 0, 0
-                    if sector:
-                        away, wide = span[0] - spans[place, 0], span[1] + spans[place, 1] + ON_EDGE
-                        least = math.ceil((away - wide) / angle)
-                        most = min(math.floor((away + wide) / angle), least + sectors - 1)
-                    nx, ny, nz, distance = planes[place, 0], planes[place, 1], planes[place, 2], planes[place, 3]
-                    for turn in range(least, most + 1):
-                        # the bar is turned back, rather than the facet forward
-                        c, s = cosines[turn % sectors], sines[turn % sectors]
-                        py, pz = c * bars[0, 1] + s * bars[0, 2], c * bars[0, 2] - s * bars[0, 1]
-                        qy, qz = c * bars[1, 1] + s * bars[1, 2], c * bars[1, 2] - s * bars[1, 1]
-                        p = nx * px + ny * py + nz * pz - distance
-                        q = nx * qx + ny * qy + nz * qz - distance
-                        # an end that is one of the facet's corners lies in its plane
-                        if p * q >= 0.0 or min(abs(p), abs(q)) <= touching:
-                            continue
-                        facet, along = contents[place], p / (p - q)
-                        x, y, z = px + along * (qx - px), py + along * (qy - py), pz + along * (qz - pz)
-                        if meets(corners[facet], planes[place], x, y, z):
+                    for place in range(begin, end):
+                        facet = contents[place]
+                        if pierces(turned, planes[:, place], corners[facet], touching):
                             pierced += 1.0 if facet_weight[facet] >= 1.0 else 0.5
                             if pierced >= 1.0:
                                 return bar, facet
     return -1, -1
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
+def write_box(points: Floats, sector: bool, box: Floats) -> None:
+    """Write the least and the largest coordinates of a bar or a facet, (6,): (z, y, x), or of a sector (0, 0, x)."""
+    for i in range(1 if sector else 3):
+        box[2 - i], box[5 - i] = points[0, i], points[0, i]
+        for j in range(1, len(points)):
+            box[2 - i], box[5 - i] = min(box[2 - i], points[j, i]), max(box[5 - i], points[j, i])
+
+
+@njit(cache=True, error_model="numpy")
+def pierces(bar: Floats, plane: Floats, corners: Floats, touching: float) -> bool:
+    """Whether a bar, (2, 3), goes through a facet, (3, 3), and both its ends are further from its plane, (4,)."""
+    p = plane[0] * bar[0, 0] + plane[1] * bar[0, 1] + plane[2] * bar[0, 2] - plane[3]
+    q = plane[0] * bar[1, 0] + plane[1] * bar[1, 1] + plane[2] * bar[1, 2] - plane[3]
+    if p * q >= 0.0 or min(abs(p), abs(q)) <= touching:
+        return False
+    along = p / (p - q)
+    x, y, z = bar[0, 0], bar[0, 1], bar[0, 2]
+    return meets(corners, plane, x + along * (bar[1, 0] - x), y + along * (bar[1, 1] - y), z + along * (bar[1, 2] - z))
+
+
+@njit(cache=True, error_model="numpy")
 def sorted_into_cells(boxes: Floats) -> tuple[Counts, Counts, Floats, float, Counts, Floats]:
     """Sort facets into the cells of a grid by the middles of their boxes.
 

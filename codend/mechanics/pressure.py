@@ -126,21 +126,33 @@ def side_across(corners: tuple[float, ...], moved: int) -> tuple[float, float, f
 
 @njit(cache=True, error_model="numpy")
 def take_from_facet_blocks(
-    blocks: Floats, slots: Ints, facet: int, moved: int, h: Floats, images: Ints, rotations: Floats
+    blocks: Floats, slots: Ints, facet: int, moved: int, h: tuple[float, ...], images: Ints, rotations: Floats
 ) -> None:
-    """Take off the blocks of a facet's three corners whose loads all change by h with the move of one of them."""
+    """Take off the blocks of a facet's three corners whose loads all change by h with the move of one of them.
+
+    ``h`` has its nine entries row by row.
+    """
     middle = (rotations.shape[0] - 1) // 2
-    e, t = rotations[middle + images[facet, moved], 0], rotations[middle + images[facet, moved], 1]
-    for i in range(3):
-        y, z = h[i, 1], h[i, 2]
-        h[i, 1], h[i, 2] = e * y + t * z, e * z - t * y
-    for corner in range(3):
-        slot, image = slots[facet, corner, moved], images[facet, corner]
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = h
+    image = images[facet, moved]
+    if image != 0:
         c, s = rotations[middle + image, 0], rotations[middle + image, 1]
-        for j in range(3):
-            blocks[slot, 0, j] -= h[0, j]
-            blocks[slot, 1, j] -= c * h[1, j] + s * h[2, j]
-            blocks[slot, 2, j] -= c * h[2, j] - s * h[1, j]
+        xy, xz = c * xy + s * xz, c * xz - s * xy
+        yy, yz = c * yy + s * yz, c * yz - s * yy
+        zy, zz = c * zy + s * zz, c * zz - s * zy
+    for corner in range(3):
+        block, image = blocks[slots[facet, corner, moved]], images[facet, corner]
+        # the turn of a sector on itself is left out
+        c, s = (1.0, 0.0) if image == 0 else (rotations[middle + image, 0], rotations[middle + image, 1])
+        block[0, 0] -= xx
+        block[0, 1] -= xy
+        block[0, 2] -= xz
+        block[1, 0] -= c * yx + s * zx
+        block[1, 1] -= c * yy + s * zy
+        block[1, 2] -= c * yz + s * zz
+        block[2, 0] -= c * zx - s * yx
+        block[2, 1] -= c * zy - s * yy
+        block[2, 2] -= c * zz - s * yz
 
 
 @njit(cache=True, error_model="numpy")
@@ -159,7 +171,6 @@ def add_tangent(
     facets, images, rotations = structure.facets, structure.facet_image, structure.rotations
     bands, weights, slots = catch.facet_band, structure.facet_weight, pattern.facet_slot
     stagnation = catch.stagnation_pressure
-    h, b = np.empty((3, 3)), np.empty((3, 3))
     for facet in range(len(bands)):
         filled = share[bands[facet]]
         if filled == 0.0:
@@ -167,8 +178,7 @@ def add_tangent(
         corners = corners_of_facet(position, facets, images, rotations, facet)
         x, y, z = area_vector(corners)
         third = filled * weights[facet] * stagnation / 3.0
-        b[:] = 0.0
-        coefficient = coefficients[3, 0]
+        coefficient, sx, sy, sz = coefficients[3, 0], 0.0, 0.0, 0.0
         if not uniform:
             area, across = np.sqrt(x * x + y * y + z * z), np.sqrt(y * y + z * z)
             if area == 0.0:
@@ -178,20 +188,16 @@ def add_tangent(
                 # (e_x - n_x n) / sin theta = (sin theta, -n_x n_y / sin theta, -n_x n_z / sin theta)
                 slope *= third / (area * area)
                 sx, sy, sz = slope * across, -slope * x * y / across, -slope * x * z / across
-                b[0, 0], b[0, 1], b[0, 2] = x * sx, x * sy, x * sz
-                b[1, 0], b[1, 1], b[1, 2] = y * sx, y * sy, y * sz
-                b[2, 0], b[2, 1], b[2, 2] = z * sx, z * sy, z * sz
-        for i in range(3):
-            b[i, i] += third * coefficient
+        k = third * coefficient
         for moved in range(3):
             ex, ey, ez = side_across(corners, moved)
             ex, ey, ez = 0.5 * ex, 0.5 * ey, 0.5 * ez
-            # b times the matrix that turns a move dx into dx x e
-            for i in range(3):
-                h[i, 0] = b[i, 2] * ey - b[i, 1] * ez
-                h[i, 1] = b[i, 0] * ez - b[i, 2] * ex
-                h[i, 2] = b[i, 1] * ex - b[i, 0] * ey
-            take_from_facet_blocks(blocks, slots, facet, moved, h, images, rotations)
+            # k I + (x, y, z) (sx, sy, sz)^T times the matrix that turns a move dx into dx x e
+            tx, ty, tz = sz * ey - sy * ez, sx * ez - sz * ex, sy * ex - sx * ey
+            of_x = x * tx, x * ty + k * ez, x * tz - k * ey
+            of_y = y * tx - k * ez, y * ty, y * tz + k * ex
+            of_z = z * tx + k * ey, z * ty - k * ex, z * tz
+            take_from_facet_blocks(blocks, slots, facet, moved, of_x + of_y + of_z, images, rotations)
 
 
 @njit(cache=True)

@@ -101,7 +101,7 @@ class HarmonicTangent:
             basis: Y, (unknowns, moves).
         """
         # sides may be complex where the band is real
-        factors = self.factors(0.0, hermitian=True).astype(np.complex128)
+        factors = self.factors(0.0, hermitian=True).astype(np.complex128, copy=False)
 
         def solve(sides: Complex) -> Complex:
             solved = sides.copy()

@@ -126,7 +126,8 @@ class Ring:
     def write_whole(self, step: Step) -> None:
         """Write what was taken over into a step of moves that are the same in all sectors, images added up."""
         add_up_images(self.step.blocks, self._whole_place, step.blocks)
-        step.right[:], step.gradient[:] = self.step.right, self.step.gradient
+        sides = 1 + self.fronted
+        step.right[:sides], step.gradient[: sides - 1] = self.step.right[:sides], self.step.gradient[: sides - 1]
         step.hardening[:] = self.step.hardening
 
     def gather(self, fronted: bool) -> None:

@@ -230,6 +230,8 @@ def _judged(model: BagModel, result: CaseResult, unseen_weight_n: float, progres
 
 def _with_sliding(model: BagModel, result: CaseResult, progress: Progress) -> CaseResult:
     """The result with what it may change that layers slide, which following what grows makes no smaller."""
+    if not result.bag.layers:
+        return result
     shape = result.bag, result.problem, result.solution, result.measures
     changed, slid = changed_by_sliding(model, result.case, *shape, progress)
     return replace(result, errors=result.errors.with_more(changed), by_sliding=changed, slid=slid)

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from codend.mechanics.harmonics import negative_pivots_side_by_side
+from codend.mechanics.harmonics import (
+    band_times,
+    factorise_band_of_numbers,
+    negative_pivots_side_by_side,
+    solve_band_of_numbers,
+    write_rows,
+)
 
 
 @pytest.mark.parametrize("harmonics", [1, 16, 37])
@@ -47,3 +53,27 @@ def test_a_pivot_of_0_or_no_number_counts_as_negative():
     found = np.zeros(1, dtype=np.int64)
     negative_pivots_side_by_side(even, none, depth, np.ones((2, 1, 1)), np.zeros(1), np.zeros((0, 3, 2, 1)), found)
     assert found[0] == 2
+
+
+@pytest.mark.parametrize("kind", [float, complex])
+@pytest.mark.parametrize(("size", "half"), [(12, 0), (12, 3), (30, 5), (4, 3)])
+def test_bands_multiply_and_solve_as_the_matrices_they_are(kind, size, half):
+    rng = np.random.default_rng(size + half)
+    i, j = np.indices((size, size))
+    whole = rng.standard_normal((size, size)).astype(kind)
+    whole += 1j * rng.standard_normal((size, size)) if kind is complex else 0.0
+    whole[np.abs(i - j) > half] = 0.0
+    whole += 4.0 * (half + 1) * np.eye(size)
+    band = np.zeros((2 * half + 1, size), dtype=kind)
+    inside = np.abs(i - j) <= half
+    band[(half + i - j)[inside], j[inside]] = whole[inside]
+    sides = rng.standard_normal((size, 2)).astype(kind)
+
+    assert band_times(band, sides) == pytest.approx(whole @ sides, rel=1e-13, abs=1e-13)
+    for hermitian, asked in ((False, whole), (True, 0.5 * (whole + whole.conj().T))):
+        rows = np.zeros((size, 2 * half + 1), dtype=kind)
+        write_rows(band, 0.7, hermitian, rows)
+        factorise_band_of_numbers(rows)
+        solved = sides[:, 0].copy()
+        solve_band_of_numbers(rows, solved)
+        assert solved == pytest.approx(np.linalg.solve(asked - 0.7 * np.eye(size), sides[:, 0]), rel=1e-12, abs=1e-13)

@@ -82,6 +82,20 @@ def test_shaken_nets_are_pierced_where_an_independent_check_finds_that_they_are(
     assert verdicts == {False, True}
 
 
+@pytest.mark.parametrize("azimuth", [0.4, 3.1, -3.1, 1.6])
+@pytest.mark.parametrize("sectors", [1, 3])
+def test_sectors_are_pierced_alike_wherever_they_lie_about_the_axis(sectors, azimuth):
+    bag, problem, solution = solved("t90", {"knot_mm": 8.0}, sectors)
+    touching = 1e-3 * float(bag.net.bar_length.min())
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        shaken = solution.positions.copy()
+        shaken += 0.1 * 2.0**seed * bag.net.bar_length.max() * rng.normal(size=shaken.shape) * ~bag.net.fixed
+        c, s = np.cos(azimuth), np.sin(azimuth)
+        turned = shaken @ np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
+        assert pierced(problem, turned, touching)[0] == pierced(problem, shaken, touching)[0]
+
+
 @pytest.mark.parametrize("sectors", [1, 3, None])
 def test_ipctk_agrees_on_nets_of_triangles(sectors):
     bag, problem, solution = solved("diamond", {}, sectors)
