@@ -25,6 +25,10 @@ BRIEF = replace(DIRECT, switches=DIRECT.switches[:1], iterations_allowed=10)
 """Newton's method from a start for no longer than a good one needs."""
 
 FROM_AFAR = InteriorPointSettings()
+CORRECTIONS = 3
+"""Of steps between and beside ropes and windows: a full net of 30 000 knots with a window took 18 steps without, 14
+with one and 11 with three."""
+AT_GEAR = InteriorPointSettings(corrections=CORRECTIONS)
 
 FARTHEST_PREDICTION = 1.5
 """How far beyond the last catch the next one is predicted, over the distance between the last two."""
@@ -255,10 +259,11 @@ class Situation:
         self,
         problem: Problem,
         start: Solution | None = None,
-        settings: InteriorPointSettings = FROM_AFAR,
+        settings: InteriorPointSettings | None = None,
     ) -> Solution:
         """The interior-point method to the plan's tolerance, from a start or the crude bag the net was built as."""
         start, prepared = self._halved(start)
+        settings = settings or (AT_GEAR if self.geared else FROM_AFAR)
         return interior_point.solve(problem, self.tolerance, start, settings, self.progress, prepared)
 
     def _halved(self, start: Solution | None) -> tuple[Solution | None, Prepared]:

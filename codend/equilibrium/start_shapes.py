@@ -177,4 +177,4 @@ def carried_over(solution: Solution, of: Net, to: Net) -> Solution:
     radius, azimuth = longer * more * np.hypot(y, z), np.arctan2(z, y) / more
     moved = np.stack([longer * x, radius * np.cos(azimuth), radius * np.sin(azimuth)], axis=1)
     tension = longer**2 * more * solution.bar_tension
-    return replace(solution, positions=np.where(to.fixed, to.positions, moved), bar_tension=tension)
+    return replace(solution, positions=np.where(to.fixed, to.positions, moved), bar_tension=tension, midway=None)

@@ -23,7 +23,7 @@ from codend.solvers.body_system import BodySystem, out_of_balance, residual_of
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import LENGTH_TOLERANCE, reference_tension
 from codend.solvers.interior_point import InteriorPointSettings
-from codend.solvers.outcome import START, Outcome, Progress, Solution, SolverReport
+from codend.solvers.outcome import START, Midway, Outcome, Progress, Solution, SolverReport
 from codend.solvers.prepared import Prepared, prepare
 from codend.solvers.refusal import refusal, told
 from codend.solvers.watched import Watched
@@ -119,6 +119,7 @@ class _Run:
         mean = 0.0 if start is None else start.mean_tension
         self.tension = mean or max(reference_tension(problem), LEAST_TENSION_N)
         self.taut = KEPT_TAUT
+        self.midway: Midway | None = None
         state.position[:] = problem.net.positions if start is None else start.positions
         self.pose = rigid.pose_of(self.body, state.position)
         if start is None:
@@ -215,6 +216,10 @@ class _Run:
         moved, tilt = (float(np.linalg.norm(part)) for part in np.split(self.system.twist, 2))
         of_body = max(moved / (FARTHEST * self.body.size_m), tilt / LARGEST_TILT)
         return max(of_bars, LARGEST_TURN * of_body), of_bars
+
+    def correct(self, barrier: float, loosening: Floats, way: float) -> float:
+        """See ``barrier.Led``: nothing is mended, as what the body's turn leaves is not in the right side."""
+        return way
 
     def go(self, loosening: Floats, share: float) -> float:
         """See ``barrier.Led``."""

@@ -47,13 +47,14 @@ class Half:
     def whole(self, solution: Solution) -> Solution:
         """Shape and tensions of the whole net from those of its half."""
         positions = self._set_out(solution.positions)
-        return replace(solution, positions=positions, bar_tension=solution.bar_tension[self.bar] / self.bar_share)
+        tension = solution.bar_tension[self.bar] / self.bar_share
+        return replace(solution, positions=positions, bar_tension=tension, midway=None)
 
     def own(self, solution: Solution) -> Solution:
         """Shape and tensions of the half from those of the whole net, whose other side is left out."""
         tension = np.empty(len(self.problem.net.bars))
         tension[self.bar] = solution.bar_tension * self.bar_share
-        return replace(solution, positions=self._on_this_side(solution.positions), bar_tension=tension)
+        return replace(solution, positions=self._on_this_side(solution.positions), bar_tension=tension, midway=None)
 
     def unlike_m(self, positions: Floats) -> float:
         """Farthest distance of a node of the whole net, (n, 3), from where its image says it is, m."""

@@ -5,7 +5,8 @@ s = (L^2 - l^2) / 2, its slackness, and s q = b, its barrier. Halves of squares 
 then the multiplier of what keeps the bar short, and a step that turns the bar by v leaves just v^2 / 2 of it: without
 bending and under loads that stay as they are the whole is convex. Linearised, s (q + dq) + q ds = b, and a step may go
 as far as the first of s and q falls to nothing (Nocedal and Wright, Numerical Optimization, 2006, equations 19.12 and
-19.9).
+19.9). What a whole step leaves, of s q the product ds dq, of the squares v^2 / 2, may be mended with the same factors
+(equation 16.67 there, of quadratic programs: the corrector).
 """
 
 import numpy as np
@@ -104,20 +105,42 @@ def largest_turn(structure: Structure, state: State, step: Step) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def way_to_nothing(structure: Structure, barrier: float, state: State, step: Step, loosening: Floats) -> float:
-    """Write the change of the slackness, (m,); the share of the step at which the first slackness or density is 0."""
-    share = np.inf
+def loosen(structure: Structure, barrier: float, state: State, there: State, change: Floats, loosening: Floats) -> None:
+    """Add the change of the slackness, (m,), by a step from ``there``, by the linearisation in ``state``."""
     for bar in range(len(loosening)):
-        loosening[bar] = 0.0
         if structure.is_strut[bar]:
             continue
-        density, change, slack = state.density[bar], step.change[bar], state.slack[bar]
-        loosening[bar] = (barrier * structure.length[bar] - slack * (density + change)) / density
-        if change < 0.0:
-            share = min(share, -density / change)
+        missing = barrier * structure.length[bar] - there.slack[bar] * there.density[bar]
+        loosening[bar] += (missing - state.slack[bar] * change[bar]) / state.density[bar]
+
+
+@njit(cache=True, error_model="numpy")
+def way_to_nothing(structure: Structure, state: State, change: Floats, loosening: Floats) -> float:
+    """Share of a step at which the first slackness or density is 0."""
+    share = np.inf
+    for bar in range(len(loosening)):
+        if structure.is_strut[bar]:
+            continue
+        if change[bar] < 0.0:
+            share = min(share, -state.density[bar] / change[bar])
         if loosening[bar] < 0.0:
-            share = min(share, -slack / loosening[bar])
+            share = min(share, -state.slack[bar] / loosening[bar])
     return share
+
+
+@njit(cache=True, error_model="numpy")
+def left_of_bars(structure: Structure, barrier: float, state: State, there: State) -> None:
+    """Write what is left of the bars' equations in ``there`` as its ``gap``, to be mended by ``state``'s linearisation.
+
+    That may be past where the first slackness or density is 0.
+    """
+    for bar in range(len(there.gap)):
+        rest, density, slack = structure.length[bar], there.density[bar], there.slack[bar]
+        square, _ = own_square(structure.flexibility[bar], rest, density)
+        long = 0.5 * (there.length[bar] ** 2 - square)
+        if not structure.is_strut[bar]:
+            long += slack + (barrier * rest - slack * density) / state.density[bar]
+        there.gap[bar] = long / max(state.length[bar], 1e-6 * rest) ** 3
 
 
 @njit(cache=True, error_model="numpy")

@@ -2,7 +2,8 @@
 
 Which bars end slack is not tried out but emerges: every bar has a force density q and a slackness s, unknowns both,
 that stay above 0 and whose product, the barrier, falls to nothing (``interior_kernels``; a primal-dual interior-point
-method: Nocedal and Wright, Numerical Optimization, 2006, sections 16.6 and 19.3). Shape, pull and slackness go the
+method: Nocedal and Wright, Numerical Optimization, 2006, sections 16.6 and 19.3; steps are corrected more than once by
+the same factors: Gondzio, Computational Optimization and Applications 6, 1996). Shape, pull and slackness go the
 same share of a step, and the barrier is lowered as ``barrier`` tells. One form serves limp and stiff twine,
 ropes, layers, weight and sheets at rest (``python -m validation.interior_steps`` counts the steps): ten to thirty
 factorisations, up to a hundred for T90 of stiff twine with a small catch, where Newton's method alone needs one or two
@@ -25,12 +26,16 @@ from codend.solvers.barrier import KEPT_TAUT, Course, lower
 from codend.solvers.clock import Clock
 from codend.solvers.dynamic_relaxation import reference_tension
 from codend.solvers.newton import DIRECT, Prepared
-from codend.solvers.outcome import Outcome, Progress, Solution, SolverReport
+from codend.solvers.outcome import Midway, Outcome, Progress, Solution, SolverReport
 from codend.solvers.watched import Watched
 
 METHOD = "interior point"
 LEAST_TENSION = 0.01
 """Tension that bars are given at least to start with, over the mean."""
+MOST_MENDED, LEAST_OF_WAY = 0.5, 0.9
+"""Length of a correction over that of its step, and share of the step's way that it must leave, to be of use."""
+LEAST_MENDED = 0.03
+"""The former under which nothing is left that another would mend."""
 STALLED = 80
 """Steps in a row that do not lower the barrier, after which none will."""
 FINEST = 1e-10
@@ -51,6 +56,12 @@ class InteriorPointSettings:
     load if that is more."""
     last_barrier: float = 1e-12
     """Likewise, in units of the mean tension; a higher one leaves more to Newton's method."""
+    corrections: int = 0
+    """Most corrections of a step: each costs a back-substitution, of a wide net a twentieth of the factorisation before
+    it. Not for all: nets of which a mesh is pulled, in sectors that may turn, were led through themselves by them."""
+    resumes: bool = False
+    """Whether it sets out from where the start's own way through the interior was, if it came by one (``Midway``): of
+    an equilibrium under nearly the same loads."""
 
 
 def solve(
@@ -75,10 +86,9 @@ def solve(
     """
     prepared = newton.prepare(problem.structure, problem.bands) if prepared is None else prepared
     with Clock() as clock:
-        state, outcome, steps, length_error = _lower_the_barrier(
-            problem, tolerance, start, settings, progress, prepared
-        )
+        led, outcome, steps, length_error = _lower_the_barrier(problem, tolerance, start, settings, progress, prepared)
         spent_ms = clock.ms
+    state = led.state
     attempt = f"{METHOD} with {prepared.system.name}: {steps} steps, residual {state.residual:.1e}. {outcome.value}"
     report = SolverReport(
         method=METHOD,
@@ -102,7 +112,7 @@ def solve(
         solve_ms=spent_ms + solution.report.solve_ms,
         attempts=(attempt, *solution.report.attempts),
     )
-    return replace(solution, report=finished)
+    return replace(solution, report=finished, midway=led.midway)
 
 
 def _lower_the_barrier(
@@ -112,7 +122,7 @@ def _lower_the_barrier(
     settings: InteriorPointSettings,
     progress: Progress | None,
     prepared: Prepared,
-) -> tuple[State, Outcome, int, float]:
+) -> tuple["_Led", Outcome, int, float]:
     """Follow the barrier down; where that ended, how, after how many steps, and the error of lengths there."""
     structure, watched = problem.structure, Watched(problem, prepared)
     state, new, _ = prepared.states
@@ -122,9 +132,13 @@ def _lower_the_barrier(
     tension = max(mean, _largest_load(problem, mean, state)) if crude else mean
     tensions = tension if start is None else np.maximum(start.bar_tension, LEAST_TENSION * tension)
     state.density[:] = tensions / structure.length
+    midway = start.midway if start is not None and settings.resumes else None
+    if midway is not None:
+        state.position[:], state.density[:] = midway.positions, midway.density
     watched.look(state.position)
     measure(structure, watched.loading, tension, 1.0, KEPT_TAUT, state)
-    led = _Led(watched, tension, state, new)
+    corrections = settings.corrections if problem.surface is None else 0
+    led = _Led(watched, tension, state, new, midway, corrections)
     course = Course(
         first=settings.first_barrier,
         last=settings.last_barrier * mean / tension,
@@ -134,7 +148,7 @@ def _lower_the_barrier(
         close=tolerance,
     )
     outcome, steps, error = lower(led, structure, tension, course, progress, METHOD)
-    return led.state, outcome, steps, error
+    return led, outcome, steps, error
 
 
 def _largest_load(problem: Problem, tension: float, state: State) -> float:
@@ -153,8 +167,18 @@ def _largest_load(problem: Problem, tension: float, state: State) -> float:
 class _Led:
     """A net that hangs on what is held, see ``barrier.Led``."""
 
-    def __init__(self, watched: Watched, tension: float, state: State, new: State) -> None:
+    def __init__(
+        self,
+        watched: Watched,
+        tension: float,
+        state: State,
+        new: State,
+        midway: Midway | None,
+        corrections: int,
+    ) -> None:
         self.watched, self.tension, self.state, self._new = watched, tension, state, new
+        self.midway, self._corrections = midway, corrections
+        self._solved = np.zeros(0)
 
     def linearise(self, softened: Structure, shift: float, exact: float) -> tuple[float, float]:
         """See ``barrier.Led``."""
@@ -166,10 +190,41 @@ class _Led:
             kernels.shift_by_resistance(structure, prepared.pattern, state, shift, step.blocks)
         if prepared.system.factorise(step.blocks) != 0:
             return np.nan, np.nan
-        solved = prepared.system.solve(step.right[:sides])
+        self._solved = solved = prepared.system.solve(step.right[:sides])
         _, _, determinant = newton_step.finish_step(structure, state, state, solved, step)
         turn = kernels.largest_turn(structure, state, step) if determinant > 0.0 else np.inf
         return turn, turn
+
+    def correct(self, barrier: float, loosening: Floats, way: float) -> float:
+        """See ``barrier.Led``; nothing is mended under contact, whose pairs are those near the state."""
+        step = self.watched.prepared.step
+        for _ in range(self._corrections):
+            move, change, loosened = step.move.copy(), step.change.copy(), loosening.copy()
+            mended, length = self._mend(barrier, loosening), newton_step.norm(move)
+            corrected = kernels.way_to_nothing(self.watched.problem.structure, self.state, step.change, loosening)
+            if not (mended <= MOST_MENDED * length and min(corrected, 1.0) >= LEAST_OF_WAY * min(way, 1.0)):
+                step.move[:], step.change[:], loosening[:] = move, change, loosened
+                break
+            way = corrected
+            if mended <= LEAST_MENDED * length:
+                break
+        return way
+
+    def _mend(self, barrier: float, loosening: Floats) -> float:
+        """Add to the step and its loosening what mends what they leave; the length of the moves added, m."""
+        structure, prepared, state, there = self.watched.problem.structure, self.watched.prepared, self.state, self._new
+        step = prepared.step
+        kernels.go(state, step, loosening, 1.0, there)
+        measure(structure, self.watched.loading, self.tension, 1.0, KEPT_TAUT, there)
+        kernels.left_of_bars(structure, barrier, state, there)
+        newton_step.right_side(structure, state, there, step)
+        move, change = step.move.copy(), step.change.copy()
+        self._solved[:1] = prepared.system.solve(step.right[:1])
+        length, _, _ = newton_step.finish_step(structure, state, there, self._solved, step)
+        kernels.loosen(structure, barrier, state, there, step.change, loosening)
+        step.move[:] += move
+        step.change[:] += change
+        return length
 
     def go(self, loosening: Floats, share: float) -> float:
         """See ``barrier.Led``."""

@@ -11,7 +11,7 @@ import numpy as np
 from codend.mechanics.newton_state import empty_state, measure
 from codend.mechanics.problem import Problem
 from codend.net.net import Floats, Ints, Net, rotate
-from codend.solvers.outcome import Solution
+from codend.solvers.outcome import Midway, Solution
 
 NEAR = 1e-9
 """Distance of a node from another's image, over the length of a bar, that is round-off."""
@@ -36,7 +36,11 @@ class Mirror:
     def made_mirrored(self, solution: Solution) -> Solution:
         """A solution whose positions and tensions are images to the last digit: stiff bars make forces of the rest."""
         tension = 0.5 * (solution.bar_tension + solution.bar_tension[self.bar])
-        return replace(solution, positions=self.mirrored(solution.positions), bar_tension=tension)
+        midway = solution.midway
+        if midway is not None:
+            density, slackness = (0.5 * (of + of[self.bar]) for of in (midway.density, midway.slackness))
+            midway = Midway(self.mirrored(midway.positions), density, slackness, midway.barrier)
+        return replace(solution, positions=self.mirrored(solution.positions), bar_tension=tension, midway=midway)
 
     def mirrored(self, positions: Floats) -> Floats:
         """Positions (n, 3) of which those behind the plane are the images of those before it."""

@@ -1,7 +1,7 @@
 """How a solve ended, and what is reported of it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
 from typing import Any, Protocol
@@ -112,6 +112,24 @@ class Solver(Protocol):
 
 
 @dataclass(frozen=True)
+class Midway:
+    """A net on its way through the interior, all twine taut still, where its barrier was lowered (``barrier``)."""
+
+    positions: Floats
+    """(n, 3), m."""
+    density: Floats
+    """Force densities of the bars, N/m, (m,)."""
+    slackness: Floats
+    """What bars are taken to be short of their lengths, m2, (m,)."""
+    barrier: float
+    """N."""
+
+    def at_speed(self, ratio: float) -> "Midway":
+        """The same of a net towed so many times as fast."""
+        return replace(self, density=ratio**2 * self.density, barrier=ratio**2 * self.barrier)
+
+
+@dataclass(frozen=True)
 class Solution:
     """Shape and tensions a solver arrived at."""
 
@@ -122,6 +140,8 @@ class Solution:
     share: Floats
     """Share of each band that lies in the catch, (bands,)."""
     report: SolverReport
+    midway: Midway | None = None
+    """Where the way through the interior to it may be taken up again by a net under nearly the same loads."""
 
     @classmethod
     def ended(cls, report: SolverReport, positions: Floats, bar_tension: Floats, share: Floats) -> "Solution":
