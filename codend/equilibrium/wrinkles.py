@@ -40,15 +40,19 @@ netting: their drag is that of all of the catch, which way it points. Of 9 fille
 0.25, of one of stiff twine by 0.76; of square mesh by up to 0.24, as of few meshes round. Of 76 of 6 to 10 meshes, none
 used, limp ones changed by up to 0.23, those of square mesh by 0.14, all by at most 0.46 of what is told
 (``python -m validation.swinging --few --filled --plans 80 --seed 63``)."""
+STIFF, SWINGING_STIFF = 0.5, np.array([0.16, 0.08, 0.03, 0.35])
+"""Pull that closes the mean mesh against its twine, over the mean tension, from which twine counts as stiff, and the
+same of such bags, which bend as they swing: of 12 to 16 meshes round, filled by 0.45 to 0.78, by up to 0.105, 0.052,
+0.003 and 0.20 (``python -m validation.shaken``, seeds 5200 to 5259 and 6000 to 6350), where others were outside."""
 STRONGEST = 50.0
 BY_STRENGTH = np.array([0.04, 0.35, 0.036, 0.004])
 """Relative change of drag, volume, largest radius and opening ahead, over the root of the strength. With 0.2 and 0.03
 in volume and radius two of 18 nets of ``shaken --nets 60 --seed 2000`` were outside, by up to 1.51 and 1.02: before
 gentle steps let weak growths go, shaken nets had come back."""
-FEW_MESHES = 1.2
+FEW_MESHES, FEW_OF_VOLUME = 1.2, 4.0
 """Filled meshes under which all that changes more, in proportion: few rows share it. One of these nets, of 0.87, was
-outside in drag by 1.10. Volume changes by that once more: a bag of stiff diamond netting with 0.15 meshes filled, which
-closes to next to nothing, held 33 times as much in waves, 1.6 times its error."""
+outside in drag by 1.10. Volume changes more by the second besides: bags of stiff diamond netting with 0.15 and 1.15
+meshes filled, which close to next to nothing, held 33 and 7 times as much in waves."""
 BY_REACH = np.array([0.0, 0.0, 0.4])
 """Relative change of drag, volume and largest radius over the reach: the root of the strength times the largest move of
 a knot in the rows ahead, over the largest of all."""
@@ -78,7 +82,7 @@ def changed_by_wrinkles(
         return np.full(4, np.nan)
     aside = may_hang_aside(stability, measures)
     if not stability.growths and not touching and not unknown:
-        return measures.estimated * _swung(bag, measures) if aside else np.zeros(4)
+        return measures.estimated * _swung(bag, solution, measures) if aside else np.zeros(4)
     strength, reach = CONTACT if touching else (0.0, 0.0)
     swings, own = False, 0.0
     ahead, codline = _knots_ahead(bag, solution.share), -1 - bag.anchors
@@ -95,12 +99,12 @@ def changed_by_wrinkles(
         # what was not found grows less than all that was, but may swing the bag, and reach any row
         swings, reach = True, max(reach, float(np.sqrt(own)))
     sizes = np.maximum(measures.estimated, LEAST_SIZES)
-    few = max(1.0, FEW_MESHES / measures.filled_meshes)
-    changed = sizes * BY_STRENGTH * np.sqrt(strength) * [few, few**2, few, few]
+    few, of_volume = (max(1.0, meshes / measures.filled_meshes) for meshes in (FEW_MESHES, FEW_OF_VOLUME))
+    changed = sizes * BY_STRENGTH * np.sqrt(strength) * [few, few * of_volume, few, few]
     changed[:3] += sizes[:3] * BY_REACH * reach
     changed[3] += OPENING_BY_REACH_DEG * reach
     if swings or aside:
-        changed += sizes * _swung(bag, measures)
+        changed += sizes * _swung(bag, solution, measures)
     if touching:
         changed *= MORE_IN_CONTACT
     if case.gives_volume:
@@ -108,14 +112,14 @@ def changed_by_wrinkles(
     return changed
 
 
-def _swung(bag: Bag, measures: Measures) -> Floats:
+def _swung(bag: Bag, solution: Solution, measures: Measures) -> Floats:
     """What a swing on the hoop changes at most, relative, (4,)."""
     filled = measures.filled_meshes >= FILLED * bag.row_place[-1]
     if bag.tips:
         return ASIDE_OF_FEW if filled or _is_of_few(bag) else ASIDE
-    if filled:
-        return SWINGING_FILLED
-    return SWINGING_OF_FEW if _is_of_few(bag) else BY_SWINGING
+    law = SWINGING_FILLED if filled else SWINGING_OF_FEW if _is_of_few(bag) else BY_SWINGING
+    stiff = bag.band_bending_n.mean() > STIFF * solution.mean_tension / bag.globalisation
+    return np.maximum(law, SWINGING_STIFF) if stiff else law
 
 
 def _is_of_few(bag: Bag) -> bool:
