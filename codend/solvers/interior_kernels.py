@@ -110,8 +110,9 @@ def loosen(structure: Structure, barrier: float, state: State, there: State, cha
     for bar in range(len(loosening)):
         if structure.is_strut[bar]:
             continue
-        missing = barrier * structure.length[bar] - there.slack[bar] * there.density[bar]
-        loosening[bar] += (missing - state.slack[bar] * change[bar]) / state.density[bar]
+        density, slack = state.density[bar], state.slack[bar]
+        left = slack * density - there.slack[bar] * there.density[bar]
+        loosening[bar] += (barrier * structure.length[bar] - slack * (density + change[bar]) + left) / density
 
 
 @njit(cache=True, error_model="numpy")
