@@ -111,9 +111,11 @@ class Parts:
         nodes, images = table[:, :3], np.where(table[:, :3] == self.codline, 0, table[:, 3:6])
         table = np.concatenate([nodes, images, table[:, 6:]], axis=1)
         same = [(nodes[:, i] == nodes[:, j]) & (images[:, i] == images[:, j]) for i, j in ((0, 1), (1, 2), (2, 0))]
-        unique, count = np.unique(table[~np.any(same, axis=0)], axis=0, return_counts=True)
-        by_band = np.argsort(unique[:, -1], kind="stable")
-        return unique[by_band], np.asarray(0.5 * count[by_band], dtype=np.float64)
+        table = table[~np.any(same, axis=0)]
+        # by band, then by node and image
+        table = table[np.lexsort((*table.T[-2::-1], table[:, -1]))]
+        first = np.flatnonzero(np.append(True, (table[1:] != table[:-1]).any(axis=1)))
+        return table[first], 0.5 * np.diff(first, append=len(table))
 
 
 @dataclass(frozen=True)
