@@ -43,7 +43,8 @@ def solve(
     if automatic and plan.rope and not (model.smeared or plan.window):
         others = [*_between_ropes(model)]
         others += [model_of(plan, 1, 1, smeared=True, near=near) for near in smeared_sectors(plan)]
-        starts = BETWEEN_ROPES if len(model.bag.net.positions) > MOST_RELAXED else STARTS["auto"]
+        large = len(model.bag.net.positions) > MOST_RELAXED
+        starts = BETWEEN_ROPES if large or model.between_ropes else STARTS["auto"]
     if choice.fidelity == "smeared" and choice.near is not None:
         # not every catch is solved on the one that the first is
         others = [model_of(plan, 1, 1, smeared=True, near=near) for near in quick_looks(plan) if near != choice.near]
@@ -52,8 +53,7 @@ def solve(
         return model, problem, solution
     attempts, spent_ms = solution.report.attempts, solution.report.solve_ms
     for other in others:
-        # merged meshes may lie in folds too, to which the last starts lead in a second
-        brief = None if other.between_ropes else BRIEFLY
+        brief = BETWEEN_ROPES if other.between_ropes else BRIEFLY
         its_problem, found = equilibrium.solve(other, case, (), progress, brief)
         spent_ms += found.report.solve_ms
         if found.report.outcome.converged:

@@ -271,7 +271,8 @@ BRIEFLY: Final = (LED, ROWS, STIFF, CRUDE, MERIDIAN, STEPS, IN_FOLDS)
 
 BETWEEN_ROPES: Final = (LED, A_SECTOR, THROUGH, CRUDE, IN_FOLDS_AT_GEAR)
 """Those that have led to large nets between real ropes, where smeared ones can stand in their place. The last takes
-some 20 s of up to ``MOST_HUNG`` knots: who asks for no accuracy in opening has not asked for a quick look."""
+some 20 s of up to ``MOST_HUNG`` knots: who asks for no accuracy in opening has not asked for a quick look. Of 72 random
+nets of larger meshes between ropes, too, these led to all that any led to, in 0.2 s; the others took 5 to 14 s more."""
 
 
 def _has_meridian(s: Situation) -> bool:
