@@ -1,6 +1,7 @@
 """Fewer, larger meshes between ropes, by numbers that need not divide the plan's counts."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -169,7 +170,9 @@ def test_fish_meet_its_rows_as_far_apart_as_real_ones():
 
 
 def test_it_stands_in_where_nothing_is_found_with_every_mesh_between_ropes(monkeypatch):
-    monkeypatch.setattr(standing_in, "BETWEEN_ROPES", (Start("nowhere", lambda s: True, _fails),))
+    nowhere = Start("nowhere", lambda s: not s.model.between_ropes, _fails)
+    merged = [replace(one, applies=partial(_of_merged, one)) for one in standing_in.BETWEEN_ROPES]
+    monkeypatch.setattr(standing_in, "BETWEEN_ROPES", (nowhere, *merged))
     monkeypatch.setattr(standing_in, "MOST_RELAXED", 0)
     rng = np.random.default_rng(SEED)
     _, plan = (random_plan(rng, "t90") for _ in range(2))
@@ -178,6 +181,10 @@ def test_it_stands_in_where_nothing_is_found_with_every_mesh_between_ropes(monke
     assert study.table["fidelity"].tolist() == ["globalised"]
     assert study.table["drag_error_n"][0] > 0.01 * study.table["drag_n"][0]
     assert any("1.75 x 1.75 merged into one" in sentence for sentence in cautions(study))
+
+
+def _of_merged(start: Start, situation: Situation) -> bool:
+    return situation.model.between_ropes and start.applies(situation)
 
 
 def _fails(situation: Situation) -> Solution:
