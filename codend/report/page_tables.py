@@ -6,6 +6,7 @@ import numpy as np
 
 from codend.bag.measures import ROWS_AHEAD, WANTED_OPENING_DEG
 from codend.equilibrium.stability import ranges_text
+from codend.io.columns import ERRORS, error_of
 from codend.report.style import column_text, worth
 from codend.studies.case_result import CaseResult
 from codend.studies.study import Study
@@ -62,13 +63,6 @@ RESULT_HEADS = {
 }
 SECOND_TABLE = "drag_n"
 """From this column on a second table: so both fit on a printed page."""
-ERRORS = {
-    "drag_n": "drag_error_n",
-    "catch_volume_m3": "catch_volume_error_m3",
-    "max_radius_m": "max_radius_error_m",
-    "opening_ahead_deg": "opening_ahead_error_deg",
-}
-"""Columns that errors are computed of, and where these stand."""
 DIGITS = {"speed_m_s": 3, "filled_meshes": 3}
 """Of the largest value in the column; 4 elsewhere."""
 
@@ -115,7 +109,7 @@ def _column(study: Study, name: str) -> tuple[Head, list[str]]:
     head = replace(RESULT_HEADS[name], unit=unit)
     if name not in ERRORS:
         return head, column_text(values / scale, digits=DIGITS.get(name, 4))
-    errors = study.table[ERRORS[name]].to_numpy(dtype=float)
+    errors = study.table[error_of(name)].to_numpy(dtype=float)
     both = [worth(value, error) for value, error in zip(values / scale, errors / scale, strict=True)]
     return head, [f"{value} ± {error}" if error else value for value, error in both]
 

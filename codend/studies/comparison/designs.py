@@ -9,12 +9,13 @@ import numpy as np
 import pandas as pd
 
 from codend.errors import OPTIONS, InputError
+from codend.io.columns import error_of
 from codend.io.run_tables import read_run_table
 from codend.plan.copy import toml_value
 from codend.plan.plan import load_plan
 
-QUANTITIES: Final = {"opening_ahead_deg": "opening_ahead_error_deg", "drag_n": "drag_error_n"}
-"""Of a run, and the columns of their error estimates."""
+QUANTITIES: Final = ("opening_ahead_deg", "drag_n")
+"""Of a run."""
 SELECTIVITY: Final = {"l50_cm": "l50", "sr_cm": "sr"}
 """Of ``selectivity.csv``, and how the columns of their intervals begin."""
 PLACE: Final = ["speed_m_s", "catch_mass_kg"]
@@ -104,8 +105,8 @@ def _values(name: str, folder: Path) -> pd.DataFrame:
         raise InputError(folder / "results.csv", "converged", None, "a run with a solved case", "holds none")
     columns = ["case", *PLACE, "filled_meshes"]
     parts = [
-        solved[columns].assign(species="", quantity=quantity, value=solved[quantity], half_width=solved[error])
-        for quantity, error in QUANTITIES.items()
+        solved[columns].assign(species="", quantity=name, value=solved[name], half_width=solved[error_of(name)])
+        for name in QUANTITIES
     ]
     selected = folder / "selectivity.csv"
     if selected.is_file():

@@ -14,6 +14,7 @@ from codend.equilibrium import fidelity
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.fidelity import Choice
+from codend.io.columns import error_of
 from codend.plan.plan import Plan
 from codend.studies.case_result import CaseResult
 from codend.studies.speed_accuracy.contenders import (
@@ -32,11 +33,6 @@ from codend.studies.study import StudyProgress, solve
 ACCURACIES = (0.1, 0.01, 0.001, 1e-6)
 """Relative errors in drag that are asked for."""
 QUANTITIES = {"drag_n": "drag", "opening_ahead_deg": "opening", "catch_volume_m3": "volume"}
-ESTIMATES = {
-    "drag_n": "drag_error_n",
-    "opening_ahead_deg": "opening_ahead_error_deg",
-    "catch_volume_m3": "catch_volume_error_m3",
-}
 REFERENCE_TOLERANCE = 1e-12
 CONFIRMING_TOLERANCE = 1e-10
 CLOSED_FORM = "closed form"
@@ -177,7 +173,7 @@ def _reference(scene: Scene) -> pd.Series:
 
 def _claimed(result: CaseResult, quantity: str) -> float:
     """Error that the result itself estimates, relative."""
-    return float(getattr(result.errors, ESTIMATES[quantity]) / getattr(result.measures, quantity))
+    return float(getattr(result.errors, error_of(quantity)) / getattr(result.measures, quantity))
 
 
 def _confirmations(points: pd.DataFrame, weighed: bool) -> pd.DataFrame:
