@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from codend.io.columns import ALL_PANELS
 from codend.plan.kinds import Kind
+from codend.plan.merging import rows_merged
 from codend.plan.plan import Netting, Plan
 from codend.plan.tables import TUBE
 from codend.plan.windows import Window
@@ -87,7 +88,8 @@ def catch_of(plan: Plan, solved: SolvedMeshes, most_rows: float) -> Catch:
     sections = [*plan.netting, *plan.window]
     section = np.array([number[name] for name in meshes["section"]], dtype=np.int64)
     row = meshes["row"].astype(int)
-    front_row = np.interp(solved.place[-1] - solved.filled_meshes, solved.place, merged * np.arange(len(solved.place)))
+    real_rows = np.append(0.0, np.cumsum(rows_merged(plan.netting, len(solved.place) - 1, merged)))
+    front_row = np.interp(solved.place[-1] - solved.filled_meshes, solved.place, real_rows)
     # a merged row stands for real rows about it, of square mesh for those behind it
     staggered = np.array([part.kind.staggered for part in sections])[section]
     lines = round(merged)
