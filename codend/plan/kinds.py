@@ -58,7 +58,7 @@ class Kind:
     open already there, and square mesh does not open: between ropes they lie aft of where those have their knots, hang
     in ahead of the catch, and stand out behind it, where they carry half of the load that smeared ropes do. Twice what
     T90 and square mesh needed on 12 and 24 plans, or more (``python -m validation.smeared_ropes --kind t90``); with
-    ``--seed 91``, not used for it, differences were at most 0.39 of all that is stated.
+    ``--seed 91``, by which T90's drag and square mesh's opening were then widened, at most 0.39 of all that is stated.
     """
 
     @cached_property
