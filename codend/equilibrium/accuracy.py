@@ -22,8 +22,9 @@ from codend.net.net import Floats
 from codend.plan.plan import Case, Plan
 from codend.solvers.newton import TangentAtEquilibrium, drifted, moved_by, polished
 
-POLISHED = 1e-3
-"""Tolerance of the answer that a result is compared with, over the result's own residual."""
+POLISHED = 2e-3
+"""Tolerance of the answer that a result is compared with, over the result's own residual: one step with the tangent's
+factors makes that 1e-3 of what it was, give or take."""
 FINEST = 1e-11
 UNSETTLED = 10.0
 """On how far Newton's method moves in a few iterations where it does not settle: a T90 codend of stiff twine with a
@@ -160,8 +161,8 @@ def estimate(
     # while the tangent's own factors are there
     more, by_suction = _more_suction(tangent)
     finer = polished(tangent, finest)
-    settled = finer.report.outcome.converged
-    there = finer if settled else drifted(tangent, finest)
+    settled = finer is not None
+    there = finer if finer is not None else drifted(tangent, finest)
     if there is None:
         return Errors.unknown()
     exact = measure_briefly(model.bag, problem, there)

@@ -198,14 +198,15 @@ def solve_nearby(
     return _solve(_Iterations(problem, tangent.prepared, settings, None, takes_factors=True), tolerance, start)
 
 
-def polished(tangent: TangentAtEquilibrium, tolerance: float) -> Solution:
+def polished(tangent: TangentAtEquilibrium, tolerance: float) -> Solution | None:
     """The equilibrium of a tangent to a smaller tolerance, by its own factors and from the state it was taken in.
 
-    Not converged where a few iterations do not get there.
+    None where a few iterations do not get there. The report is that of the equilibrium.
     """
     run = _Iterations(tangent.problem, tangent.prepared, NEARBY, None, takes_factors=True)
     run.measured = tangent.state
-    return _solve(run, tolerance, tangent.solution)
+    ended = run.to_equilibrium(tolerance, tangent.solution, NEARBY.switches[0])
+    return run.ended_from(tangent.solution) if ended.converged else None
 
 
 def drifted(tangent: TangentAtEquilibrium, tolerance: float) -> Solution | None:
@@ -215,11 +216,8 @@ def drifted(tangent: TangentAtEquilibrium, tolerance: float) -> Solution | None:
     """
     problem, start = tangent.problem, tangent.solution
     run = _Iterations(problem, tangent.prepared, NEARBY, None)
-    if run.to_equilibrium(tolerance, start, NEARBY.switches[0]) is not Outcome.STEPS_SPENT:
-        return None
-    state = run.state
-    tension = carried(problem.structure.is_strut, state.density * state.length)
-    return replace(start, positions=state.position.copy(), bar_tension=tension, share=state.share.copy())
+    ended = run.to_equilibrium(tolerance, start, NEARBY.switches[0])
+    return run.ended_from(start) if ended is Outcome.STEPS_SPENT else None
 
 
 class _Iterations:
@@ -272,7 +270,8 @@ class _Iterations:
 
     def to_equilibrium(self, tolerance: float, start: Solution | None, switch: float) -> Outcome:
         """Iterate until residual, axial imbalance and length error are within their tolerances."""
-        if start is not None and not math.isfinite(start.positions.sum() + start.bar_tension.sum()):
+        unseen = None if self.measured is not None else start
+        if unseen is not None and not math.isfinite(unseen.positions.sum() + unseen.bar_tension.sum()):
             # a relaxation that lost its footing is no start
             self.state.marks[:] = (np.inf, np.inf, np.inf, np.inf, 0.0, 0.0)
             return Outcome.NOT_FINITE
@@ -312,6 +311,12 @@ class _Iterations:
                 if shift > LARGEST_SHIFT:
                     return Outcome.SINGULAR if self.singular else Outcome.NOT_IMPROVING
             shift = 0.1 * shift if shift > FIRST_SHIFT else 0.0
+
+    def ended_from(self, start: Solution) -> Solution:
+        """Where the iterations have led to, with the report of where they began."""
+        state = self.state
+        tension = carried(self.structure.is_strut, state.density * state.length)
+        return replace(start, positions=state.position.copy(), bar_tension=tension, share=state.share.copy())
 
     def _set_start(self, start: Solution | None, switch: float) -> None:
         state, structure = self.state, self.structure

@@ -153,7 +153,7 @@ class Solution:
     @cached_property
     def mean_tension(self) -> float:
         """Mean pull or push of the bars, N."""
-        return float(np.abs(self.bar_tension).mean())
+        return float(np.abs(self.bar_tension).sum()) / len(self.bar_tension)
 
     @property
     def front_row(self) -> float:
