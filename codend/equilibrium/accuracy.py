@@ -22,9 +22,9 @@ from codend.net.net import Floats
 from codend.plan.plan import Case, Plan
 from codend.solvers.newton import TangentAtEquilibrium, drifted, moved_by, polished
 
-POLISHED = 2e-3
+POLISHED = 1e-2
 """Tolerance of the answer that a result is compared with, over the result's own residual: one step with the tangent's
-factors makes that 1e-3 of what it was, give or take."""
+factors leaves 1e-3 to 5e-3 of that, and a hundredth of the estimate is none of its worth."""
 FINEST = 1e-11
 UNSETTLED = 10.0
 """On how far Newton's method moves in a few iterations where it does not settle: a T90 codend of stiff twine with a
