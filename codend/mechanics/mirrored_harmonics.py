@@ -11,7 +11,7 @@ and q real. Between nodes that lie d of azimuth apart entries weigh cos k d or s
 import numpy as np
 
 from codend.compiled import njit
-from codend.mechanics.harmonics import ABREAST
+from codend.mechanics.harmonics import ABREAST, Complex
 from codend.mechanics.lanes import (
     LANES,
     aligned,
@@ -74,6 +74,43 @@ def mirrored_blocks(
                 largest = max(largest, abs(here))
                 off = max(off, abs(here - there))
     return total, largest, off
+
+
+@njit(cache=True, error_model="numpy")
+def terms_of_blocks(
+    asked: Ints, row: Ints, column: Ints, apart: Ints, factor: Floats, unknown: Ints, weight: Complex
+) -> tuple[Ints, Ints, Ints, Ints, Floats]:
+    """What the entries of the tangent are made up of: entries of blocks, each times a weight and a wave.
+
+    Args:
+        asked: blocks, (k,).
+        row: node of each of them, (k,).
+        column: likewise.
+        apart: azimuth from row to column, in halves of a sector, (k,).
+        factor: of a block's weights, (k,).
+        unknown: those that a component of a node's moves is the sum of, -1 for none, (n, 3, 2).
+        weight: times which weight, real or imaginary, (n, 3, 2).
+
+    Returns:
+        row and column of the entry, 9 times the block and the entry's place in it, the wave, 0 for none and then cosine
+        and sine in turns, and the weight, (terms,).
+    """
+    places, weights, count = np.empty((4, 36 * len(asked)), dtype=np.int32), np.empty(36 * len(asked)), 0
+    for number in range(len(asked)):
+        halves = apart[number]
+        for place in range(36):
+            i, a, j, b = place // 12, place // 6 % 2, place // 2 % 3, place % 2
+            into, of = unknown[row[number], i, a], unknown[column[number], j, b]
+            product = np.conj(weight[row[number], i, a]) * weight[column[number], j, b]
+            by_sine = product.imag != 0.0
+            value = -product.imag * np.sign(halves) if by_sine else product.real
+            if into < 0 or of < 0 or value == 0.0:
+                continue
+            places[0, count], places[1, count], places[2, count] = into, of, 9 * asked[number] + 3 * i + j
+            places[3, count] = 0 if halves == 0 else 2 * abs(halves) - (0 if by_sine else 1)
+            weights[count] = factor[number] * value
+            count += 1
+    return places[0, :count], places[1, :count], places[2, :count], places[3, :count], weights[:count]
 
 
 @njit(cache=True, error_model="numpy")

@@ -134,7 +134,7 @@ class Nearest:
             solve_band_of_numbers(self._factors, self._by_load)
             self._by_load /= 1.0 - np.sum(self._gradient * self._by_load)
         most = min(most_steps, tangent.size - 1)
-        self._basis = np.zeros((most + 1, tangent.size), dtype=kind)
+        self._basis = np.empty((most + 1, tangent.size), dtype=kind)
         self._projection = np.zeros((most + 1, most), dtype=kind)
         self._basis[0] = _led_start(tangent.size, led, kind)
         self._steps = 0

@@ -132,7 +132,7 @@ def growing_harmonics(ring: Ring, scale: float, strongest_alone: bool = False) -
             if first is not None and first[0].real.min() < 0.0:
                 found[k] = first
                 continue
-            if first is not None:
+            if first is not None:  # often nothing grows
                 found[k] = _nearest_to_none(tangent, int(negative[k]), int(with_front[k]), None)
                 if found[k] is not None:
                     continue
@@ -224,9 +224,11 @@ def _nearest_to_none(
     if not tangent.size > DENSE or expected >= tangent.size // 4:
         return None
     found = tangent.nearest(0.0, led=led).eigenvalues(expected, AT_FIRST if led is None else LED)
-    if found is None or tangent.negative_eigenvalues(negative, np.linalg.qr(found[1])[0]) > 0:
+    if found is None:
         return None
-    return found
+    vectors = found[1]
+    basis = vectors / np.linalg.norm(vectors) if vectors.shape[1] == 1 else np.linalg.qr(vectors)[0]
+    return None if tangent.negative_eigenvalues(negative, basis) > 0 else found
 
 
 def _lowest_eigenvalues(

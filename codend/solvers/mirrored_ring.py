@@ -14,6 +14,7 @@ from codend.mechanics.mirrored_harmonics import (
     mirrored_blocks,
     negative_pivots_of_real,
     symmetric_parts,
+    terms_of_blocks,
 )
 from codend.mechanics.tangent import Pattern
 from codend.net.net import Floats, Ints, rotate
@@ -23,10 +24,12 @@ from codend.solvers.ring_images import Images, Joined, joined_of
 Places = NDArray[np.int64]
 ALIKE = 1e-9
 """Largest difference of a tangent from its mirror image's, over its largest entry, up to which their mean stands for
-both: a thousandth of ``ring.NEUTRAL``, which the tangents of equilibria found to round-off keep to."""
+both. It is of the directions of bars: their own stiffness changes by its square, and what tension gives the nodes by a
+thousandth of ``ring.NEUTRAL``."""
 SIMPLE = 55440
 """A common denominator of the azimuths of planes, in sectors: those of rows of so many meshes."""
 HALF_EACH = np.sqrt(0.5)
+NONE = np.zeros(0, dtype=np.int64)
 
 
 class Ways(NamedTuple):
@@ -42,14 +45,15 @@ class Ways(NamedTuple):
 class Terms(NamedTuple):
     """What makes up the entries of the tangent: entries of mean blocks, each times a weight and a harmonic's wave."""
 
-    row: Places
-    column: Places
-    source: Places
+    row: Ints
+    column: Ints
+    source: Ints
+    wave: Ints
     weight: Floats
     """That of a ring of one sector."""
-    wave: Places
     on_axis: Places
-    """How many of row and column are of nodes on the axis, whose moves weigh the more the more sectors there are."""
+    """How many of row and column are of nodes on the axis, whose moves weigh the more the more sectors there are; none
+    of those off it."""
 
 
 class MirroredRing:
@@ -61,7 +65,7 @@ class MirroredRing:
 
     def __init__(self, order: float, unknown: Ints, on_axis: Ints, images: Images, joined: Joined, rows: int) -> None:
         self.order, self._on_axis, self._images, self._joined = order, on_axis, images, joined
-        self.size, self._unknown, self._plane = int(unknown.max()) + 1, unknown, 0.0
+        self.size, self._unknown, self._plane = int(unknown.max()) + 1, unknown, math.nan
         self._first = int(np.flatnonzero(unknown[:, 0] == 0)[0])
         self.waves = int(np.abs(joined.apart).max()) * 2 + 1
         self._ways = [_ways(unknown, on_axis, images, kind) for kind in (0, 1)]
@@ -76,6 +80,9 @@ class MirroredRing:
         self._number_terms()
         place = self._inner.wave * (2 * self.half + 1) + self.half + self._inner.row - self._inner.column
         self._band_place = (place * self.size + self._inner.column).astype(np.int32)
+        turns = np.rint(6.0 * joined.turn + joined.third[:, None]).astype(np.int64)
+        each = np.arange(turns.min(), turns.max() + 1)
+        self._turns, self._turn_of = (0.5 * (each // 3), each % 3), turns - each[0]
         self._take_order(order)
 
     def beside(self, order: float) -> Self:
@@ -86,13 +93,10 @@ class MirroredRing:
 
     def _take_order(self, order: float) -> None:
         joined = self._joined
-        self.order = order
-        self._set_plane(self._plane)
+        self.order, self._plane = order, math.nan
         self._waves = self._waves_of(np.arange(max(2, math.ceil(order))))
-        self._value = np.empty_like(self._ahead)
-        self._tail = self._value[len(self._lane_of_wave) :].reshape(self._tail_shape)
-        self._weight_here = self._weight * np.sqrt(order) ** self._ends
-        self._turned, self._mean = np.zeros((2, len(joined.row), 3, 3))
+        self._value, self._tail = np.empty(len(self._lane_of_wave)), np.empty_like(self._tail_ahead)
+        self._turned, self._mean = np.empty((2, len(joined.row), 3, 3))
         self._bands: Floats | None = None
         self._front: tuple[Floats, Floats] | None = None
         self._moves = [ways.weight.copy() for ways in self._ways]
@@ -101,9 +105,11 @@ class MirroredRing:
 
     def _set_plane(self, plane: float) -> None:
         """Put the first plane at an azimuth, in sectors."""
-        self._plane, joined = plane, self._joined
-        angle = 2.0 * np.pi * ((joined.turn + plane) / self.order + joined.third[:, None] / 3.0)
-        self._turn = np.stack([np.cos(angle), np.sin(angle)], axis=2).reshape(-1, 4)
+        self._plane = plane
+        sectors, thirds = self._turns
+        angle = 2.0 * np.pi * ((sectors + plane) / self.order + thirds / 3.0)
+        self._turn = np.stack([np.cos(angle), np.sin(angle)], axis=1)[self._turn_of].reshape(-1, 4)
+        self._azimuth = np.asarray(plane + 0.5 * self._images.middle, dtype=np.float64)
 
     def _waves_of(self, harmonics: NDArray[np.integer]) -> Floats:
         """Cosines and sines of whole numbers of half sectors, (harmonics, waves): 1, then those of one half, ..."""
@@ -118,71 +124,59 @@ class MirroredRing:
         ends = on_axis[joined.row] + on_axis[joined.column]
         number = np.arange(len(joined.row))
         asked = number[((ends > 0) == at_axis) & (joined.image >= number)]
-        rows, columns = joined.row[asked], joined.column[asked]
-        # axes: block, component and unknown of the row, component and unknown of the column
-        weight = ways.weight[rows].conj()[:, :, :, None, None] * ways.weight[columns][:, None, None]
-        row = np.broadcast_to(ways.unknown[rows][:, :, :, None, None], weight.shape)
-        column = np.broadcast_to(ways.unknown[columns][:, None, None], weight.shape)
-        block, i, _, j, _ = np.indices(weight.shape)
-        apart = joined.apart[asked][block]
-        by_sine = weight.imag != 0.0
-        real = np.where(by_sine, -weight.imag * np.sign(apart), weight.real)
-        real = real * np.where(joined.image[asked] == asked, 1.0, 2.0)[block]
-        real /= np.where(ends[asked] == 2, 3.0, 1.0)[block]
-        wave = np.where(apart == 0, 0, 2 * np.abs(apart) - 1 + by_sine)
-        used = (row >= 0) & (column >= 0) & (real != 0.0)
-        source = (9 * asked[block] + 3 * i + j)[used]
-        return Terms(row[used], column[used], source, real[used], wave[used], ends[asked][block][used])
+        factor = np.where(joined.image[asked] == asked, 1.0, 2.0) / np.where(ends[asked] == 2, 3.0, 1.0)
+        blocks = joined.row[asked], joined.column[asked], joined.apart[asked]
+        row, column, source, wave, weight = terms_of_blocks(asked, *blocks, factor, ways.unknown, ways.weight)
+        return Terms(row, column, source, wave, weight, ends[source // 9] if at_axis else NONE)
 
     def _number_terms(self) -> None:
-        """Where terms go among those of the lower triangle, row by row, behind which those at the axis are."""
-        joined, depth, width = self._joined, self._depth.astype(np.int64), int(self._depth.max()) + 1
-        first = np.append(0, np.cumsum(depth + 1))
-        number = np.arange(len(joined.row))
-        of_turned = np.minimum(joined.turned, joined.image[joined.turned])
+        """Where terms go among those of the lower triangle, row by row, and in the rows behind it."""
+        joined, inner, waves = self._joined, self._inner, self.waves
+        first = np.append(0, np.cumsum(self._depth.astype(np.int64) + 1))[: self.size + 1]
+        number, of_turned = np.arange(len(joined.row)), np.minimum(joined.turned, joined.image[joined.turned])
         self._symmetric = np.where((number <= joined.image) & (number <= of_turned), joined.turned, -1)
-        parts = []
-        for kind, terms in enumerate((self._inner, *self._at_axis)):
-            below, before = np.maximum(terms.row, terms.column), np.minimum(terms.row, terms.column)
-            if kind == 0:
-                key = (first[below] + below - before) * self.waves + terms.wave
-            else:
-                behind = (kind - 1) * (len(depth) - self.size) + below - self.size
-                key = first[self.size] * self.waves + behind * width + below - before
-            # of a pair of entries, one above the diagonal and one below, each counts half
-            weight = np.where(below == before, 1.0, 0.5) * terms.weight
-            block = terms.source // 9
-            weight = weight * np.where(block < of_turned[block], 2.0, 1.0)
-            kept = self._symmetric[block] >= 0
-            parts.append([part[kept] for part in (terms.source, key, weight, terms.on_axis)])
-        self._source, key, self._weight, self._ends = (np.concatenate(part) for part in zip(*parts, strict=True))
-        self._source = self._source.astype(np.int32)
-        inner = key < first[self.size] * self.waves
-        kept, place = np.unique(key[inner], return_inverse=True)
-        entry, wave = kept // self.waves, kept % self.waves
+        self._twice = np.where(number < of_turned, 2.0, 1.0)
+        kept, weight = self._lower(inner)
+        below, before = np.maximum(inner.row[kept], inner.column[kept]), np.minimum(inner.row[kept], inner.column[kept])
+        key = (first[below] + below - before) * waves + inner.wave[kept]
+        is_there = np.zeros(first[-1] * waves, dtype=bool)
+        is_there[key] = True
+        there = np.flatnonzero(is_there)
+        entry, wave = there // waves, there % waves
         # one term of every entry, and what more there is
-        entries = int(first[self.size])
         is_first = np.diff(entry, prepend=-1) > 0
         more = entry[~is_first]
-        goes = np.where(is_first, entry, entries - 1 + np.cumsum(~is_first))
-        self._lane_of_wave = np.zeros(entries + len(more), dtype=np.int32)
+        goes = np.where(is_first, entry, first[-1] - 1 + np.cumsum(~is_first))
+        self._lane_of_wave = np.zeros(int(first[-1]) + len(more), dtype=np.int32)
         self._lane_of_wave[goes] = wave * LANES
-        self._more = (entries + np.searchsorted(more, first[: self.size + 1])).astype(np.int32)
+        self._more = (first[-1] + np.searchsorted(more, first)).astype(np.int32)
         self._into = (LANES * (more - first[np.searchsorted(first, more, side="right") - 1])).astype(np.int32)
-        self._place = (key - first[self.size] * self.waves + len(self._lane_of_wave)).astype(np.int32)
-        self._place[inner] = goes[place]
-        tail = np.zeros((3, len(depth) - self.size, width))
-        tail[:, :, 0] = 1.0
-        for kind, terms in enumerate(self._at_axis):
-            tail[kind, np.maximum(terms.row, terms.column) - self.size, 0] = 0.0
-        self._ahead = np.concatenate([np.zeros(len(self._lane_of_wave)), tail.ravel()])
-        self._tail_shape = tail.shape
+        place = goes[np.cumsum(is_there)[key] - 1].astype(np.int32)
+        self._of_lower = inner.source[kept], place, weight
+        self._tail_ahead = np.zeros((3, len(self._depth) - self.size, int(self._depth.max()) + 1))
+        self._tail_ahead[:, :, 0] = 1.0
+        self._of_tail = []
+        for tail, terms in zip(self._tail_ahead, self._at_axis, strict=False):
+            kept, weight = self._lower(terms)
+            below = np.maximum(terms.row[kept], terms.column[kept])
+            tail[below - self.size, 0] = 0.0
+            place = (below - self.size) * tail.shape[1] + np.abs(terms.row[kept] - terms.column[kept])
+            self._of_tail.append((terms.source[kept], place, weight, terms.on_axis[kept]))
+
+    def _lower(self, terms: Terms) -> tuple[NDArray[np.bool_], Floats]:
+        """Which terms count in the lower triangle of the symmetric part, and how much they do."""
+        # of a pair of entries, one above the diagonal and one below, each counts half
+        block, half = terms.source // 9, np.where(terms.row == terms.column, 1.0, 0.5)
+        kept = self._symmetric[block] >= 0
+        return kept, (half * self._twice[block] * terms.weight)[kept]
 
     def gather(self, blocks: Floats, position: Floats, front: tuple[Floats, Floats] | None) -> bool:
         """Take over a tangent at a shape, (n, 3); whether it is its own mirror image, but for round-off.
 
         With it the load and the gradient of a front that follows the net, at the nodes, (n, 3).
         """
+        if not np.isfinite(position).all():
+            return False
         plane = self._plane_of(position)
         if plane != self._plane:
             self._set_plane(plane)
@@ -191,13 +185,16 @@ class MirroredRing:
         self._front = None
         if front is not None:
             load, gradient = (self._along_unknowns(values) for values in front)
-            if max(np.abs(side.imag).max() / np.abs(side.real).max() for side in (load, gradient)) > ALIKE:
+            if any(np.abs(side.imag).max() > ALIKE * np.abs(side.real).max() for side in (load, gradient)):
                 return False
             self._front = load.real, gradient.real
         self._bands = None
         symmetric_parts(self._mean, self._symmetric, self._turned)
-        self._value[:] = self._ahead
-        add_up_terms(self._turned, self._source, self._place, self._weight_here, self._value)
+        self._value[:] = 0.0
+        add_up_terms(self._turned, *self._of_lower, self._value)
+        self._tail[:] = self._tail_ahead
+        for tail, (source, place, weight, on_axis) in zip(self._tail, self._of_tail, strict=False):
+            add_up_terms(self._turned, source, place, weight * np.sqrt(self.order) ** on_axis, tail.reshape(-1))
         return True
 
     def _plane_of(self, position: Floats) -> float:
@@ -268,11 +265,6 @@ class MirroredRing:
         wave = np.exp(2j * np.pi * harmonic / self.order * azimuth)
         return np.asarray(wave[:, None] * rotate(seen, azimuth, self.order))
 
-    @property
-    def _azimuth(self) -> Floats:
-        """That of every node's plane, in sectors, (n,)."""
-        return np.asarray(self._plane + 0.5 * self._images.middle, dtype=np.float64)
-
 
 def mirrored_ring(
     order: float, pattern: Pattern, free: Floats, unknown: Ints, on_axis: Ints, images: Images, rows: int
@@ -326,6 +318,6 @@ def depths_of(below: Places, before: Places, rows: int) -> Ints:
     All at columns divisible by ``ABREAST``, none before the row ahead of it, and rows to make up a number of them.
     """
     start = np.arange(rows + -rows % ABREAST)
-    np.minimum.at(start, below, before)
+    np.minimum.at(start, below.astype(np.int64), before.astype(np.int64))
     start = np.minimum.accumulate(start[::-1])[::-1] // ABREAST * ABREAST
     return np.asarray(np.arange(len(start)) - start, dtype=np.int32)

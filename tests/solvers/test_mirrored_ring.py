@@ -1,6 +1,7 @@
 """Harmonics in real numbers against the same in complex ones: mirrored shapes, disturbed or not, and others."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -160,6 +161,16 @@ def test_a_tangent_is_taken_as_mirrored_where_it_is_and_its_pivots_are_those_of_
     for shift in (0.0, 40.0):
         expected = [np.count_nonzero(values < -shift) for values in eigenvalues]
         assert negative_pivots(ring, asked, np.full(len(asked), shift)).tolist() == expected
+
+
+@pytest.mark.parametrize(("aside", "mirrored"), [(0.0, True), (1e-13, True), (1e-6, False)])
+def test_a_shape_that_is_off_its_image_by_more_than_round_off_is_asked_in_complex_numbers(aside, mirrored):
+    problem, solution = solved("diamond")
+    ring = Ring(problem.structure, problem.bands)
+    positions = solution.positions.copy()
+    positions[8] += [0.0, 0.0, aside * problem.structure.length[0]]
+    ring.linearise(problem, replace(solution, positions=positions))
+    assert (ring.mirrored is not None) == mirrored
 
 
 def test_a_ring_of_two_sectors_stays_complex():
