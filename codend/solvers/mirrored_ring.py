@@ -66,7 +66,8 @@ class MirroredRing:
     def __init__(self, order: float, unknown: Ints, on_axis: Ints, images: Images, joined: Joined, rows: int) -> None:
         self.order, self._on_axis, self._images, self._joined = order, on_axis, images, joined
         self.size, self._unknown, self._plane = int(unknown.max()) + 1, unknown, math.nan
-        self._first = int(np.flatnonzero(unknown[:, 0] == 0)[0])
+        first = int(np.flatnonzero(unknown[:, 0] == 0)[0])
+        self._first = first, int(images.node[first]), int(images.middle[first])
         self.waves = int(np.abs(joined.apart).max()) * 2 + 1
         self._ways = [_ways(unknown, on_axis, images, kind) for kind in (0, 1)]
         self._inner, self._at_axis = self._terms(self._ways[0], False), [self._terms(w, True) for w in self._ways]
@@ -97,6 +98,7 @@ class MirroredRing:
         self._waves = self._waves_of(np.arange(max(2, math.ceil(order))))
         self._value, self._tail = np.empty(len(self._lane_of_wave)), np.empty_like(self._tail_ahead)
         self._turned, self._mean = np.empty((2, len(joined.row), 3, 3))
+        self._tail_weights = [weight * np.sqrt(order) ** on_axis for weight, on_axis in self._tail_weight]
         self._bands: Floats | None = None
         self._front: tuple[Floats, Floats] | None = None
         self._moves = [ways.weight.copy() for ways in self._ways]
@@ -155,13 +157,14 @@ class MirroredRing:
         self._of_lower = inner.source[kept], place, weight
         self._tail_ahead = np.zeros((3, len(self._depth) - self.size, int(self._depth.max()) + 1))
         self._tail_ahead[:, :, 0] = 1.0
-        self._of_tail = []
-        for tail, terms in zip(self._tail_ahead, self._at_axis, strict=False):
-            kept, weight = self._lower(terms)
+        self._of_tail, self._tail_weight = [], []
+        for kind, terms in enumerate(self._at_axis):
+            tail, (kept, weight) = self._tail_ahead[kind], self._lower(terms)
             below = np.maximum(terms.row[kept], terms.column[kept])
             tail[below - self.size, 0] = 0.0
             place = (below - self.size) * tail.shape[1] + np.abs(terms.row[kept] - terms.column[kept])
-            self._of_tail.append((terms.source[kept], place, weight, terms.on_axis[kept]))
+            self._of_tail.append((terms.source[kept], (kind * tail.size + place).astype(np.int32)))
+            self._tail_weight.append((weight, terms.on_axis[kept]))
 
     def _lower(self, terms: Terms) -> tuple[NDArray[np.bool_], Floats]:
         """Which terms count in the lower triangle of the symmetric part, and how much they do."""
@@ -175,9 +178,9 @@ class MirroredRing:
 
         With it the load and the gradient of a front that follows the net, at the nodes, (n, 3).
         """
-        if not np.isfinite(position).all():
-            return False
         plane = self._plane_of(position)
+        if plane is None:
+            return False
         if plane != self._plane:
             self._set_plane(plane)
         if not self._is_alike(blocks):
@@ -193,16 +196,16 @@ class MirroredRing:
         self._value[:] = 0.0
         add_up_terms(self._turned, *self._of_lower, self._value)
         self._tail[:] = self._tail_ahead
-        for tail, (source, place, weight, on_axis) in zip(self._tail, self._of_tail, strict=False):
-            add_up_terms(self._turned, source, place, weight * np.sqrt(self.order) ** on_axis, tail.reshape(-1))
+        for terms, weight in zip(self._of_tail, self._tail_weights, strict=True):
+            add_up_terms(self._turned, *terms, weight, self._tail.reshape(-1))
         return True
 
-    def _plane_of(self, position: Floats) -> float:
+    def _plane_of(self, position: Floats) -> float | None:
         """Azimuth of the first plane, which bars alone do not tell, in sectors: the simple fraction next to it."""
-        pair = self._first, int(self._images.node[self._first])
-        azimuth = 0.5 * sum(math.atan2(position[node, 2], position[node, 1]) for node in pair)
-        planes = azimuth * self.order / (2.0 * math.pi) - 0.5 * float(self._images.middle[self._first])
-        return round(planes * SIMPLE) / SIMPLE
+        one, other, middle = self._first
+        twice = math.atan2(position[one, 2], position[one, 1]) + math.atan2(position[other, 2], position[other, 1])
+        plane = twice * self.order / (4.0 * math.pi) - 0.5 * middle
+        return round(plane * SIMPLE) / SIMPLE if math.isfinite(plane) else None
 
     def _is_alike(self, blocks: Floats) -> bool:
         joined = self._joined
