@@ -38,6 +38,8 @@ def _start(size: int) -> Floats:
 def _led_start(size: int, led: Numbers | None, kind: np.dtype) -> Numbers:
     """The same, but mostly along a vector that the eigenvectors sought are near to, where there is one, (size,)."""
     start = _start(size)
+    if led is not None and kind.kind != "c" and not led.imag.any():
+        led = led.real
     if led is None or len(led) != size or (np.iscomplexobj(led) and kind.kind != "c"):
         return start
     mostly = BESIDE * start + led / np.linalg.norm(led)
@@ -86,7 +88,7 @@ class HarmonicTangent:
         """
         return Nearest(self, centre, most_steps, led)
 
-    def negative_eigenvalues(self, negative: int, basis: Complex | None = None) -> int:
+    def negative_eigenvalues(self, negative: int, basis: Numbers | None = None) -> int:
         """Number of negative eigenvalues of the Hermitian part of K, on moves at right angles to a basis if any.
 
         Of a basis of eigenvectors that tells of all other eigenvalues of K: they are those of K on what is left, and
@@ -100,8 +102,12 @@ class HarmonicTangent:
             negative: negative eigenvalues of H.
             basis: Y, (unknowns, moves).
         """
-        # sides may be complex where the band is real
-        factors = self.factors(0.0, hermitian=True).astype(np.complex128, copy=False)
+        factors = self.factors(0.0, hermitian=True)
+        if basis is not None and not np.iscomplexobj(factors):
+            if basis.imag.any():
+                factors = factors.astype(np.complex128)
+            else:
+                basis = np.asarray(basis.real)
 
         def solve(sides: Complex) -> Complex:
             solved = sides.copy()
@@ -128,7 +134,7 @@ class Nearest:
             solve_band_of_numbers(self._factors, self._by_load)
             self._by_load /= 1.0 - np.sum(self._gradient * self._by_load)
         most = min(most_steps, tangent.size - 1)
-        self._basis = np.zeros((most + 1, tangent.size), dtype=kind)
+        self._basis = np.empty((most + 1, tangent.size), dtype=kind)
         self._projection = np.zeros((most + 1, most), dtype=kind)
         self._basis[0] = _led_start(tangent.size, led, kind)
         self._steps = 0
@@ -179,7 +185,7 @@ class Nearest:
 def negative_beside(
     negative: int,
     solve: Callable[[Complex], Complex],
-    basis: Complex | None,
+    basis: Numbers | None,
     products: Sequence[tuple[Floats, Floats]],
 ) -> int:
     """Number of negative eigenvalues of the Hermitian part of a tangent, by those of its part without some products.
@@ -203,7 +209,7 @@ def negative_beside(
         u = held + 2 * number
         corner[u, u + 1] = corner[u + 1, u] = 2.0
         sides += pair
-    whole = np.array(sides, dtype=complex)
+    whole = np.array(sides)
     schur = corner - np.einsum("ji,ki->jk", whole.conj(), solve(whole))
     below_0 = np.count_nonzero(np.linalg.eigvalsh(0.5 * (schur + schur.conj().T)) < 0.0)
     return negative + int(below_0) - held - len(products)

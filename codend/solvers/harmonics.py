@@ -106,7 +106,7 @@ def growing_harmonics(ring: Ring, scale: float, strongest_alone: bool = False) -
         strongest_alone: of a harmonic that grows no more is found than some eigenvalue near its lowest, which is quick.
     """
     asked = np.arange(int(ring.order // 2) + 1)
-    if not np.isfinite(ring.step.blocks).all():
+    if not ring.finite:
         return Harmonics(ring.order, (), tuple(asked.tolist()))
     negative = negative_pivots(ring, asked, np.zeros(len(asked)))
     with_front = negative.copy()
@@ -132,6 +132,10 @@ def growing_harmonics(ring: Ring, scale: float, strongest_alone: bool = False) -
             if first is not None and first[0].real.min() < 0.0:
                 found[k] = first
                 continue
+            if first is not None:  # often nothing grows
+                found[k] = _nearest_to_none(tangent, int(negative[k]), int(with_front[k]), None)
+                if found[k] is not None:
+                    continue
             found[k], enough = _lowest_eigenvalues(tangent, lowest, int(negative[k]), int(with_front[k]), enough)
     growing, undecided = [], []
     for k, pair in found.items():
@@ -187,6 +191,8 @@ def _libraries() -> ThreadpoolController:
 
 def negative_pivots(ring: Ring, harmonics: Numbers, shift: Floats) -> Numbers:
     """Negative eigenvalues of the Hermitian parts of harmonics, each shifted by its own; the front stands still."""
+    if ring.mirrored is not None:
+        return ring.mirrored.negative_pivots(harmonics, shift)
     negative = np.empty(len(harmonics), dtype=np.int64)
     for start in range(0, len(harmonics), MOST_SIDE_BY_SIDE):
         part = slice(start, start + MOST_SIDE_BY_SIDE)
@@ -218,9 +224,11 @@ def _nearest_to_none(
     if not tangent.size > DENSE or expected >= tangent.size // 4:
         return None
     found = tangent.nearest(0.0, led=led).eigenvalues(expected, AT_FIRST if led is None else LED)
-    if found is None or tangent.negative_eigenvalues(negative, np.linalg.qr(found[1])[0]) > 0:
+    if found is None:
         return None
-    return found
+    vectors = found[1]
+    basis = vectors / np.linalg.norm(vectors) if vectors.shape[1] == 1 else np.linalg.qr(vectors)[0]
+    return None if tangent.negative_eigenvalues(negative, basis) > 0 else found
 
 
 def _lowest_eigenvalues(

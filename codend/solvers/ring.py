@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.mechanics.harmonics import ABREAST, Complex, add_turned_bands, add_up_images, hermitian_parts
+from codend.mechanics.harmonics import Complex, add_turned_bands, add_up_images, hermitian_parts
 from codend.mechanics.newton_state import empty_state, measure, take_over
 from codend.mechanics.newton_step import Step, empty_step, linearise
 from codend.mechanics.problem import Problem
@@ -16,7 +16,9 @@ from codend.mechanics.tangent import NOTHING_NEAR, Pattern, pattern_of
 from codend.net.net import Floats, Ints
 from codend.solvers.harmonic_tangent import HarmonicTangent
 from codend.solvers.linear_systems import narrow_numbering
+from codend.solvers.mirrored_ring import MirroredRing, depths_of, mirrored_ring
 from codend.solvers.outcome import Solution
+from codend.solvers.ring_images import Images, images_of
 
 Places = NDArray[np.int64]
 SWITCH = 0.1
@@ -65,7 +67,8 @@ class Ring:
         self.fronted = False
         """Whether the catch's front follows the net."""
         self.on_axis = np.flatnonzero((structure.free == [1.0, 0.0, 0.0]).all(axis=1)).astype(np.int32)
-        self.unknown = _numbered(structure, self.pattern, self.on_axis)
+        images = images_of(structure, self.on_axis) if self.order > 2 else None
+        self.unknown = _numbered(structure, self.pattern, self.on_axis, images)
         self.size = int(self.unknown.max()) + 1
         """Unknowns off the axis."""
         row = np.repeat(self.unknown[self.pattern.row][:, :, None], 3, axis=2).ravel()
@@ -80,7 +83,7 @@ class Ring:
         columns = np.concatenate([self._column, *(entries.column for entries in self._at_axis)])
         self.half = int(np.abs(rows - columns).max())
         """Half-bandwidth."""
-        self.depth = _depths(np.maximum(rows, columns), np.minimum(rows, columns), self.size + tails)
+        self.depth = depths_of(np.maximum(rows, columns), np.minimum(rows, columns), self.size + tails)
         """How many columns before its diagonal a row starts; see ``negative_pivots_side_by_side``."""
         width, reach = int(self.depth.max()) + 1, int(np.abs(image).max())
         self.even, self.odd = np.zeros((2, reach + 1, self.size, width))
@@ -95,6 +98,15 @@ class Ring:
         # an entry on the diagonal is both of a pair, which count half each
         self._weight[self._off_axis, 0] = np.where(off == 0, 1.0, 0.5)
         self._weight[self._off_axis, 1] = 0.5 * np.sign(image) * np.sign(row - column)
+        self._as_mirrored: MirroredRing | None = None
+        if images is not None:
+            self._as_mirrored = mirrored_ring(
+                self.order, self.pattern, structure.free, self.unknown, self.on_axis, images, self.size + tails
+            )
+        self.mirrored: MirroredRing | None = None
+        """The same in real numbers, if the tangent that was gathered last is its own mirror image."""
+        self.finite = True
+        """Whether it is of numbers."""
 
     def beside(self, structure: Structure, bands: int) -> "Ring":
         """A ring of sectors with the same joints, of which neither are two or both, with room of its own."""
@@ -106,6 +118,7 @@ class Ring:
             other._turns = self._turns_of(other.order)
         other.state, other.step = empty_state(structure, bands), empty_step(structure, self.pattern)
         other.even, other.odd = np.zeros_like(self.even), np.zeros_like(self.odd)
+        other._as_mirrored = None if self._as_mirrored is None else self._as_mirrored.beside(other.order)
         return other
 
     def _turns_of(self, order: float) -> Floats:
@@ -134,6 +147,16 @@ class Ring:
         """Take over the tangent that was written into ``step``, and whether the catch's front follows the net."""
         self.fronted = fronted
         self._gathered = None
+        real = self._as_mirrored
+        step, front = self.step, None
+        if fronted:
+            front = step.right[1], step.gradient[0]
+        is_mirrored = real is not None and real.gather(step.blocks, self.state.position, front)
+        self.mirrored = real if is_mirrored else None
+        if self.mirrored is not None:
+            self.finite = True
+            return
+        self.finite = bool(np.isfinite(self.step.blocks).all())
         hermitian_parts(self.step.blocks, self._place, self._weight, self.even, self.odd)
 
     def axis_moves(self, harmonic: int) -> Complex:
@@ -211,6 +234,8 @@ class Ring:
 
     def tangent(self, harmonic: int) -> HarmonicTangent:
         """Tangent of a harmonic at the equilibrium that was gathered last."""
+        if self.mirrored is not None:
+            return self.mirrored.tangent(harmonic)
         count = len(self.axis_moves(harmonic)) * len(self.on_axis)
         half, reach = self.half, len(self.even) - 1
         turns = np.exp(2j * np.pi * harmonic / self.order * np.arange(-reach, reach + 1))
@@ -247,35 +272,38 @@ class Ring:
 
     def shape_of(self, vector: Complex, harmonic: int) -> Complex:
         """Moves of a sector's nodes by the unknowns of a harmonic, (n, 3), the largest component 1."""
-        free = self.unknown >= 0
-        shape = np.zeros(self.unknown.shape, dtype=complex)
-        shape[free] = vector[self.unknown[free]]
-        moves = self.axis_moves(harmonic)
-        shape[self.on_axis] = vector[self.size :].reshape(len(self.on_axis), len(moves)) @ moves
+        if self.mirrored is not None:
+            shape = self.mirrored.moves_of(vector, harmonic)
+        else:
+            free = self.unknown >= 0
+            shape = np.zeros(self.unknown.shape, dtype=complex)
+            shape[free] = vector[self.unknown[free]]
+            moves = self.axis_moves(harmonic)
+            shape[self.on_axis] = vector[self.size :].reshape(len(self.on_axis), len(moves)) @ moves
         return shape / shape.reshape(-1)[np.abs(shape).argmax()]
 
 
-def _depths(below: Places, before: Places, rows: int) -> Ints:
-    """How many columns before its diagonal each row starts, by its entries below the diagonal, (rows and some,).
+def _numbered(structure: Structure, pattern: Pattern, on_axis: Ints, images: Images | None) -> Ints:
+    """Number of the unknown of every free coordinate off the axis, -1 for the others, (n, 3); near the axis is last.
 
-    All at columns divisible by ``ABREAST``, none before the row ahead of it, and rows to make up a number of them.
+    Nodes that are mirror images of each other follow each other.
     """
-    start = np.arange(rows + -rows % ABREAST)
-    np.minimum.at(start, below, before)
-    start = np.minimum.accumulate(start[::-1])[::-1] // ABREAST * ABREAST
-    return np.asarray(np.arange(len(start)) - start, dtype=np.int32)
-
-
-def _numbered(structure: Structure, pattern: Pattern, on_axis: Ints) -> Ints:
-    """Number of the unknown of every free coordinate off the axis, -1 for the others, (n, 3); near the axis is last."""
     nodes = len(structure.free)
-    place = narrow_numbering(pattern.row, pattern.column, nodes)
-    if len(on_axis) and place[on_axis].mean() < 0.5 * nodes:
-        place = nodes - 1 - place
+    _, pair = np.unique(_first_of(nodes, images), return_inverse=True)
+    pairs = int(pair.max()) + 1
+    place = narrow_numbering(pair[pattern.row].astype(np.int32), pair[pattern.column].astype(np.int32), pairs)[pair]
+    if len(on_axis) and place[on_axis].mean() < 0.5 * pairs:
+        place = pairs - 1 - place
     free = structure.free > 0.0
     free[on_axis] = False
     unknown = np.full(free.shape, -1, dtype=np.int32)
-    order = np.argsort(place)
+    order = np.argsort(place, kind="stable")
     rows, ways = np.nonzero(free[order])
     unknown[order[rows], ways] = np.arange(len(rows))
     return unknown
+
+
+def _first_of(nodes: int, images: Images | None) -> Ints:
+    """The first node of each pair of nodes that are images of each other, (n,)."""
+    own = np.arange(nodes, dtype=np.int32)
+    return own if images is None else np.minimum(own, images.node)
