@@ -12,6 +12,7 @@ from codend.mechanics.piercing import TOUCHING, first_pierced, touching_m
 from codend.mechanics.problem import Problem
 from codend.mechanics.rings import first_crossed_ring
 from codend.mechanics.sheet import Sheet, laced
+from codend.mechanics.tube import maps_to_a_cone
 from codend.net.net import Floats
 from codend.solvers.outcome import Outcome
 
@@ -60,11 +61,14 @@ def passage(problem: Problem, position: Floats, gathered: bool = True) -> Refusa
     if problem.surface is not None:
         return _through_surface(problem, position, problem.surface.sheet)
     catch = problem.loading.catch
+    round_axis = _turned(problem, position)
+    if round_axis is None and _has_rings_that_may_cross(problem):
+        round_axis = _crossed(problem, position, touching_m(problem.structure.length, problem.structure.diameter))
+    if round_axis is not None:
+        return round_axis
+    if _is_one_to_one(problem, position):
+        return None
     touching = touching_m(problem.structure.length, problem.structure.diameter)
-    if catch.row_size.any():
-        round_axis = _rings(problem, position, touching)
-        if round_axis is not None:
-            return round_axis
     bar, facet = first_pierced(position, *_sheet(problem, 0 if gathered else 1), touching)
     if bar < 0:
         return None
@@ -109,25 +113,45 @@ def _through_surface(problem: Problem, position: Floats, sheet: Sheet) -> Refusa
 
 def layers_touch(problem: Problem, position: Floats) -> bool:
     """Whether netting lies on netting: middle lines of twine are on the wrong side of each other."""
-    touching = TOUCHING * float(problem.structure.length.min())
-    if problem.loading.catch.row_size.any() and _rings(problem, position, touching) is not None:
+    if _turned(problem, position) is not None:
         return True
+    touching = TOUCHING * float(problem.structure.length.min())
+    if _has_rings_that_may_cross(problem) and _crossed(problem, position, touching) is not None:
+        return True
+    if _is_one_to_one(problem, position):
+        return False
     return bool(first_pierced(position, *_sheet(problem), touching)[0] >= 0)
 
 
-def _rings(problem: Problem, position: Floats, touching: float) -> Refusal | None:
-    """What the rings of knots of a bag tell: turned against each other, or crossing themselves."""
-    structure, catch = problem.structure, problem.loading.catch
-    turns, band = band_turns(position, structure, catch, problem.rings)
+def _is_one_to_one(problem: Problem, position: Floats) -> bool:
+    """Whether nothing passes through anything at a glance, so that it need not be searched for where."""
+    tube, s = problem.tube, problem.structure
+    return tube is not None and maps_to_a_cone(position, s.facets, s.facet_image, s.rotations, s.order, *tube)
+
+
+def _turned(problem: Problem, position: Floats) -> Refusal | None:
+    """Whether the rings of knots of a bag are turned against each other."""
+    if problem.rings.node.size == 0:
+        return None
+    turns, band = band_turns(position, problem.structure, problem.loading.catch, problem.rings)
     if band >= 0:
         return Refusal(Outcome.PASSED_THROUGH, f"band {band + 1} of {problem.bands} at the axis")
     turn = float(turns.sum())
     if abs(turn) > LARGEST_TURN:
         return Refusal(Outcome.WRUNG, f"{math.degrees(turn):.0f} degrees")
-    # a ring of one or two knots a sector is sound, or a bar of it pierces the netting
-    if structure.order > 1.0 and catch.row_size.max() <= 2.0:
-        return None
-    row, times = first_crossed_ring(position, *problem.rings, structure.order, touching)
+    return None
+
+
+def _has_rings_that_may_cross(problem: Problem) -> bool:
+    """Not those of one or two knots a sector: each is sound, or a bar of it pierces the netting."""
+    return problem.rings.node.size > 0 and (
+        problem.structure.order == 1.0 or bool(problem.loading.catch.row_size.max() > 2.0)
+    )
+
+
+def _crossed(problem: Problem, position: Floats, touching: float) -> Refusal | None:
+    """Whether a ring of knots crosses itself, by more than a depth."""
+    row, times = first_crossed_ring(position, *problem.rings, problem.structure.order, touching)
     if row < 0:
         return None
     runs = f"runs {times} times round and " if times != 1 else ""
