@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.mechanics import possible
-from codend.mechanics.crossing import band_turns
+from codend.mechanics.crossing import whole_turn
 from codend.mechanics.piercing import TOUCHING, first_pierced, touching_m
 from codend.mechanics.problem import Problem
 from codend.mechanics.rings import first_crossed_ring
@@ -133,10 +133,9 @@ def _turned(problem: Problem, position: Floats) -> Refusal | None:
     """Whether the rings of knots of a bag are turned against each other."""
     if problem.rings.node.size == 0:
         return None
-    turns, band = band_turns(position, problem.structure, problem.loading.catch, problem.rings)
+    turn, band = whole_turn(position, problem.structure, problem.loading.catch, problem.rings)
     if band >= 0:
         return Refusal(Outcome.PASSED_THROUGH, f"band {band + 1} of {problem.bands} at the axis")
-    turn = float(turns.sum())
     if abs(turn) > LARGEST_TURN:
         return Refusal(Outcome.WRUNG, f"{math.degrees(turn):.0f} degrees")
     return None

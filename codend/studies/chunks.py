@@ -128,9 +128,10 @@ def _studies_of(plan: Plan, near: Sequence[CaseResult]) -> Iterator[tuple[Study 
 
 def _rows_of(study: Study, species: Sequence[Species]) -> Iterator[dict[str, Any]]:
     selected = selectivity_in(study, species) if species else {}
+    columns = tables.result_columns(study.plan)
     for result in study.cases:
         found = tables.result_row(study.plan, study.choice.fidelity, result)
-        row = {name: found[name] for name in tables.result_columns(study.plan)}
+        row = {name: found[name] for name in columns}
         reason = None if result.converged else result.report.outcome.value
         yield {**row, **selected.get(result.case.number, {}), REASON: reason}
 
