@@ -120,8 +120,10 @@ def meshes_of(
         if not bag.mesh_opens[mesh]:
             force[mesh] = np.nan
         filled = 0.5 * (share[bag.mesh_ahead[mesh]] + share[bag.mesh_behind[mesh]])
-        by_water = net_pressure(normal[mesh, 0], np.hypot(normal[mesh, 1], normal[mesh, 2]), catch)
-        pressure[mesh] = filled * (by_water + catch.weight_density * (front - centre[mesh, 2]))
+        pressure[mesh] = 0.0
+        if filled > 0.0:
+            by_water = net_pressure(normal[mesh, 0], np.hypot(normal[mesh, 1], normal[mesh, 2]), catch)
+            pressure[mesh] = filled * (by_water + catch.weight_density * (front - centre[mesh, 2]))
     return centre, opening, pull, force, pressure
 
 

@@ -48,8 +48,13 @@ def opening_ahead(bag: BagStructure, position: Floats, share: Floats) -> float:
         if has_mesh[row] and bag.mesh_place[row] <= ahead.min():
             first = row
     has_mesh[:first], has_mesh[last:] = False, False
-    some = np.flatnonzero(has_mesh[bag.mesh_row] & bag.mesh_of_section)
-    corners, opening, normal = np.empty((len(some), 4, 2, 3)), np.empty(len(some)), np.empty((len(some), 3))
+    some, found = np.empty(len(bag.mesh_row), dtype=np.int64), 0
+    for mesh in range(len(bag.mesh_row)):
+        if has_mesh[bag.mesh_row[mesh]] and bag.mesh_of_section[mesh]:
+            some[found] = mesh
+            found += 1
+    some = some[:found]
+    corners, opening, normal = np.empty((found, 4, 2, 3)), np.empty(found), np.empty((found, 3))
     write_corners(position, bag.sides[some], bag.side_image[some], bag.order, corners)
     write_openings(corners, bag.mesh_is_staggered[some], bag.mesh_is_folded[some], opening, normal)
     return mean_ahead(bag, share, mean_by(bag.mesh_row[some], opening, count), has_mesh)

@@ -31,8 +31,8 @@ class Problem:
     loading: Loading
     rings: Rings
     """Rings of knots in the order in which the net was built, wherever it starts."""
-    tube: Tube | None
-    """The one that its facets make; None where they make none, or something else."""
+    tube: Tube
+    """The one that its facets make, if they do."""
     surface: Surface | None = None
     """What nothing may pass through; None where contact is left out."""
     body: Body | None = None

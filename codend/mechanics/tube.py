@@ -7,7 +7,7 @@ how often they cover a point is how often the rim and the closed end run round i
 overlap in no place, and no bar, each a side of facets that cover both its sides once, meets a facet that it is no side
 of. r n_r is linear over a facet and r all but so: its corners tell.
 
-The proof fails where netting lies in folds, or faces ahead more than half round; ``piercing`` searches there.
+The proof fails where netting lies in folds or turns back farther; ``piercing`` searches there.
 """
 
 import math
@@ -23,11 +23,11 @@ from codend.net.net import Floats, Ints, Net
 
 Flags = NDArray[np.bool_]
 TILT = 1.0 / 3.0
-"""Of the cone, radius over length: bags may widen by up to 72 degrees from their entry on, and turn back by 18 behind
-where they are drawn in to the codline, which catches press flat."""
+"""Of the cone, radius over length: with ``LEAST`` bags may widen by up to 65 degrees from their entry on, and turn back
+by 12 where they are drawn in to the codline, which catches press flat."""
 LEAST = 0.1
-"""Least part of a unit normal along the cone's own. With it and ``SLIVER`` netting that shares no knot is apart by a
-hundred times ``piercing.ON_EDGE`` and more."""
+"""Least part of a unit normal along the cone's own. With it and ``SLIVER`` netting that shares no knot is apart by tens
+of times ``piercing.ON_EDGE``."""
 SLIVER = 1e-3
 """Twice a facet's area over the square of its longest side, from which it has a width."""
 
@@ -36,44 +36,47 @@ class Tube(NamedTuple):
     """What facets that make one tube are closed in, and where they end."""
 
     apex: int
-    """Node on the axis that closes it, which all sectors share."""
+    """Node on the axis that closes it, which all sectors share; -1 of facets that make no tube, or something else."""
     rim: Ints
     """Ends of the sides where it ends, each in the sense in which facets run along it, (k, 2)."""
     image: Ints
     """Image of the second end seen from the first, (k,)."""
 
 
+NO_TUBE = Tube(-1, np.empty((0, 2), dtype=np.int32), np.empty(0, dtype=np.int32))
+
+
 class _Joints(NamedTuple):
-    """What a tube was made of, kept while it is, and the tube; None of others."""
+    """What a tube was made of, kept while it is, and the tube."""
 
     bars: tuple[Ints, Ints]
     facets: tuple[Ints, Ints]
     reach: int
     """Most sectors between two ends of a side."""
-    tube: Tube | None
+    tube: Tube
 
 
 _made: LastMade[_Joints] = LastMade(16)
 """By the arrays themselves: nets of plans that differ in their sizes alone have the same."""
 
 
-def tube_of(net: Net) -> Tube | None:
-    """The tube that the facets of a sector make with their images and whose sides all its bars are; None of others."""
+def tube_of(net: Net) -> Tube:
+    """The tube that the facets of a sector make with their images, all bars its sides; else ``NO_TUBE``."""
     if len(net.facets) == 0 or net.order < 2 or int(net.order) != net.order:
-        return None
+        return NO_TUBE
     apex = _node_on_axis(net.positions, net.fixed, net.facets)
     if apex < 0:
-        return None
+        return NO_TUBE
 
     bars, facets, whole = (net.bars, net.bar_image), (net.facets, net.facet_image), net.facet_weight >= 1.0
 
     def made() -> _Joints:
         is_one, rim, image, reach = _rim(*bars, *facets, whole, len(net.positions), apex)
-        return _Joints(bars, facets, reach, Tube(apex, rim, image) if is_one else None)
+        return _Joints(bars, facets, reach, Tube(apex, rim, image) if is_one else NO_TUBE)
 
     found = _made.of((*map(id, (*bars, *facets)), whole.tobytes(), apex), made)
     # images that are farther apart might be the same
-    return found.tube if 2 * found.reach < net.order else None
+    return found.tube if 2 * found.reach < net.order else NO_TUBE
 
 
 @njit(cache=True)

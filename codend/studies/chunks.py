@@ -149,7 +149,10 @@ def _table(rows: Sequence[dict[str, Any]], text: Set[str]) -> pa.Table:
 
 
 def _column(cells: Sequence[Any], is_text: bool) -> pa.Array:
-    kinds = set(map(type, cells)) - {type(None)}
+    kinds = set(map(type, cells))
+    if kinds == {float} and not is_text:
+        return pa.array(cells, pa.float64())
+    kinds.discard(type(None))
     if is_text or str in kinds:
         return pa.array([_text(cell) for cell in cells], pa.string())
     if kinds and kinds <= {bool, np.bool_}:

@@ -10,7 +10,7 @@ import pytest
 from codend.bag.build import build_bag
 from codend.bag.loads import problem_of
 from codend.mechanics.piercing import first_pierced
-from codend.mechanics.tube import maps_to_a_cone, tube_of
+from codend.mechanics.tube import NO_TUBE, maps_to_a_cone, tube_of
 from codend.solvers import newton
 from tests.plans import make_plan
 from validation.passing_through import set_all_round
@@ -138,25 +138,25 @@ def test_only_facets_that_make_one_tube_with_bars_along_their_sides_are_one():
             net, facets=net.facets[rows], facet_image=net.facet_image[rows], facet_weight=net.facet_weight[rows]
         )
 
-    assert tube_of(without(np.arange(len(net.facets)))) is not None
+    assert tube_of(without(np.arange(len(net.facets)))) is not NO_TUBE
     # a hole is a rim of its own
     holed, s = tube_of(without(missing)), problem.structure
     assert len(holed.rim) > len(tube.rim)
     of_facets = s.facets[missing], s.facet_image[missing]
     assert not maps_to_a_cone(positions, *of_facets, s.rotations, s.order, *holed)
-    assert tube_of(without(np.append(missing, [middle, middle]))) is None
+    assert tube_of(without(np.append(missing, [middle, middle]))) is NO_TUBE
     turned, image = net.facets.copy(), net.facet_image.copy()
     turned[middle], image[middle] = turned[middle, ::-1], image[middle, ::-1]
-    assert tube_of(replace(net, facets=turned, facet_image=image)) is None
-    assert tube_of(replace(net, facet_weight=np.full(len(net.facets), 0.5))) is None
+    assert tube_of(replace(net, facets=turned, facet_image=image)) is NO_TUBE
+    assert tube_of(replace(net, facet_weight=np.full(len(net.facets), 0.5))) is NO_TUBE
     across = net.bars.copy()
     across[middle // 4] = [0, len(net.positions) - 2]
-    assert tube_of(replace(net, bars=across)) is None
-    assert tube_of(replace(net, bar_image=net.bar_image + 1)) is None
-    assert tube_of(replace(net, order=2)) is None
-    assert tube_of(replace(net, order=11.5)) is None
+    assert tube_of(replace(net, bars=across)) is NO_TUBE
+    assert tube_of(replace(net, bar_image=net.bar_image + 1)) is NO_TUBE
+    assert tube_of(replace(net, order=2)) is NO_TUBE
+    assert tube_of(replace(net, order=11.5)) is NO_TUBE
     # two nodes held on the axis: no telling which closes it
-    assert tube_of(replace(net, fixed=np.ones_like(net.fixed), positions=net.positions * [1.0, 0.0, 0.0])) is None
+    assert tube_of(replace(net, fixed=np.ones_like(net.fixed), positions=net.positions * [1.0, 0.0, 0.0])) is NO_TUBE
 
 
 def test_a_codline_off_the_axis_or_a_rim_that_turns_back_proves_nothing():
