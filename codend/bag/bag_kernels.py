@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from codend.bag.measure_kernels import (
     WANTED_OPENING_DEG,
     Flags,
-    add_current_loads,
     catch_volume,
     mean_by,
     mean_over,
@@ -20,10 +19,9 @@ from codend.bag.measure_kernels import (
     write_openings,
 )
 from codend.compiled import njit
-from codend.mechanics.catch_front import fill
 from codend.mechanics.catch_weight import front_height
-from codend.mechanics.crossing import band_turns
-from codend.mechanics.loads import Loading, loads_and_supports
+from codend.mechanics.crossing import whole_turn
+from codend.mechanics.loads import Loading, add_in_parts, supports
 from codend.mechanics.possible import inward_share
 from codend.mechanics.pressure import Catch
 from codend.mechanics.rings import Rings
@@ -56,7 +54,7 @@ SUMS = (
     "sideways_imbalance",
     "codline_aside_m",
 )
-"""Numbers of a bag as a whole: see ``measures.Measures``."""
+"""Numbers of a bag as a whole, in the order of ``measures.Measures``."""
 _RECORD = np.dtype([(name, np.float64) for name in SUMS])
 
 
@@ -122,8 +120,10 @@ def meshes_of(
         if not bag.mesh_opens[mesh]:
             force[mesh] = np.nan
         filled = 0.5 * (share[bag.mesh_ahead[mesh]] + share[bag.mesh_behind[mesh]])
-        by_water = net_pressure(normal[mesh, 0], np.hypot(normal[mesh, 1], normal[mesh, 2]), catch)
-        pressure[mesh] = filled * (by_water + catch.weight_density * (front - centre[mesh, 2]))
+        pressure[mesh] = 0.0
+        if filled > 0.0:
+            by_water = net_pressure(normal[mesh, 0], np.hypot(normal[mesh, 1], normal[mesh, 2]), catch)
+            pressure[mesh] = filled * (by_water + catch.weight_density * (front - centre[mesh, 2]))
     return centre, opening, pull, force, pressure
 
 
@@ -241,35 +241,6 @@ def largest_radius(bag: BagStructure, position: Floats) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def drag(structure: Structure, loading: Loading, position: Floats, share: Floats) -> tuple[float, float]:
-    """Drag of the twine and of the catch of the whole net, N."""
-    on_twine, by_catch = np.zeros_like(position), np.zeros_like(position)
-    add_current_loads(position, structure, loading, share, on_twine, by_catch)
-    return structure.order * np.sum(on_twine[:, 0]), structure.order * np.sum(by_catch[:, 0])
-
-
-@njit(cache=True, error_model="numpy")
-def drag_in_shape(structure: Structure, loading: Loading, position: Floats, share: Floats) -> float:
-    """Drag of the whole net in a shape, N; where its catch reaches there is written into ``share``."""
-    fill(position, structure, loading.catch, share)
-    on_twine, by_catch = drag(structure, loading, position, share)
-    return on_twine + by_catch
-
-
-@njit(cache=True, error_model="numpy")
-def estimated(
-    bag: BagStructure, structure: Structure, loading: Loading, position: Floats, share: Floats
-) -> tuple[float, float, float, float]:
-    """What error estimates stand beside: drag, the catch's volume, largest radius and opening ahead."""
-    opening = openings_of(bag, position)[1]
-    by_row = mean_by(np.where(bag.mesh_of_section, bag.mesh_row, -1), opening, len(bag.mesh_place))
-    on_twine, by_catch = drag(structure, loading, position, share)
-    volume = catch_volume(position, structure, loading.catch, share)
-    ahead = mean_ahead(bag, share, by_row, np.isfinite(by_row))
-    return on_twine + by_catch, volume, largest_radius(bag, position), ahead
-
-
-@njit(cache=True, error_model="numpy")
 def write_sums(
     bag: BagStructure,
     structure: Structure,
@@ -293,9 +264,13 @@ def write_sums(
     found.front_from_codline_m = x[-1] - between_rows(front, x)
     found.max_radius_m = largest_radius(bag, position)
     found.length_m = x[-1] - x[0]
-    found.twine_drag_n, found.catch_drag_n = drag(structure, loading, position, share)
+    on_twine, by_catch, load = np.zeros_like(position), np.zeros_like(position), np.zeros_like(position)
+    add_in_parts(position, np.empty((0, 3)), structure, loading, share, on_twine, by_catch, load)
+    found.twine_drag_n = structure.order * np.sum(on_twine[:, 0])
+    found.catch_drag_n = structure.order * np.sum(by_catch[:, 0])
     found.drag_n = found.twine_drag_n + found.catch_drag_n
-    load, support = loads_and_supports(structure, loading, position, tension, share)
+    load += on_twine + by_catch
+    support = supports(structure, position, tension, load)
     reaction = 0.0
     for node in range(len(support)):
         if bag.held_by_the_entry[node]:
@@ -310,7 +285,7 @@ def write_sums(
     found.max_strap_tension_n = np.max(real_tension[bag.straps]) if len(bag.straps) else np.nan
     found.max_rope_tension_n = np.max(real_tension[bag.ropes]) if len(bag.ropes) else np.nan
     found.folded_share = inward_share(position, structure, catch, share)
-    found.turn_deg = np.degrees(np.sum(band_turns(position, structure, catch, rings)[0]))
+    found.turn_deg = np.degrees(whole_turn(position, structure, catch, rings)[0])
     found.sideways_imbalance = sideways_imbalance(position, load, support, bag.held_by_the_entry, bag.order)
     codline = ring_middles(bag, position)[-1]
     found.codline_aside_m = np.hypot(codline[0], codline[1])

@@ -6,11 +6,7 @@ from numpy.typing import NDArray
 from catch_models.filling import enclosed_volume
 from codend.compiled import njit
 from codend.mechanics.catch_front import band_geometry, row_positions
-from codend.mechanics.catch_weight import add_force as add_weight
-from codend.mechanics.drag import add_force as add_drag
-from codend.mechanics.loads import Loading
 from codend.mechanics.pressure import Catch, law_and_slope
-from codend.mechanics.pressure import add_force as add_pressure
 from codend.mechanics.structure import Structure
 from codend.net.net import Floats, Ints
 
@@ -124,16 +120,6 @@ def net_pressure(x: float, across: float, catch: Catch) -> float:
     return catch.stagnation_pressure * law_and_slope(x, across, catch.angles, catch.coefficients)[0]
 
 
-@njit(cache=True)
-def add_current_loads(
-    position: Floats, structure: Structure, loading: Loading, share: Floats, on_twine: Floats, by_catch: Floats
-) -> None:
-    """Add the current's drag on the twine and the catch's pressure and weight to forces on the nodes, N, (n, 3)."""
-    add_drag(position, np.empty((0, 3)), structure, loading.water, loading.catch, share, on_twine)
-    add_pressure(position, structure, loading.catch, share, by_catch)
-    add_weight(position, structure, loading.catch, share, by_catch)
-
-
 @njit(cache=True, error_model="numpy")
 def sideways_imbalance(position: Floats, load: Floats, support: Floats, entry: Flags, order: float) -> float:
     """What the loads of a bag and the reactions of its entry leave over across the axis and as a moment, relative.
@@ -191,3 +177,31 @@ def catch_volume(position: Floats, structure: Structure, catch: Catch, share: Fl
     row_positions(position, catch, row_x)
     band_geometry(position, structure, catch, area, moment)
     return enclosed_volume(row_x, area, moment, share)
+
+
+@njit(cache=True)
+def knots_all_but_slack(
+    first: Ints, second: Ints, tension: Floats, least: float, free: Floats, codline: int
+) -> NDArray[np.int64]:
+    """Numbers of the free knots of three bars and more of which at most one pulls; not the codline, (k,).
+
+    Args:
+        first: first end of the bars, (m,).
+        second: second end, (m,).
+        tension: of the bars, N, (m,).
+        least: N, up to which a bar does not pull.
+        free: 1 for coordinates that move, (n, 3).
+        codline: the node that is none of them.
+    """
+    bars, pulling = np.zeros(len(free), dtype=np.int64), np.zeros(len(free), dtype=np.int64)
+    for bar in range(len(first)):
+        for end in (first[bar], second[bar]):
+            bars[end] += 1
+            pulling[end] += tension[bar] > least
+    found, count = np.empty(len(free), dtype=np.int64), 0
+    for node in range(len(free)):
+        moves = free[node, 0] > 0.0 and free[node, 1] > 0.0 and free[node, 2] > 0.0
+        if moves and bars[node] >= 3 and pulling[node] <= 1 and node != codline:
+            found[count] = node
+            count += 1
+    return found[:count]

@@ -8,17 +8,13 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from codend.bag.bag import Bag, real_tensions
-from codend.bag.bag_kernels import (
-    ROWS_AHEAD,
-    SUMS,
-    empty_sums,
-    estimated,
-    measure_bag,
-    meshes_of,
-    rows_of,
-)
+from codend.bag.bag_kernels import ROWS_AHEAD, empty_sums, measure_bag, meshes_of, rows_of
+from codend.bag.estimate_kernels import Estimated, estimated, estimated_and_changed
 from codend.bag.measure_kernels import WANTED_OPENING_DEG, opening_force, rows_ahead, write_openings
+from codend.mechanics.pressure import Catch
 from codend.mechanics.problem import Problem
+from codend.mechanics.structure import Structure
+from codend.mechanics.water import Water
 from codend.net.net import Floats
 from codend.solvers.outcome import Solution
 
@@ -72,7 +68,10 @@ class Measures:
     @classmethod
     def unknown(cls) -> "Measures":
         """All nan: of a case that was not solved."""
-        return cls(*(float("nan") for _ in fields(cls)))
+        return _NOT_MEASURED
+
+
+_NOT_MEASURED = Measures(*(float("nan") for _ in fields(Measures)))
 
 
 @dataclass(frozen=True)
@@ -131,11 +130,22 @@ def measure_rows(bag: Bag, problem: Problem, solution: Solution, meshes: Meshes)
     return Rows(*rows_of(bag.structure, _positions(solution), tension, solution.share, catch, *of_meshes))
 
 
-def measure_briefly(bag: Bag, problem: Problem, solution: Solution) -> tuple[float, float, float, float]:
+def measure_briefly(bag: Bag, problem: Problem, solution: Solution) -> Estimated:
     """Of ``Measures`` the drag, the catch's volume, the largest radius and the opening ahead."""
-    loads = problem.structure, problem.loading
-    drag, volume, radius, opening = estimated(bag.structure, *loads, _positions(solution), solution.share)
-    return drag, volume, radius, opening
+    return estimated(bag.structure, *_in_water(problem), _positions(solution), solution.share)
+
+
+def measure_with_changed(
+    bag: Bag, problem: Problem, solution: Solution, coefficients: Floats, positions: Floats
+) -> tuple[Estimated, float]:
+    """The same, and the drag with other coefficients of the pressure law, (4, k), in the shape that it has then, N."""
+    loads, changed = _in_water(problem), problem.loading.catch._replace(coefficients=coefficients)
+    at = _positions(solution), solution.share
+    return estimated_and_changed(bag.structure, *loads, *at, changed, positions)
+
+
+def _in_water(problem: Problem) -> tuple[Structure, Water, Catch]:
+    return problem.structure, problem.loading.water, problem.loading.catch
 
 
 def measure_all(bag: Bag, problem: Problem, solution: Solution) -> tuple[Meshes, Rows, Measures]:
@@ -143,7 +153,7 @@ def measure_all(bag: Bag, problem: Problem, solution: Solution) -> tuple[Meshes,
     loads, sums = (problem.structure, problem.loading, problem.rings), empty_sums()
     tensions = solution.bar_tension, real_tensions(bag, solution.bar_tension)
     meshes, rows = measure_bag(bag.structure, *loads, _positions(solution), *tensions, solution.share, sums)
-    return Meshes(*meshes), Rows(*rows), Measures(**dict(zip(SUMS, sums[0].item(), strict=True)))
+    return Meshes(*meshes), Rows(*rows), Measures(*sums[0].item())
 
 
 def opening_rows_ahead(bag: Bag, share: Floats) -> Floats:

@@ -9,10 +9,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from codend.bag.bag_kernels import drag_in_shape
 from codend.bag.build import merged_in_place
 from codend.bag.loads import catch_weight_density
-from codend.bag.measures import Measures, measure_all, measure_briefly
+from codend.bag.measures import Measures, measure_all, measure_briefly, measure_with_changed
 from codend.bag.near_ratio import NearRatio, narrower, near_enough, quick_looks
 from codend.equilibrium import solve as equilibrium
 from codend.equilibrium.bag_model import BagModel, model_of
@@ -122,7 +121,7 @@ class Errors:
     @classmethod
     def unknown(cls) -> "Errors":
         """No estimate of anything."""
-        return cls(*(float("nan") for _ in fields(cls)))
+        return _NO_ESTIMATES
 
     def with_more(self, changes: Floats) -> "Errors":
         """The same with what else may change drag, volume, largest radius and opening, (4,)."""
@@ -134,6 +133,9 @@ class Errors:
             max_radius_error_m=self.max_radius_error_m + radius,
             opening_ahead_error_deg=self.opening_ahead_error_deg + opening,
         )
+
+
+_NO_ESTIMATES = Errors(*(float("nan") for _ in fields(Errors)))
 
 
 def estimate(
@@ -165,14 +167,14 @@ def estimate(
     there = finer if finer is not None else drifted(tangent, finest)
     if there is None:
         return Errors.unknown()
-    exact = measure_briefly(model.bag, problem, there)
-    solver = (1.0 if settled else UNSETTLED) * np.abs(sizes - exact)
     with_suction = float("nan")
     if settled and np.abs(by_suction).max() <= LARGEST_MOVE * problem.structure.length.min():
-        catch = problem.loading.catch
-        changed = problem.loading._replace(catch=catch._replace(coefficients=catch.coefficients + more))
-        shape = there.positions + by_suction, there.share.copy()
-        with_suction = float(drag_in_shape(problem.structure, changed, *shape) / exact[0] - 1.0) / SMALL
+        coefficients = problem.loading.catch.coefficients + more
+        exact, drag_n = measure_with_changed(model.bag, problem, there, coefficients, there.positions + by_suction)
+        with_suction = (drag_n / exact[0] - 1.0) / SMALL
+    else:
+        exact = measure_briefly(model.bag, problem, there)
+    solver = (1.0 if settled else UNSETTLED) * np.abs(sizes - exact)
     globalised = by_ratio(model, case, measures, 1 if problem.surface is None else IN_CONTACT)
     by_ropes = between_ropes_errors(model.plan) if model.between_ropes else None
     if model.globalisation > 1 and by_ropes is None:
@@ -183,8 +185,10 @@ def estimate(
     catch_n = abs(of_catch - borne if model.globalisation == 1 else of_catch) * measures.catch_volume_m3
     net_n = unseen_weight_n + (float(np.abs(problem.loading.dead).sum()) if model.globalisation > 1 else 0.0)
     share = (net_n + catch_n) / measures.drag_n
-    weight = weight_errors(model.plan, share) + OF_THE_CATCH * catch_n / measures.drag_n
-    errors = SAFETY * (solver + globalised) + NOISE * np.maximum(sizes, NOISE_OF) + weight * sizes + by_wrinkles
+    errors = SAFETY * (solver + globalised) + NOISE * np.maximum(sizes, NOISE_OF)
+    if share != 0.0:
+        errors += (weight_errors(model.plan, share) + OF_THE_CATCH * catch_n / measures.drag_n) * sizes
+    errors += by_wrinkles
     if by_ropes is not None:
         errors += by_ropes * [*sizes[:3], 1.0]
     if model.smeared and model.plan.ropes:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.bag.bag import Bag
+from codend.bag.measure_kernels import knots_all_but_slack
 from codend.bag.measures import Measures, measure_all
 from codend.equilibrium.bag_model import BagModel
 from codend.equilibrium.uneven_knots import (
@@ -76,12 +77,14 @@ def apart_by_snapping(model: BagModel, case: Case, problem: Problem, solution: S
     here, reordered = _Start(model, problem, solution, []), may_take_another_order(model, problem, solution)
     starts = [replace(here, ways=ways) for ways in _ways(model, problem, solution)]
     stiff = stiffness(problem, solution) > STIFF
+    if not (starts or reordered or stiff):
+        return apart
     of_size, by_itself = NOT_SHAKEN if stiff else NOT_TRIED
     assumed = np.asarray(of_size * measures.estimated + by_itself)
     if case.gives_volume:
         assumed[1] = 0.0
     if len(solution.positions) > MOST_KNOTS:
-        return assumed if starts or reordered or stiff else apart
+        return assumed
     if reordered:
         orders = [
             _Start(wide, loaded, rest, [way])
@@ -155,14 +158,9 @@ def _ways(model: BagModel, problem: Problem, solution: Solution) -> Iterator[lis
 
 def all_but_slack(bag: Bag, problem: Problem, solution: Solution) -> NDArray[np.int_]:
     """Numbers of the free knots of three bars and more of which at most one pulls; not the codline, (k,)."""
-    structure, count = problem.structure, len(solution.positions)
-    pulls = solution.bar_tension > SLACK * solution.mean_tension
-    first, second = structure.first, structure.second
-    pulling = np.bincount(first[pulls], minlength=count) + np.bincount(second[pulls], minlength=count)
-    slack = np.flatnonzero(pulling <= 1)
-    bars = np.bincount(first, minlength=count) + np.bincount(second, minlength=count)
-    free = (structure.free[slack] > 0.0).all(axis=1) & (slack != count - 1 - bag.anchors)
-    return slack[(bars[slack] >= 3) & free]
+    s, codline = problem.structure, len(solution.positions) - 1 - bag.anchors
+    least = SLACK * solution.mean_tension
+    return knots_all_but_slack(s.first, s.second, solution.bar_tension, least, s.free, codline)
 
 
 def to_the_plane(problem: Problem, positions: Floats, knots: NDArray[np.int_]) -> Floats:

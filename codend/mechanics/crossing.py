@@ -95,6 +95,13 @@ def band_turns(position: Floats, structure: Structure, catch: Catch, rings: Ring
 
 
 @njit(cache=True)
+def whole_turn(position: Floats, structure: Structure, catch: Catch, rings: Rings) -> tuple[float, int]:
+    """Turn of a net about its axis, rad, summed over its bands, and the first that has passed through itself or -1."""
+    turns, through = band_turns(position, structure, catch, rings)
+    return turns.sum(), through
+
+
+@njit(cache=True)
 def _across_necks(
     position: Floats, drawn_together: NDArray[np.bool_], rings: Rings, order: float, narrow: float, turns: Floats
 ) -> None:

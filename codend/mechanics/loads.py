@@ -49,18 +49,36 @@ def add_moving_force(
     position: Floats, velocity: Floats, structure: Structure, loading: Loading, share: Floats, force: Floats
 ) -> None:
     """Add all loads on a net whose nodes move, ``velocity`` (n, 3), to the nodal forces, N."""
+    add_in_parts(position, velocity, structure, loading, share, force, force, force)
+
+
+@njit(cache=True)
+def add_in_parts(
+    position: Floats,
+    velocity: Floats,
+    structure: Structure,
+    loading: Loading,
+    share: Floats,
+    on_twine: Floats,
+    by_catch: Floats,
+    rest: Floats,
+) -> None:
+    """Add the loads on a net whose nodes move to nodal forces, N, (n, 3) each: drag of bars, of the catch, and others.
+
+    The catch presses with the water's pressure in it and by its weight.
+    """
     dead = loading.dead
-    for node in range(len(force)):
+    for node in range(len(rest)):
         for i in range(3):
-            force[node, i] += dead[node, i]
-    bending.add_force(position, structure, force)
-    drag.add_force(position, velocity, structure, loading.water, loading.catch, share, force)
-    points.add_force(position, velocity, loading.points, loading.water, force)
-    pressure.add_force(position, structure, loading.catch, share, force)
-    catch_weight.add_force(position, structure, loading.catch, share, force)
-    seabed.add_force(position, loading.seabed, force)
-    contact.add_force(position, loading.contact, force)
-    wrap.add_force(position, structure, force)
+            rest[node, i] += dead[node, i]
+    bending.add_force(position, structure, rest)
+    drag.add_force(position, velocity, structure, loading.water, loading.catch, share, on_twine)
+    points.add_force(position, velocity, loading.points, loading.water, rest)
+    pressure.add_force(position, structure, loading.catch, share, by_catch)
+    catch_weight.add_force(position, structure, loading.catch, share, by_catch)
+    seabed.add_force(position, loading.seabed, rest)
+    contact.add_force(position, loading.contact, rest)
+    wrap.add_force(position, structure, rest)
 
 
 @njit(cache=True, error_model="numpy")
@@ -78,14 +96,20 @@ def loads_and_supports(
         tension: of its bars, N, (m,).
         share: of each band that lies in the catch, (bands,).
     """
-    load, length = np.zeros_like(position), np.empty(len(tension))
+    load = np.zeros_like(position)
     add_force(position, structure, loading, share, load)
+    return load, supports(structure, position, tension, load)
+
+
+@njit(cache=True, error_model="numpy")
+def supports(structure: Structure, position: Floats, tension: Floats, load: Floats) -> Floats:
+    """What it takes to hold each node under loads, N, (n, 3) both; arguments as of ``loads_and_supports``."""
+    total, length = load.copy(), np.empty(len(tension))
     bar_lengths(position, structure, length)
     for bar in range(len(tension)):
         length[bar] = tension[bar] / length[bar] if length[bar] > 0.0 else 0.0
-    total = load.copy()
     add_bar_forces(position, structure, length, total)
-    return load, -total
+    return -total
 
 
 @njit(cache=True)

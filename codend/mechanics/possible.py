@@ -5,9 +5,12 @@ import numpy as np
 from catch_models.filling import enclosed_volume
 from codend.compiled import njit
 from codend.mechanics.catch_front import band_geometry, row_positions
+from codend.mechanics.crossing import whole_turn
 from codend.mechanics.pressure import Catch, area_vector, corners_of_facet
+from codend.mechanics.rings import Rings
 from codend.mechanics.structure import Structure
-from codend.net.net import Floats
+from codend.mechanics.tube import maps_to_a_cone
+from codend.net.net import Floats, Ints
 
 POSSIBLE, NO_VOLUME, FRONT_BEHIND, INSIDE_OUT = range(4)
 NOTHING = 1e-12
@@ -115,3 +118,36 @@ def impossible(position: Floats, structure: Structure, catch: Catch, share: Floa
     if inward > MOST_INWARD:
         return INSIDE_OUT, inward
     return POSSIBLE, 0.0
+
+
+@njit(cache=True)
+def glance(
+    position: Floats,
+    structure: Structure,
+    catch: Catch,
+    rings: Rings,
+    share: Floats,
+    apex: int,
+    rim: Ints,
+    image: Ints,
+) -> tuple[float, int, bool, int, float]:
+    """All that is cheap to see of a shape: ``whole_turn``, whether nothing passes through anything, ``impossible``.
+
+    Args:
+        position: nodes, (n, 3).
+        structure: the net.
+        catch: what fills it.
+        rings: its rings as built; of a net without there is no turn.
+        share: of each band in the catch, (bands,); of none where that is not asked.
+        apex: see ``Tube``, as the next two; -1 for a net that is none.
+        rim: sides where it ends, (k, 2).
+        image: of their second ends, (k,).
+    """
+    turn, through, is_one_to_one = 0.0, -1, False
+    if len(rings.node) > 0:
+        turn, through = whole_turn(position, structure, catch, rings)
+    if apex >= 0:
+        facets = structure.facets, structure.facet_image, structure.rotations
+        is_one_to_one = maps_to_a_cone(position, *facets, structure.order, apex, rim, image)
+    code, number = impossible(position, structure, catch, share)
+    return turn, through, is_one_to_one, code, number

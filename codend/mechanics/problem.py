@@ -16,6 +16,7 @@ from codend.mechanics.seabed import Seabed, no_seabed
 from codend.mechanics.sheet import Sheet
 from codend.mechanics.structure import Structure, structure_of
 from codend.mechanics.surface import ContactLaw, Surface
+from codend.mechanics.tube import Tube, tube_of
 from codend.mechanics.water import Water, uniform_flow
 from codend.mechanics.weight import wet_weight
 from codend.net.net import Floats, Net
@@ -30,6 +31,8 @@ class Problem:
     loading: Loading
     rings: Rings
     """Rings of knots in the order in which the net was built, wherever it starts."""
+    tube: Tube
+    """The one that its facets make, if they do."""
     surface: Surface | None = None
     """What nothing may pass through; None where contact is left out."""
     body: Body | None = None
@@ -95,7 +98,7 @@ class Problem:
         loading = Loading(dead, water, points_of(net), catch, seabed, no_contact(), at_rest())
         rings = rings_of(net.positions, loading.catch.node_row, net.order)
         surface = None if contact is None else Surface.of(net, contact)
-        return cls(net, structure_of(net), loading, rings, surface, body)
+        return cls(net, structure_of(net), loading, rings, tube_of(net), surface, body)
 
 
 SEA_WATER_KG_M3 = 1025.0

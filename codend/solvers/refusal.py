@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codend.mechanics import possible
-from codend.mechanics.crossing import band_turns
 from codend.mechanics.piercing import TOUCHING, first_pierced, touching_m
 from codend.mechanics.problem import Problem
 from codend.mechanics.rings import first_crossed_ring
@@ -23,6 +22,8 @@ fold it where the codline gathers it. Of the median bar, in the mesh ahead of a 
 more than two nodes in one."""
 ROUND_OFF = 1e-9
 """Of the shortest bar."""
+_NOT_ASKED = np.zeros(0)
+"""Of the catch."""
 _IMPOSSIBLE = {
     possible.NO_VOLUME: (Outcome.NO_VOLUME, "volume {:.2g} m3"),
     possible.FRONT_BEHIND: (Outcome.FRONT_BEHIND, "front {:.2g} m ahead of the codline"),
@@ -40,16 +41,14 @@ class Refusal(NamedTuple):
 
 def refusal(problem: Problem, position: Floats, share: Floats) -> Refusal | None:
     """What speaks against an equilibrium with nodes at ``position`` (n, 3) and so much of each band in the catch."""
-    through = passage(problem, position)
-    if through is not None:
+    # no bag, which a codline closes, but netting on which a pressure acts, holds no catch
+    is_bag = problem.loading.catch.row_size[-1] == 1.0
+    seen = _glance(problem, position, share if is_bag else _NOT_ASKED)
+    through = _passage(problem, position, seen, gathered=True)
+    if through is not None or seen.code == possible.POSSIBLE:
         return through
-    if problem.loading.catch.row_size[-1] != 1.0:
-        return None  # no bag, which a codline closes, but netting on which a pressure acts
-    code, number = possible.impossible(position, problem.structure, problem.loading.catch, share)
-    if code == possible.POSSIBLE:
-        return None
-    outcome, seen = _IMPOSSIBLE[code]
-    return Refusal(outcome, seen.format(number))
+    outcome, told_by = _IMPOSSIBLE[seen.code]
+    return Refusal(outcome, told_by.format(seen.number))
 
 
 def passage(problem: Problem, position: Floats, gathered: bool = True) -> Refusal | None:
@@ -57,14 +56,36 @@ def passage(problem: Problem, position: Floats, gathered: bool = True) -> Refusa
 
     ``gathered`` asks it of the last band as well, whose twines are gathered at the codline; else no band is named.
     """
+    return _passage(problem, position, _glance(problem, position, _NOT_ASKED), gathered)
+
+
+class _Seen(NamedTuple):
+    """See ``possible.glance``."""
+
+    turn: float
+    through: int
+    is_one_to_one: bool
+    code: int
+    number: float
+
+
+def _glance(problem: Problem, position: Floats, share: Floats) -> _Seen:
+    s, catch = problem.structure, problem.loading.catch
+    return _Seen(*possible.glance(position, s, catch, problem.rings, share, *problem.tube))
+
+
+def _passage(problem: Problem, position: Floats, seen: _Seen, gathered: bool) -> Refusal | None:
     if problem.surface is not None:
         return _through_surface(problem, position, problem.surface.sheet)
     catch = problem.loading.catch
+    round_axis = _turned(problem, seen)
+    if round_axis is None and _has_rings_that_may_cross(problem):
+        round_axis = _crossed(problem, position, touching_m(problem.structure.length, problem.structure.diameter))
+    if round_axis is not None:
+        return round_axis
+    if seen.is_one_to_one:
+        return None
     touching = touching_m(problem.structure.length, problem.structure.diameter)
-    if catch.row_size.any():
-        round_axis = _rings(problem, position, touching)
-        if round_axis is not None:
-            return round_axis
     bar, facet = first_pierced(position, *_sheet(problem, 0 if gathered else 1), touching)
     if bar < 0:
         return None
@@ -109,25 +130,34 @@ def _through_surface(problem: Problem, position: Floats, sheet: Sheet) -> Refusa
 
 def layers_touch(problem: Problem, position: Floats) -> bool:
     """Whether netting lies on netting: middle lines of twine are on the wrong side of each other."""
-    touching = TOUCHING * float(problem.structure.length.min())
-    if problem.loading.catch.row_size.any() and _rings(problem, position, touching) is not None:
+    seen = _glance(problem, position, _NOT_ASKED)
+    if _turned(problem, seen) is not None:
         return True
-    return bool(first_pierced(position, *_sheet(problem), touching)[0] >= 0)
+    touching = TOUCHING * float(problem.structure.length.min())
+    if _has_rings_that_may_cross(problem) and _crossed(problem, position, touching) is not None:
+        return True
+    return not seen.is_one_to_one and bool(first_pierced(position, *_sheet(problem), touching)[0] >= 0)
 
 
-def _rings(problem: Problem, position: Floats, touching: float) -> Refusal | None:
-    """What the rings of knots of a bag tell: turned against each other, or crossing themselves."""
-    structure, catch = problem.structure, problem.loading.catch
-    turns, band = band_turns(position, structure, catch, problem.rings)
-    if band >= 0:
-        return Refusal(Outcome.PASSED_THROUGH, f"band {band + 1} of {problem.bands} at the axis")
-    turn = float(turns.sum())
-    if abs(turn) > LARGEST_TURN:
-        return Refusal(Outcome.WRUNG, f"{math.degrees(turn):.0f} degrees")
-    # a ring of one or two knots a sector is sound, or a bar of it pierces the netting
-    if structure.order > 1.0 and catch.row_size.max() <= 2.0:
-        return None
-    row, times = first_crossed_ring(position, *problem.rings, structure.order, touching)
+def _turned(problem: Problem, seen: _Seen) -> Refusal | None:
+    """Whether the rings of knots of a bag are turned against each other."""
+    if seen.through >= 0:
+        return Refusal(Outcome.PASSED_THROUGH, f"band {seen.through + 1} of {problem.bands} at the axis")
+    if abs(seen.turn) > LARGEST_TURN:
+        return Refusal(Outcome.WRUNG, f"{math.degrees(seen.turn):.0f} degrees")
+    return None
+
+
+def _has_rings_that_may_cross(problem: Problem) -> bool:
+    """Not those of one or two knots a sector: each is sound, or a bar of it pierces the netting."""
+    return problem.rings.node.size > 0 and (
+        problem.structure.order == 1.0 or bool(problem.loading.catch.row_size.max() > 2.0)
+    )
+
+
+def _crossed(problem: Problem, position: Floats, touching: float) -> Refusal | None:
+    """Whether a ring of knots crosses itself, by more than a depth."""
+    row, times = first_crossed_ring(position, *problem.rings, problem.structure.order, touching)
     if row < 0:
         return None
     runs = f"runs {times} times round and " if times != 1 else ""

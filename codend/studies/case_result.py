@@ -15,6 +15,8 @@ from codend.net.net import Floats, Net
 from codend.plan.plan import Case
 from codend.solvers.outcome import Solution, SolverReport
 
+_NOTHING, _NOT_KNOWN = np.zeros(4), np.full(4, np.nan)
+
 
 @dataclass(frozen=True)
 class CaseResult:
@@ -34,9 +36,9 @@ class CaseResult:
     meshes: Meshes | None
     followed: Followed = NOT_FOLLOWED
     """What became of what grows of it."""
-    by_sliding: Floats = field(default_factory=lambda: np.zeros(4))
+    by_sliding: Floats = field(default_factory=lambda: _NOTHING)
     """What of the errors is for layers that may slide: of drag, volume, largest radius and opening, (4,)."""
-    slid: Floats = field(default_factory=lambda: np.full(4, np.nan))
+    slid: Floats = field(default_factory=lambda: _NOT_KNOWN)
     """These with its layers as nets of their own, in contact without friction; nan where that was not solved, (4,)."""
     stands_in: NearRatio | None = None
     """The sector of nearly the ratio of the counts that it is the equilibrium of, where that chosen has none."""

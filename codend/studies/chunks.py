@@ -128,9 +128,10 @@ def _studies_of(plan: Plan, near: Sequence[CaseResult]) -> Iterator[tuple[Study 
 
 def _rows_of(study: Study, species: Sequence[Species]) -> Iterator[dict[str, Any]]:
     selected = selectivity_in(study, species) if species else {}
+    columns = tables.result_columns(study.plan)
     for result in study.cases:
         found = tables.result_row(study.plan, study.choice.fidelity, result)
-        row = {name: found[name] for name in tables.result_columns(study.plan)}
+        row = {name: found[name] for name in columns}
         reason = None if result.converged else result.report.outcome.value
         yield {**row, **selected.get(result.case.number, {}), REASON: reason}
 
@@ -148,7 +149,10 @@ def _table(rows: Sequence[dict[str, Any]], text: Set[str]) -> pa.Table:
 
 
 def _column(cells: Sequence[Any], is_text: bool) -> pa.Array:
-    kinds = set(map(type, cells)) - {type(None)}
+    kinds = set(map(type, cells))
+    if kinds == {float} and not is_text:
+        return pa.array(cells, pa.float64())
+    kinds.discard(type(None))
     if is_text or str in kinds:
         return pa.array([_text(cell) for cell in cells], pa.string())
     if kinds and kinds <= {bool, np.bool_}:

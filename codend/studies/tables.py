@@ -1,7 +1,10 @@
 """Results as tables: ``results.csv``, ``profile.csv``, ``meshes.csv`` and ``opening_force.csv``."""
 
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
+from itertools import accumulate
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -130,10 +133,10 @@ def _fidelity_of(bag: Bag) -> str:
 
 def _sizes_ahead(plan: Plan, filled_meshes: float) -> dict[str, float]:
     """Size of the meshes just ahead of the front, or of the foremost ones; nan where the front is not known."""
-    if not np.isfinite(filled_meshes):
+    if not isfinite(filled_meshes):
         return dict.fromkeys(SIZES, float("nan"))
-    ends = np.cumsum([part.meshes_long for part in plan.netting])
-    section = plan.netting[int(np.searchsorted(ends, max(ends[-1] - filled_meshes, 0.5)))]
+    ends = list(accumulate(part.meshes_long for part in plan.netting))
+    section = plan.netting[bisect_left(ends, max(ends[-1] - filled_meshes, 0.5))]
     return dict(zip(SIZES, (1000.0 * section.inside_mesh_m, 1000.0 * section.full_mesh_m), strict=True))
 
 
