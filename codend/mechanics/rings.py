@@ -23,20 +23,33 @@ class Rings(NamedTuple):
     """Image in which the node takes its place in the ring."""
 
 
+@njit(cache=True)
 def rings_of(built: Floats, node_row: Ints, order: float) -> Rings:
     """Rings of a net by the azimuths of its knots as it was built, (n, 3), and their rows, -1 between rings, (n,)."""
-    ring = np.flatnonzero(node_row >= 0)
-    row = node_row[ring]
-    ring = ring[np.argsort(row, kind="stable")]
-    row = node_row[ring]
-    start = np.searchsorted(row, np.arange(row.max(initial=-1) + 2))
-    azimuth = np.arctan2(built[ring, 2], built[ring, 1])
-    sector = 2.0 * np.pi / order
-    # counted from the ring's first knot, each in the image that puts it less than a sector on
-    ahead = azimuth - azimuth[start[row]]
-    image = -np.floor(ahead / sector + 1e-9)
-    by_azimuth = np.lexsort((ahead + image * sector, row))
-    return Rings(start.astype(np.int64), ring[by_azimuth].astype(np.int64), image[by_azimuth].astype(np.int64))
+    start = np.zeros(max(node_row.max(), -1) + 2, dtype=np.int64)
+    for row in node_row:
+        if row >= 0:
+            start[row + 1] += 1
+    start = np.cumsum(start)
+    node, image, ahead = np.empty(start[-1], dtype=np.int64), np.empty(start[-1], dtype=np.int64), np.empty(start[-1])
+    filled, first, sector = start[:-1].copy(), np.empty(len(start) - 1), 2.0 * math.pi / order
+    for knot, row in enumerate(node_row):
+        if row < 0:
+            continue
+        azimuth = math.atan2(built[knot, 2], built[knot, 1])
+        if filled[row] == start[row]:
+            first[row] = azimuth
+        # counted from the ring's first knot, each in the image that puts it less than a sector on
+        on = azimuth - first[row]
+        turned = -math.floor(on / sector + 1e-9)
+        on += turned * sector
+        place = filled[row]
+        while place > start[row] and ahead[place - 1] > on:
+            node[place], image[place], ahead[place] = node[place - 1], image[place - 1], ahead[place - 1]
+            place -= 1
+        node[place], image[place], ahead[place] = knot, int(turned), on
+        filled[row] += 1
+    return Rings(start, node, image)
 
 
 @njit(cache=True)

@@ -51,17 +51,15 @@ def _exact_where_whole(turns: Floats) -> Floats:
 
 def structure_of(net: Net) -> Structure:
     """The net as named arrays; every bar is written from the lower to the higher node number."""
-    swap = net.bars[:, 0] > net.bars[:, 1]
-    first = np.where(swap, net.bars[:, 1], net.bars[:, 0])
-    second = np.where(swap, net.bars[:, 0], net.bars[:, 1])
-    image = np.where(swap, -net.bar_image, net.bar_image)
+    one, other = net.bars[:, 0], net.bars[:, 1]
+    image = np.where(one > other, -net.bar_image, net.bar_image)
     images = (image, net.facet_image, net.corner_image, net.wrap_image)
-    reach = max(int(np.abs(part).max(initial=0)) for part in images)
+    reach = max((int(np.abs(part).max()) for part in images if part.size), default=0)
     angle = 2.0 * np.pi * np.arange(-reach, reach + 1) / net.order
     return Structure(
-        first=first.astype(np.int32),
-        second=second.astype(np.int32),
-        image=image.astype(np.int32),
+        first=np.minimum(one, other).astype(np.int32, copy=False),
+        second=np.maximum(one, other).astype(np.int32, copy=False),
+        image=image.astype(np.int32, copy=False),
         rotations=_exact_where_whole(np.stack([np.cos(angle), np.sin(angle)], axis=1)),
         length=net.bar_length,
         flexibility=net.bar_flexibility,

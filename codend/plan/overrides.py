@@ -72,6 +72,8 @@ def apply_values(
 
 def _copied(value: Any) -> Any:
     """Tables and lists anew, all the way in; what is in them does not change."""
+    if isinstance(value, str | float | int):
+        return value
     if isinstance(value, Mapping):
         return {key: _copied(one) for key, one in value.items()}
     return [_copied(one) for one in value] if isinstance(value, list) else value

@@ -40,6 +40,7 @@ from codend.plan.windows import (
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+_NO_FILE: Final = Path("plan")
 MOST_CASES: Final = 10_000
 """Some minutes of solving; a list that makes more is a slip."""
 _STAND_INS: Final = {
@@ -91,7 +92,7 @@ class Plan(Table):
     model: Model = Model()
     vessel: Heave | None = None
     time: Following | None = None
-    _source: Path = PrivateAttr(default=Path("plan"))
+    _source: Path = PrivateAttr(default_factory=lambda: _NO_FILE)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -409,8 +410,8 @@ class Plan(Table):
         counts += [count // part.panels for part in self.netting if part.has_seams for count in part.open_meshes]
         common = math.gcd(*counts, *self.strap_rows, *self.rope_rows, *self.layer_rows)
         most = min(min(part.open_meshes) for part in self.netting) // 3
-        divisors = (g for g in range(1, min(common, most) + 1) if common % g == 0)
-        return tuple(g for g in divisors if self._windows_have_room(g))
+        divisors = tuple(g for g in range(1, min(common, most) + 1) if common % g == 0)
+        return tuple(filter(self._windows_have_room, divisors)) if self.window else divisors
 
     def _windows_have_room(self, globalisation: int) -> bool:
         """Whether windows lie apart, and no rope runs through one, on the columns that there are of merged meshes."""
@@ -489,13 +490,21 @@ def plan_from_dict(data: Mapping[str, Any], source: str | Path = "plan", overrid
         InputError: unknown, missing, mistyped, out-of-range or contradictory keys, a Cp curve that is no file: the
             first of them, with ``lines`` for all.
     """
-    changed = apply_overrides(data, overrides, source)
+    return plan_of(apply_overrides(data, overrides, source), source)
+
+
+def plan_of(tables: Mapping[str, Any], source: str | Path) -> Plan:
+    """``plan_from_dict`` of plain tables, all changes made.
+
+    Raises:
+        InputError: see there.
+    """
     found: list[InputError] = []
     try:
-        plan = checked(Plan, changed, source, _STAND_INS)
+        plan = checked(Plan, tables, source, _STAND_INS)
     except InputError as error:
         found += [error, *error.others]
-    key, catch = "catch.sphere_cp_csv", changed.get("catch")
+    key, catch = "catch.sphere_cp_csv", tables.get("catch")
     curve = catch.get("sphere_cp_csv") if isinstance(catch, Mapping) else None
     # os.path.isfile, unlike Path.is_file, is False and not an error for names no file can have
     is_file = isinstance(curve, str) and os.path.isfile(Path(source).parent / as_name(curve))

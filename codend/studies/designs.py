@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from codend.errors import InputError
 from codend.plan.copy import toml_value
 from codend.plan.overrides import apply_values
-from codend.plan.plan import Plan, plan_from_dict
+from codend.plan.plan import Plan, plan_from_dict, plan_of
 from codend.plan.tables import Netting
 
 Sample = Literal["sobol", "latin-hypercube"]
@@ -102,7 +102,7 @@ class Run:
             InputError: they do not make a plan.
         """
         data = apply_values(self.base.data, _pairs(self.all_values), self.base.source)
-        return plan_from_dict(data, self.base.source)
+        return plan_of(data, self.base.source)
 
 
 KEPT: Final = {"stretched_circumference": "meshes_round", "stretched_length": "meshes_long"}

@@ -29,7 +29,7 @@ from codend.equilibrium.stability import Stability, stability_of, tangent_of
 from codend.equilibrium.start_shapes import carried_over
 from codend.equilibrium.wrinkles import changed_by_wrinkles, may_hang_aside, within_accuracy
 from codend.mechanics.problem import Problem
-from codend.net.net import Floats, Net
+from codend.net.net import Net
 from codend.plan.plan import Case, Plan
 from codend.solvers import newton
 from codend.solvers.outcome import Progress, Solution, SolverReport
@@ -250,15 +250,16 @@ def _nearest(near: Sequence[CaseResult], model: BagModel, case: Case) -> list[tu
         nodes = len(other.positions) == len(mine.positions)
         return nodes and all(one is two or np.array_equal(one, two) for one, two in pairs)
 
-    def apart(others: list[float], own: float) -> Floats:
-        """Differences from one's own size, over the sum of both."""
-        sizes = np.array(others)
-        return np.asarray(np.abs(sizes - own) / (sizes + own))
+    def apart(one: float, other: float) -> float:
+        """Their difference over their sum."""
+        return abs(one - other) / (one + other)
 
-    distance = apart([one.case.catch_value for one in solved], case.catch_value)
-    distance += apart([one.net.order for one in solved], mine.order)
-    distance += apart([one.net.bar_length[0] for one in solved], mine.bar_length[0])
-    for number in np.argsort(distance, kind="stable"):
+    size, order, length_m = case.catch_value, mine.order, float(mine.bar_length[0])
+    distance = [
+        apart(one.case.catch_value, size) + apart(one.net.order, order) + apart(float(one.net.bar_length[0]), length_m)
+        for one in solved
+    ]
+    for number in sorted(range(len(solved)), key=distance.__getitem__):
         nearest = solved[number]
         if alike(nearest.net):
             return [(nearest.case, carried_over(nearest.solution, nearest.net, mine))]
