@@ -1,14 +1,20 @@
 """Jobs shared out over processes of this machine, or over a Dask cluster; no core has two of them to serve."""
 
+import ctypes
+import gc
 import os
 import signal
-from collections.abc import Callable, Iterable, Iterator
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager
 from itertools import islice
 from multiprocessing import active_children, connection, get_context, parent_process
-from threading import Thread
+from multiprocessing.synchronize import Semaphore
+from threading import Thread, active_count, current_thread, main_thread
 from typing import Any, Final, TypeVar
+
+from threadpoolctl import threadpool_limits
 
 from codend.errors import OPTIONS, InputError
 
@@ -21,7 +27,9 @@ WAITING: Final = 3
 """Jobs handed out for each worker at a time, so that none waits for the next and millions are not made ahead."""
 
 WAITED_FOR_S = 0.0
-"""How long this process waits for the others before it takes a job itself; tests do, to have them all at work."""
+"""How long this process waits for what others do first before it takes a job itself; tests do, to have them at work."""
+_SIGNAL_AT_END_OF_PARENT: Final = 1
+"""PR_SET_PDEATHSIG of Linux's prctl."""
 
 
 def cores() -> int:
@@ -54,42 +62,82 @@ def done_by_workers(
 
 
 def _in_processes(function: Callable[[J], R], jobs: Iterable[J], workers: int) -> Iterator[tuple[J, R]]:
-    """Jobs done by this process and, once they are ready, which takes a second, by others beside it."""
-    before = set(active_children())
-    left, handed, room = iter(jobs), dict[Future[R], J](), 0
-    with one_thread_each(), ProcessPoolExecutor(workers - 1, get_context("spawn"), end_with_parent) as pool:
-        starting = [pool.submit(_ready, function) for _ in range(workers - 1)]
-        wait(starting, timeout=WAITED_FOR_S)
+    """Jobs done by this process and by others beside it; at the end it takes back what none of them has begun."""
+    before, copied = set(active_children()), _can_be_copied()
+    context = get_context("fork" if copied else "spawn")
+    left, handed = iter(jobs), dict[Future[tuple[R, ...]], tuple[int, J]]()
+    unclaimed = [context.Semaphore() for _ in range(WAITING * (workers - 1))]
+    places = set(range(len(unclaimed)))
+    with one_thread_each(), ProcessPoolExecutor(workers - 1, context, _begin, (unclaimed, copied)) as pool:
+
+        def hand_out() -> None:
+            for place, job in zip(sorted(places), left, strict=False):
+                places.remove(place)
+                handed[pool.submit(_if_unclaimed, function, job, place)] = place, job
+
         try:
+            hand_out()
+            wait(handed, WAITED_FOR_S, FIRST_COMPLETED)
             while True:
-                for started in [started for started in starting if started.done()]:
-                    starting.remove(started)
-                    room += WAITING * started.result()
                 done = [future for future in handed if future.done()]
-                for job in islice(left, room + len(done)):
-                    handed[pool.submit(function, job)] = job
-                room = 0
                 for future in done:
-                    yield handed.pop(future), future.result()
+                    place, job = handed.pop(future)
+                    found = future.result()
+                    unclaimed[place].release()
+                    places.add(place)
+                    for result in found:
+                        yield job, result
+                hand_out()
                 if done:
                     continue
-                own = list(islice(left, 1))
+                own = list(islice(left, 1)) or _taken_back(handed, unclaimed)
                 for job in own:
                     yield job, function(job)
                 if not own and not handed:
                     return
                 if not own:
                     wait(handed, return_when=FIRST_COMPLETED)
-        finally:  # what workers still do is of no use to anyone
+        finally:  # what workers still do is of no use to anyone; asked to end, one may wait for a lock of one that did
             for future in handed:
                 future.cancel()
             for worker in set(active_children()) - before:
-                worker.terminate()
+                worker.kill()
 
 
-def _ready(function: Callable[[J], R]) -> int:
-    """Told by a worker that has imported what its jobs need."""
-    return 1
+def _can_be_copied() -> bool:
+    """Whether workers may be copies of this process, which are at work at once, where new ones import for seconds.
+
+    Only on Linux do all libraries bear it, and only where no other thread of Python can leave a lock closed behind.
+    """
+    return sys.platform == "linux" and active_count() == 1 and current_thread() is main_thread()
+
+
+_unclaimed: list[Semaphore] = []
+"""In a worker: for every place of a job handed out, whether nobody has begun it yet."""
+
+
+def _begin(unclaimed: Sequence[Semaphore], copied: bool) -> None:
+    """Make ready a worker that has just begun."""
+    end_with_parent()
+    if copied:
+        # at once, also amid compiled code: the lock of the folder, which it was copied with, is free only then
+        ctypes.CDLL(None).prctl(_SIGNAL_AT_END_OF_PARENT, int(signal.SIGKILL))
+        gc.freeze()  # what it was copied with stays
+    _unclaimed[:] = unclaimed
+
+
+def _if_unclaimed(function: Callable[[J], R], job: J, place: int) -> tuple[R, ...]:
+    """Do a job that nobody has begun; what comes of it, or nothing."""
+    return (function(job),) if _unclaimed[place].acquire(block=False) else ()
+
+
+def _taken_back(handed: dict[Future[Any], tuple[int, J]], unclaimed: Sequence[Semaphore]) -> list[J]:
+    """The last job handed out that nobody has begun, taken from what is handed; none where all are begun."""
+    for future, (place, job) in reversed(handed.items()):
+        if unclaimed[place].acquire(block=False):
+            del handed[future]
+            return [job]
+    return []
 
 
 def _on_a_cluster(function: Callable[[J], R], jobs: Iterable[J], address: str) -> Iterator[tuple[J, R]]:
@@ -118,14 +166,15 @@ def _on_a_cluster(function: Callable[[J], R], jobs: Iterable[J], address: str) -
 
 @contextmanager
 def one_thread_each() -> Iterator[None]:
-    """Have processes started in the block compute in one thread each, and libraries loaded in it do so here.
+    """Have this process and those started in the block compute in one thread each.
 
     There are as many processes as cores, of which this is one.
     """
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:
-        yield
+        with threadpool_limits(1):
+            yield
     finally:
         for name, value in before.items():
             if value is None:

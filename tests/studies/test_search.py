@@ -5,7 +5,9 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.optimize import brentq
 
+import codend.studies.search.search
 from codend.errors import InputError
 from codend.plan.copy import plan_toml
 from codend.plan.numbers import changed
@@ -14,6 +16,7 @@ from codend.selectivity.escape.species import example_species_path
 from codend.studies.search.asked import asked_of
 from codend.studies.search.search import search
 from codend.studies.search.table import ended
+from codend.studies.sensitivity.derivatives import derivatives_at
 from codend.studies.study import solve
 from codend.studies.study_file import study_from_dict
 from tests.cli.test_cli import assert_refused, codend_cli
@@ -81,6 +84,32 @@ def test_a_count_and_a_real_number_do_as_well_as_a_fine_grid():
     assert isinstance(free.best.values[ROUND], int)
     assert free.best.values[ROUND] == grid.best.values[ROUND]
     assert grid.best.change - 0.5 / 40.0 <= free.best.change <= grid.best.change + 1e-6
+
+
+def test_a_count_and_a_real_number_are_those_of_the_least_root_over_all_counts(monkeypatch):
+    asked = []
+
+    def counted(case, *words):
+        asked.append(case.plan)
+        return derivatives_at(case, *words)
+
+    monkeypatch.setattr(codend.studies.search.search, "derivatives_at", counted)
+    found = found_of(change=[ROUND, BAR], target={"drag_n": 60.0})
+    changes = {}
+    for count in range(18, 31):
+        plan = changed(PLAN, ROUND, count)
+
+        def missed(bar, plan=plan):
+            return solve(changed(plan, BAR, bar)).table["drag_n"][0] - 60.0
+
+        if missed(30.0) < 0.0 < missed(50.0):
+            changes[count] = np.hypot(count / 24 - 1.0, brentq(missed, 30.0, 50.0, xtol=1e-4) / 40.0 - 1.0)
+    assert len(changes) > 5
+    assert found.best is not None
+    assert found.best.values[ROUND] == min(changes, key=changes.__getitem__)
+    assert found.best.change == pytest.approx(min(changes.values()), rel=2e-3)
+    assert found.best.change <= min(changes.values()) * (1.0 + 1e-4) + 1e-5
+    assert len(asked) <= len(found.looked_at), "slopes of a design are found once"
 
 
 def test_a_target_at_several_catches_holds_at_each():

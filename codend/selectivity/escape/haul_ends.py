@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -55,22 +55,31 @@ def moved_by_opening_error(haul: Haul, species: Species) -> Floats:
     """By how much L50 and SR change when all openings are off by their error, cm, (c + 1, 2): of catches and haul.
 
     The larger of the changes with all meshes wider and all narrower; nan where an error is not known or L50 is none.
+    Where rows are merged, the openings of real rows between are not known: added is by how much L50 and SR change when
+    all rows of a merged one are alike.
     """
     few = haul.thinned(MOST_CATCHES)
     error = np.array([catch.opening_error_deg for catch in few.catches])
     if not np.isfinite(error).all():
         return np.full((len(haul.catches) + 1, 2), np.nan)
-    if not error.any():
+    merged = any(catch.merged_alike is not None for catch in few.catches)
+    if not error.any() and not merged:
         return np.zeros((len(haul.catches) + 1, 2))
 
     shares = np.vstack([np.eye(len(few.catches)), few.time_shares(species)])
 
-    def all_of(sign: float) -> Floats:
-        moved = haul_of(few.speed_m_s, [_wider(c, sign * e) for c, e in zip(few.catches, error, strict=True)])
+    def all_of(catches: Iterable[Catch]) -> Floats:
+        moved = haul_of(few.speed_m_s, list(catches))
         return l50_sr_of_ends(terms_of_catches(moved, species, ROUGH), shares)
 
-    base = all_of(0.0)
-    change = np.maximum(np.abs(all_of(1.0) - base), np.abs(all_of(-1.0) - base))
+    base = all_of(few.catches)
+    wider, narrower = (
+        all_of(_wider(catch, sign * by) for catch, by in zip(few.catches, error, strict=True)) for sign in (1.0, -1.0)
+    )
+    change = np.maximum(np.abs(wider - base), np.abs(narrower - base))
+    if merged:
+        alike = all_of(replace(catch, holes=catch.merged_alike or catch.holes) for catch in few.catches)
+        change += np.abs(alike - base)
     each = [np.interp(haul.volume_m3, few.volume_m3, change[:-1, q]) for q in range(2)]
     return np.vstack([np.stack(each, axis=1), change[-1]])
 

@@ -52,6 +52,8 @@ class Catch:
     """By how much the openings may be off: the estimate of that ahead of the catch; nan where there is none."""
     smeared: bool = False
     """Whether ropes were smeared over all meshes, whose openings are then means round the ring."""
+    merged_alike: Holes | None = None
+    """Holes as they were if all real rows of a merged one were alike; None where none are merged."""
 
 
 @dataclass(frozen=True)
@@ -100,19 +102,46 @@ def catch_of(plan: Plan, solved: SolvedMeshes, most_rows: float) -> Catch:
     share = 1.0 / np.bincount(row)[row]
     panels = ["" if panel in UNNAMED else str(panel) for panel in meshes.get("panel", len(row) * [""])]
     met = {name: meshes[name][which] for name in ("row", "opening_deg", "bar_tension_n")}
-    holes = _holes(sections, section[which], met, solved.radius_m)
+
+    def holes_of(met: Mapping[str, NDArray[Any]]) -> Holes:
+        return _of_all_layers(plan, solved, _holes(sections, section[which], met, solved.radius_m), row[which])
+
+    merged_alike = None
+    if lines > 1:
+        merged_alike = holes_of(met)
+        for name, most in (("opening_deg", 180.0), ("bar_tension_n", np.inf)):
+            along = _between_merged_rows(meshes[name].astype(float), row, section, ahead.reshape(-1, lines))
+            met[name] = np.clip(along.ravel()[near], 0.0, most)
     return Catch(
         case=solved.case,
         speed_m_s=solved.speed_m_s,
         volume_m3=solved.volume_m3,
         opening_ahead_deg=solved.opening_ahead_deg,
-        holes=_of_all_layers(plan, solved, holes, row[which]),
+        holes=holes_of(met),
         rows_ahead=ahead[near],
         share=share[which],
         parts=tuple(Part(str(meshes["section"][i]), panels[i]) for i in which),
         opening_error_deg=solved.opening_error_deg,
         smeared=solved.smeared,
+        merged_alike=merged_alike,
     )
+
+
+def _between_merged_rows(values: Floats, row: Counts, section: Counts, ahead: Floats) -> Floats:
+    """What merged meshes (k,) have, at the real rows that they stand for (k, lines), which lie so far ahead.
+
+    The mean of a row goes linearly from the middle of one merged row to that of the next of its section; by how much a
+    mesh differs from that mean it does in all of its rows.
+    """
+    found = np.repeat(values[:, None], ahead.shape[1], axis=1)
+    for number in np.unique(section):
+        here = np.flatnonzero(section == number)
+        _, first, own = np.unique(row[here], return_index=True, return_inverse=True)
+        mean = np.bincount(own, values[here]) / np.bincount(own)
+        middle = ahead[here[first]].mean(axis=1)
+        # the farther back the row, the nearer to the front
+        found[here] += np.interp(ahead[here], middle[::-1], mean[::-1]) - mean[own][:, None]
+    return found
 
 
 def rows_that_count(kinds: Sequence[Kind]) -> NDArray[np.bool_]:

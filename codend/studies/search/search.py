@@ -2,9 +2,10 @@
 
 The change is the root of the sum of the squares of the relative changes of the numbers that may change. Combinations
 of counts, and of numbers that go by steps, are taken in the order of their own change; with each, real numbers are
-changed as little as it takes by ``scipy.optimize`` with derivatives by the tangent. No combination is left out but
-those whose own change is already more than that of a design found. Without real numbers the first design that reaches
-the target is therefore the one that a search through the whole grid finds.
+changed as little as it takes by ``scipy.optimize`` with derivatives by the tangent, and no further than leaves the
+whole change below that of the best design found. No combination is left out but those whose own change is already more.
+Without real numbers the first design that reaches the target is therefore the one that a search through the whole grid
+finds.
 """
 
 import heapq
@@ -25,7 +26,7 @@ from codend.studies.catches_solved import selectivity_in
 from codend.studies.designs import Base, Run
 from codend.studies.search.asked import Asked, Condition, Variable
 from codend.studies.sensitivity.derivatives import Told, derivatives_at
-from codend.studies.sensitivity.solved_case import SolvedCase, quantities, solved_case
+from codend.studies.sensitivity.solved_case import OF_NETS, SolvedCase, quantities, solved_case
 from codend.studies.study import solve
 
 REACHED: Final = 1e-4
@@ -103,6 +104,10 @@ class _Search:
         self.looked_at: dict[tuple[float, ...], Design] = {}
         self.last: tuple[tuple[float, ...], list[SolvedCase]] = ((), [])
         self.led: Floats | None = None
+        self.known: dict[tuple[float, ...], tuple[Floats | None, Floats]] = {}
+        told = {one.quantity for one in asked.conditions} | set(asked.reach)
+        self.fish = asked.species if told.difference(OF_NETS) else ()
+        """Species whose L50 or SR is bounded."""
 
     def found(self) -> Found:
         """The result."""
@@ -125,7 +130,8 @@ class _Search:
                 self.progress(tried, combinations, f"{len(self.looked_at)} designs looked at")
             there = own.copy()
             there[stepped] = values
-            for one in self._of_combination(there, free):
+            room = math.inf if best is None else math.sqrt(best.change**2 - change**2)
+            for one in self._of_combination(there, free, self._bounds(free, room)):
                 if one.reaches and (best is None or one.change < best.change):
                     best = one
         told = [one for one in self.looked_at.values() if one.told]
@@ -196,24 +202,37 @@ class _Search:
         named = {one.number.key: one.written(value) for one, value in zip(self.variables, values, strict=True)}
         return Run(1, Base("", self.asked.data, str(self.asked.plan.source)), named, self.asked.keep).plan()
 
-    def _of_combination(self, values: Floats, free: list[int]) -> Iterator[Design]:
+    def _bounds(self, free: list[int], room: float) -> Floats:
+        """Least and most of real numbers, (f, 2), none of which changes by more than some room, relative."""
+        variables = [self.variables[i] for i in free]
+        return np.array(
+            [
+                (
+                    max(one.least, one.number.value - room * one.size),
+                    min(one.most, one.number.value + room * one.size),
+                )
+                for one in variables
+            ]
+        ).reshape(-1, 2)
+
+    def _of_combination(self, values: Floats, free: list[int], bounds: Floats) -> Iterator[Design]:
         """Designs with given counts and steps: with real numbers changed as little as it takes."""
         own = self.look(values)
         yield own
         if own.reaches or not free:
             return
-        for start in self._starts(values, free):
-            found = self._least_change(start, free)
+        for start in self._starts(values, free, bounds):
+            found = self._least_change(start, free, bounds)
             yield found
             if found.reaches:
                 self.led = np.array([found.values[self.variables[i].number.key] for i in free])
                 return
 
-    def _starts(self, values: Floats, free: list[int]) -> Iterator[Floats]:
+    def _starts(self, values: Floats, free: list[int], bounds: Floats) -> Iterator[Floats]:
         """Real numbers of the last design that reached the target, the plan's own, the corner to which slopes lead."""
         if self.led is not None:
             near = values.copy()
-            near[free] = self.led
+            near[free] = np.clip(self.led, *bounds.T)
             yield near
         yield values
         margins, slopes = self._margins(values, free)
@@ -221,31 +240,24 @@ class _Search:
             return
         corner = values.copy()
         worst = slopes[int(np.argmin(margins))]
-        for i, slope in zip(free, worst, strict=True):
-            corner[i] = self.variables[i].most if slope > 0.0 else self.variables[i].least
+        corner[free] = np.where(worst > 0.0, bounds[:, 1], bounds[:, 0])
         yield corner
 
-    def _least_change(self, start: Floats, free: list[int]) -> Design:
+    def _least_change(self, start: Floats, free: list[int], bounds: Floats) -> Design:
         """SLSQP over the real numbers, each in units of its own size, from a start."""
         from scipy.optimize import minimize
 
         sizes = np.array([self.variables[i].size for i in free])
         own = np.array([self.variables[i].number.value for i in free]) / sizes
-        bounds = [
-            (self.variables[i].least / size, self.variables[i].most / size) for i, size in zip(free, sizes, strict=True)
-        ]
-        known: dict[tuple[float, ...], tuple[Floats, Floats]] = {}
 
         def at(x: Floats) -> tuple[Floats, Floats]:
-            if (place := tuple(x)) not in known:
-                values = start.copy()
-                values[free] = x * sizes
-                margins, slopes = self._margins(values, free)
-                if margins is None:
-                    count = len(self.conditions) * len(self.asked.plan.cases())
-                    margins, slopes = np.full(count, -1.0), np.zeros((count, len(free)))
-                known[place] = margins, slopes * sizes
-            return known[place]
+            values = start.copy()
+            values[free] = x * sizes
+            margins, slopes = self._margins(values, free)
+            if margins is None:
+                count = len(self.conditions) * len(self.asked.plan.cases())
+                return np.full(count, -1.0), np.zeros((count, len(free)))
+            return margins, slopes * sizes
 
         constraints = {"type": "ineq", "fun": lambda x: at(x)[0] - AIMED, "jac": lambda x: at(x)[1]}
         result: Any = minimize(  # type: ignore[call-overload]
@@ -253,16 +265,27 @@ class _Search:
             start[free] / sizes,
             jac=lambda x: 2.0 * (x - own),
             method="SLSQP",
-            bounds=bounds,
+            bounds=list(bounds / sizes[:, None]),
             constraints=constraints,
             options={"maxiter": ITERATIONS, "ftol": PRECISION},
         )
         values = start.copy()
-        values[free] = np.clip(result.x, *np.array(bounds).T) * sizes
+        values[free] = np.clip(result.x * sizes, *bounds.T)
         return self.look(values)
 
     def _margins(self, values: Floats, free: list[int]) -> tuple[Floats | None, Floats]:
-        """Margins of all bounds in all cases (k,), and their slopes by the real numbers (k, f); None: not solved."""
+        """Margins of all bounds in all cases (k,), and their slopes by the real numbers (k, f); None: not solved.
+
+        Of a design as it is written once, and beside it by these slopes: at the end of its steps SLSQP asks dozens of
+        times for values that are written alike.
+        """
+        place = self._place(values)
+        if place not in self.known:
+            self.known[place] = self._margins_of(np.array(place), free)
+        margins, slopes = self.known[place]
+        return None if margins is None else margins + slopes @ (values - np.array(place))[free], slopes
+
+    def _margins_of(self, values: Floats, free: list[int]) -> tuple[Floats | None, Floats]:
         design = self.look(values)
         solved = self._solved(values) if design.told else None
         if solved is None or not math.isfinite(design.margin):
@@ -270,7 +293,7 @@ class _Search:
         margins, slopes = [], []
         for case in solved:
             numbers = [replace(self.variables[i].number, value=float(values[i])) for i in free]
-            told, found = derivatives_at(case, numbers, self.asked.species)
+            told, found = derivatives_at(case, numbers, self.fish)
             for one in self.conditions:
                 margins.append(one.margin(told[one.quantity]))
                 scale = one.sign / (abs(one.bound) or 1.0)
