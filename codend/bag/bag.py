@@ -3,9 +3,9 @@
 Rows count rings of knots from the entry, row 0, to the codline; band j is the netting between rows j and j + 1.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,12 +32,10 @@ class Bag:
     """Band a facet lies in, (f,)."""
     band_meshes: Floats
     """Meshes that a band is long, (bands,)."""
-    band_kind: tuple[Kind, ...]
-    """Kind of netting of each band, (bands,)."""
-    band_bending_n: Floats
-    """24 EI / b^2 of each band's real meshes, (bands,)."""
-    band_rest_rad: Floats
-    """Half the opening at which they are at rest, (bands,)."""
+    sections: tuple[Netting, ...]
+    """Netting of the sections from the entry."""
+    band_section: NDArray[np.int64]
+    """Number among them of each band's, (bands,)."""
 
     mesh_sides: Ints
     """First and second node of the four twine sides of a mesh, walking round it: fore to right, right to aft, aft to
@@ -95,32 +93,47 @@ class Bag:
         rings = self.node_row[self.node_row >= 0]
         return np.bincount(rings, minlength=self.bands + 1).astype(np.float64)
 
-    @cached_property
+    @property
+    def band_kind(self) -> tuple[Kind, ...]:
+        """Kind of netting of each band, (bands,)."""
+        return tuple(self.sections[number].kind for number in self.band_section)
+
+    @property
     def tips(self) -> bool:
         """Whether any of its netting lets it tip at its hoop (``Kind.tips``)."""
-        return any(kind.tips for kind in self.band_kind)
+        return any(section.kind.tips for section in self.sections)
 
-    @cached_property
+    @property
     def turned(self) -> bool:
         """Whether any of its netting has its knots across."""
-        return any(kind.knots == "across" for kind in self.band_kind)
+        return any(section.kind.knots == "across" for section in self.sections)
 
     @cached_property
     def band_is_staggered(self) -> NDArray[np.bool_]:
         """Whether the rows at either end of a band are half a mesh apart, a whole one otherwise, (bands,)."""
-        return np.array([kind.staggered for kind in self.band_kind])
+        return np.array([section.kind.staggered for section in self.sections])[self.band_section]
 
-    def _of_meshes(self, of_bands: NDArray, of_windows: list[Any]) -> NDArray:
-        """What a mesh has of its band or window, (k,)."""
-        own = of_bands[np.minimum(self.mesh_row, self.bands - 1)]
+    @property
+    def band_bending_n(self) -> Floats:
+        """24 EI / b^2 of each band's real meshes, (bands,)."""
+        return np.array([section.bending_n for section in self.sections])[self.band_section]
+
+    @cached_property
+    def _mesh_netting(self) -> NDArray[np.int64]:
+        """Number of a mesh's netting among those of sections and then of windows, (k,)."""
+        own = self.band_section[self._mesh_behind]
         if not self.windows:
             return own
-        return np.where(self.mesh_window >= 0, np.array(of_windows)[np.maximum(self.mesh_window, 0)], own)
+        return np.where(self.mesh_window >= 0, len(self.sections) + self.mesh_window, own)
+
+    def _of_meshes(self, value: Callable[[Netting], float | bool]) -> NDArray:
+        """What a mesh has of its netting, (k,)."""
+        return np.array([value(netting) for netting in (*self.sections, *self.windows)])[self._mesh_netting]
 
     @cached_property
     def mesh_is_staggered(self) -> NDArray[np.bool_]:
         """Whether a mesh has its sides aslant; otherwise along and across, (k,)."""
-        return self._of_meshes(self.band_is_staggered, [part.kind.staggered for part in self.windows])
+        return self._of_meshes(lambda netting: netting.kind.staggered)
 
     @cached_property
     def mesh_is_folded(self) -> NDArray[np.bool_]:
@@ -130,9 +143,14 @@ class Bag:
         return np.isin(self.mesh_row, self.node_row[self.net.bars[self.straps, 0]]) & self.mesh_is_staggered
 
     @cached_property
+    def _mesh_behind(self) -> Ints:
+        """Band that a mesh reaches behind into, (k,)."""
+        return np.minimum(self.mesh_row, self.bands - 1)
+
+    @cached_property
     def mesh_bands(self) -> tuple[Ints, Ints]:
         """Bands that a mesh reaches ahead and behind into, the same of one that lies in one band, each (k,)."""
-        behind = np.minimum(self.mesh_row, self.bands - 1)
+        behind = self._mesh_behind
         return np.where(self.mesh_is_staggered, np.maximum(behind - 1, 0), behind), behind
 
     @cached_property
@@ -182,19 +200,17 @@ class Bag:
     @cached_property
     def mesh_opens(self) -> NDArray[np.bool_]:
         """Whether a mesh opens and closes, (k,)."""
-        return self._of_meshes(
-            np.array([kind.opens for kind in self.band_kind]), [part.kind.opens for part in self.windows]
-        )
+        return self._of_meshes(lambda netting: netting.kind.opens)
 
     @cached_property
     def mesh_bending_n(self) -> Floats:
         """24 EI / b^2 of a mesh, (k,)."""
-        return self._of_meshes(self.band_bending_n, [part.bending_n for part in self.windows])
+        return self._of_meshes(lambda netting: netting.bending_n)
 
     @cached_property
     def mesh_rest_rad(self) -> Floats:
         """Half the opening at which it is at rest, (k,)."""
-        return self._of_meshes(self.band_rest_rad, [part.rest_half_angle_rad for part in self.windows])
+        return self._of_meshes(lambda netting: netting.rest_half_angle_rad)
 
     @cached_property
     def mesh_of_section(self) -> NDArray[np.bool_]:

@@ -1,9 +1,8 @@
 """Plan to bag: sectors, globalisation, and the shape in which a solver starts."""
 
-from dataclasses import replace
+import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from codend.bag.assemble import assembled
 from codend.bag.bag import Bag, with_hinges
@@ -15,10 +14,11 @@ from codend.bag.windows import farthest_beside, sewn_to_bars, with_windows
 from codend.errors import InputError
 from codend.mechanics.drag_laws import drag
 from codend.net.net import Floats
-from codend.netting.knots import knots_of, placed_knots
-from codend.netting.lattice import Lattice
+from codend.netting.frame import frame_of
+from codend.netting.knots import placed_knots
+from codend.netting.lattice import Counts, Lattice
 from codend.netting.parts import RowShape
-from codend.netting.pattern import layout_of, parts_of
+from codend.netting.pattern import parts_of
 from codend.netting.taper import columns_along
 from codend.netting.windows import LetIn
 from codend.plan.merging import between_ropes
@@ -61,11 +61,15 @@ def build_bag(
     _check_bending(plan)
     lattice = _lattice_of(plan, globalisation, sectors, smeared, near)
     _check_edges(plan, lattice)
-    x, radius = rows if rows is not None else crude_rows(plan, globalisation)
+    if rows is None:
+        around = lattice.columns * int(lattice.order) if near is None else _columns_of(plan, globalisation)[0]
+        rows = _crude_rows(plan, lattice, around)
+    x, radius = rows
     azimuth_rad += np.radians(plan.seam_deg)
     shape = RowShape(x, np.concatenate([[plan.entry_radius_m], radius[1:-1], [0.0]]), azimuth_rad)
-    knots = knots_of(lattice)
-    positions, node_row = placed_knots(knots, shape)
+    frame = frame_of(lattice)
+    knots, node_row = frame.knots_in(lattice), frame.places.node_row
+    positions = placed_knots(lattice, frame.places, shape)
     entry = np.arange(knots.fore_start[1])
     drag_law = drag(plan.drag.law, *plan.drag.coefficients)
     windows = list[LetIn]()
@@ -75,10 +79,9 @@ def build_bag(
         entry = np.unique(knots.now(entry))
         layout = parts.joined(windows)
     else:
-        layout = layout_of(knots)
+        layout = frame.layout
     bag = assembled(layout, lattice, positions, node_row, entry, drag_law, windows)
     bag = sewn_to_bars(bag, windows)
-    bag = replace(bag, abreast=lattice.abreast)
     if plan.model.bars_per_side == 2:
         bag = with_hinges(bag)
     bag = with_ropes(with_straps(bag, plan, knots, drag_law), plan, knots, drag_law, smeared)
@@ -95,23 +98,25 @@ def _lattice_of(
             value=globalisation,
             allowed="a common divisor of all mesh counts: " + ", ".join(map(str, plan.globalisations)),
         )
-    sections = rows_of(plan, globalisation)
+    sections = plan.netting
+    number = np.repeat(np.arange(len(sections)), [part.merged_rows(globalisation) for part in sections])
     if near is not None:
         ends = zip(plan.netting, near.ends(plan), strict=True)
         columns = np.concatenate([_along(part, fore, aft, globalisation) for part, (fore, aft) in ends])
         seams = np.ones_like(columns) if plan.tapers else None
-        return Lattice(sections, columns, 1, near.order / globalisation, globalisation, seams)
+        return Lattice(sections, number, columns, 1, near.order / globalisation, globalisation, seams)
     columns, seams = _columns_of(plan, globalisation)
     # smeared all round, selvedges leave no seam but where meshes are lost along it
     seamed = plan.tapers or (not smeared and any(part.has_seams for part in plan.netting))
-    most = int(np.gcd.reduce([*columns, *(seams if seamed else [])]))
+    most = math.gcd(int(np.gcd.reduce(columns)), int(np.gcd.reduce(seams)) if seamed else 0)
     # n equal ropes leave n equal sectors
-    equal = most if smeared else int(np.gcd.reduce([most, *(rope.number for rope in plan.ropes)]))
+    equal = most if smeared else math.gcd(most, *(rope.number for rope in plan.ropes))
     if sectors is not None and equal % sectors:
         raise ValueError(f"sectors must divide {equal}, the equal ones all round, not be {sectors}")
     abreast = most if sectors is None else most // equal * sectors
     order = most // abreast
-    return Lattice(sections, columns // order, abreast, order, globalisation, seams // order if seamed else None)
+    seams_of_order = seams // order if seamed else None
+    return Lattice(sections, number, columns // order, abreast, order, globalisation, seams_of_order)
 
 
 def merged_in_place(plan: Plan) -> list[int]:
@@ -134,7 +139,7 @@ def _windows_mirrored(plan: Plan, globalisation: int) -> bool:
     return not sewn_aside and farthest_beside(plan, _lattice_of(plan, globalisation, None, False, None)) <= ROUND_OFF
 
 
-def _columns_of(plan: Plan, globalisation: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _columns_of(plan: Plan, globalisation: float) -> tuple[Counts, Counts]:
     """(Merged) meshes all round of every band, and seams at which it loses some where it tapers, each (bands,).
 
     A tube tapers in as many places round as its counts and those of the other sections allow.
@@ -149,7 +154,7 @@ def _columns_of(plan: Plan, globalisation: float) -> tuple[NDArray[np.int64], ND
     return np.concatenate(parts), np.concatenate(seams)
 
 
-def _along(part: Netting, fore: int, aft: int, globalisation: float) -> NDArray[np.int64]:
+def _along(part: Netting, fore: int, aft: int, globalisation: float) -> Counts:
     """Columns of the bands of a section, from its counts at either end, (rows,)."""
     return columns_along(fore, aft, part.merged_rows(globalisation), part.kind.staggered)
 
@@ -180,7 +185,7 @@ def _check_edges(plan: Plan, lattice: Lattice) -> None:
     first = plan.netting[0]
     if lattice.seams is None or not first.tapers or first.stretches or not first.kind.staggered:
         return
-    rows = np.arange(1, np.searchsorted(plan.sections_of_bands(lattice.globalisation), 1))
+    rows = np.arange(1, np.searchsorted(lattice.number, 1))
     lost = (lattice.columns[0] - lattice.columns[rows]) // lattice.seams[0]
     turn = np.minimum(np.pi * (lost + rows) / (lattice.columns[0] * lattice.order), np.pi / 2)
     way_m = rows * lattice.globalisation * (first.bar_m + first.knot_m)
@@ -194,25 +199,21 @@ def _check_edges(plan: Plan, lattice: Lattice) -> None:
     raise InputError(plan.source, f"entry.{key}", value, f"below {most:.4g}, so that the netting {cut}")
 
 
-def rows_of(plan: Plan, globalisation: float = 1) -> list[Netting]:
-    """Section of each band between two rows, from the entry to the codline."""
-    return [plan.netting[number] for number in plan.sections_of_bands(globalisation)]
+def _crude_rows(plan: Plan, lattice: Lattice, around: Counts) -> tuple[Floats, Floats]:
+    """Positions and radii of the rows of a plain bag that any solver can start from: tubes with conical ends.
 
-
-def crude_rows(plan: Plan, globalisation: float = 1) -> tuple[Floats, Floats]:
-    """Positions and radii of the rows of a plain bag that any solver can start from: tubes with conical ends."""
-    sections = rows_of(plan, globalisation)
-    number = list(plan.sections_of_bands(globalisation))
-    side = np.array([globalisation * (s.bar_m + s.knot_along_m) for s in plan.netting])[number]
-    around = globalisation * _columns_of(plan, globalisation)[0]
-    largest = around * np.array([s.stretched_radius_per_mesh_m for s in plan.netting])[number]
+    ``around`` are the (merged) meshes all round of every band.
+    """
+    g = lattice.globalisation
+    side = lattice.of_bands(lambda section: g * (section.bar_m + section.knot_along_m))
+    largest = g * around * lattice.of_bands(lambda section: section.stretched_radius_per_mesh_m)
     from_entry = np.concatenate([[0.0], np.cumsum(side)])
     bound = np.minimum(np.concatenate([largest[:1], largest]), np.concatenate([largest, largest[-1:]]))
     from_wide_entry = np.minimum(plan.entry_radius_m - 0.6 * from_entry, 0.9 * bound)
     wanted = np.maximum(0.55 * bound, from_wide_entry)
     wanted[0], wanted[-1] = plan.entry_radius_m, 0.0
     for strap, rows in zip(plan.straps, plan.strap_rows, strict=True):
-        row = len(sections) - round(rows / globalisation)
+        row = lattice.bands - round(rows / g)
         wanted[row] = min(wanted[row], 0.9 * strap.around_m / (2.0 * np.pi))
     # no row is wider than the slopes of the bag from any other row allow
     widening = np.minimum.accumulate(wanted - 0.4 * from_entry) + 0.4 * from_entry

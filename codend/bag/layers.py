@@ -60,7 +60,7 @@ def _with_layer(bag: Bag, plan: Plan, index: int, layer: Layer, knots: Knots) ->
     assert rows_below is not None
     net, lattice = bag.net, knots.lattice
     bands = np.arange(lattice.bands - round(rows_below / lattice.globalisation), lattice.bands)
-    _check_below(plan, index, [lattice.sections[band] for band in bands])
+    _check_below(plan, index, [lattice.section(band) for band in bands])
     length = lattice.stretched_m[bands]
     rows = layer.rows_per_mesh * layer.meshes_long * length / length.sum()
     square = not layer.kind.staggered

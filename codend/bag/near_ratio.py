@@ -95,9 +95,8 @@ def near_enough(plan: Plan) -> NearRatio | None:
     widest = max(part.open_meshes[0] for part in plan.netting) // math.gcd(
         *(part.open_meshes[0] for part in plan.netting)
     )
-    rows = len(plan.sections_of_bands())
     seamed = plan.ropes or plan.window or plan.tapers
-    if seamed or widest < SLOW_MESHES or rows * widest < WORTH_KNOTS:
+    if seamed or widest < SLOW_MESHES or len(plan.sections_of_bands()) * widest < WORTH_KNOTS:
         return None
     allowed = plan.model.accuracy / DRAG_BY_MISMATCH
     return next(

@@ -34,7 +34,7 @@ def with_straps(bag: Bag, plan: Plan, knots: Knots, drag: tuple[int, float, floa
     """
     for index, strap in enumerate(plan.straps):
         row = knots.lattice.bands - round(plan.strap_rows[index] / knots.lattice.globalisation)
-        across_m = knots.lattice.sections[row - 1].knot_m if knots.across[row] else 0.0
+        across_m = knots.lattice.section(row - 1).knot_m if knots.across[row] else 0.0
         _check_length(plan, index, knots, row, across_m)
         bag = _with_strap(bag, strap, knots, row, across_m, drag)
     return bag
@@ -43,7 +43,7 @@ def with_straps(bag: Bag, plan: Plan, knots: Knots, drag: tuple[int, float, floa
 def _check_length(plan: Plan, index: int, knots: Knots, row: int, across_m: float) -> None:
     """Refuse a strap too short for the knots of its row, for their twines, or for the netting from the entry."""
     lattice, strap = knots.lattice, plan.straps[index]
-    section = lattice.sections[row - 1]
+    section = lattice.section(row - 1)
     real = lattice.globalisation * lattice.order * int(lattice.knots[row])
     # the circle round the sections of the twines that pass through the ring, two from a knot or in square mesh one
     bundle_m = np.pi * section.solid_diameter_m * np.sqrt(section.rows_per_mesh * real)

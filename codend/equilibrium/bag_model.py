@@ -12,7 +12,6 @@ from codend.bag.loads import in_case, problem_of
 from codend.bag.near_ratio import NearRatio
 from codend.errors import InputError
 from codend.mechanics.problem import Problem
-from codend.mechanics.structure import Structure
 from codend.net.last_made import LastMade
 from codend.plan.plan import Case, Plan
 from codend.solvers.linear_systems import BandedSystem
@@ -36,12 +35,25 @@ class BagModel:
     """Nearly the ratio of the sections' counts, where a sector of it is modelled."""
 
     @cached_property
+    def _first_case(self) -> Case:
+        return self.plan.cases()[0]
+
+    @cached_property
     def _first_problem(self) -> Problem:
-        return problem_of(self.bag, self.plan, self.plan.cases()[0])
+        return problem_of(self.bag, self.plan, self._first_case)
 
     def problem(self, case: Case) -> Problem:
         """The bag under the loads of a case of its plan."""
+        if case == self._first_case:
+            return self._first_problem
         return in_case(self._first_problem, self.bag, self.plan, case)
+
+    @cached_property
+    def _joints(self) -> tuple[Hashable, ...]:
+        """All that the numbering of its unknowns depends on: what is joined, what is held, and the bands of a catch."""
+        s = self._first_problem.structure
+        joined = (s.first, s.second, s.image, s.facets, s.facet_image, s.corners, s.corner_image, s.free)
+        return (self.bag.bands, *(array.tobytes() for array in (*joined, s.wrap_node, s.wrap_image)))
 
     @cached_property
     def prepared(self) -> Prepared:
@@ -52,7 +64,7 @@ class BagModel:
         structure, bands = self._first_problem.structure, self.bag.bands
         if len(structure.free) > MOST_NODES:
             return prepare(structure, bands)
-        like = _prepared.of(_joints(structure, bands), lambda: prepare(structure, bands))
+        like = _prepared.of(self._joints, len(structure.free), lambda: prepare(structure, bands))
         return prepare(structure, bands, like)
 
     @property
@@ -86,21 +98,14 @@ class BagModel:
         structure, bands = self._first_problem.structure, self.bag.bands
         if len(structure.free) > MOST_NODES:
             return Ring(structure, bands)
-        key = (structure.order == 2.0, *_joints(structure, bands))
-        return _rings.of(key, lambda: Ring(structure, bands)).beside(structure, bands)
+        key = (structure.order == 2.0, *self._joints)
+        return _rings.of(key, len(structure.free), lambda: Ring(structure, bands)).beside(structure, bands)
 
 
 MOST_NODES = 3000
-"""Of nets whose numbered unknowns are kept for others of the same bars."""
-_prepared: LastMade[Prepared] = LastMade(2)
-_rings: LastMade[Ring] = LastMade(1)
-
-
-def _joints(structure: Structure, bands: int) -> tuple[Hashable, ...]:
-    """All that the numbering of a net's unknowns depends on: what is joined, what is held, and the bands of a catch."""
-    s = structure
-    joined = (s.first, s.second, s.image, s.facets, s.facet_image, s.corners, s.corner_image, s.free)
-    return (bands, *(array.tobytes() for array in (*joined, s.wrap_node, s.wrap_image)))
+"""Of nets whose numbered unknowns are kept for others of the same joints: of one, and of all rings together."""
+_prepared: LastMade[Prepared] = LastMade(2 * MOST_NODES)
+_rings: LastMade[Ring] = LastMade(MOST_NODES)
 
 
 @lru_cache(maxsize=1)

@@ -11,7 +11,6 @@ knots if they lie along the netting.
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,7 +81,7 @@ def knots_of(lattice: Lattice) -> Knots:
     """
     along = np.append(False, lattice.of_bands(lambda section: section.knot_along_m > 0.0))
     lie_across = lattice.of_bands(lambda section: section.knot_across_m > 0.0)
-    tapering = np.array([ahead is aft for ahead, aft in pairwise(lattice.sections)], dtype=bool)
+    tapering = lattice.number[:-1] == lattice.number[1:]
     plain = ((lattice.columns[:-1] == lattice.columns[1:]) | tapering) & lattice.staggered[1:]
     across = np.concatenate([lie_across[:1], lie_across[:-1] & plain, [False]])
     fore_nodes = along * np.concatenate([[0], lattice.columns])
@@ -91,45 +90,106 @@ def knots_of(lattice: Lattice) -> Knots:
     return Knots(lattice, along, across, fore_start, fore_start + fore_nodes)
 
 
-def placed_knots(knots: Knots, shape: RowShape) -> tuple[Floats, Ints]:
-    """Start position of every node, (n, 3), and the row whose ring it belongs to, -1 between two rings, (n,)."""
-    lattice = knots.lattice
-    positions = np.empty((knots.codline + 1, 3))
-    node_row = np.full(knots.codline + 1, -1, dtype=np.int32)
-    knot_m = lattice.merged * lattice.of_bands(lambda section: section.knot_m)
-    # a knot keeps its length, however far the rows have closed up
-    knot_share = np.minimum(knot_m / np.hypot(np.diff(shape.x), np.diff(shape.radius)), 0.9)
+@dataclass(frozen=True)
+class Places:
+    """Where among the rows the nodes lie, whatever the sizes; arrays (k,) of the knots in all rings but the codline."""
 
-    # the band whose columns a row's knots are
+    node_row: Ints
+    """Row whose ring a node belongs to, -1 between two rings, (n,)."""
+    row: Counts
+    """Row of a knot."""
+    owner: Counts
+    """Band whose columns a row's knots are."""
+    turns: Floats
+    """Place in its ring, in half columns, times pi."""
+    left: NDArray[np.integer]
+    """Its node, or of one that lies across that to the left."""
+    right: NDArray[np.integer]
+    """That to the right, or the same."""
+    across: NDArray[np.bool_] | None
+    """Whether it lies across; None: none does."""
+    band: Counts
+    """Band at whose aft end a knot lies that has a node of its own ahead of the ring, (a,)."""
+    ahead_turns: Floats
+    """Place of such a knot, likewise, (a,)."""
+    ahead: NDArray[np.integer]
+    """Its node, (a,)."""
+    shares: NDArray[np.bool_]
+    """Whether it shares its node of the ring with others, (a,)."""
+    laced_owner: Counts
+    """Band whose columns that node is counted in, of those that share one."""
+    laced_turns: Floats
+    """Its place."""
+
+
+def places_of(knots: Knots) -> Places:
+    """Where the nodes of a net lie."""
+    lattice = knots.lattice
+    node_row = np.full(knots.codline + 1, -1, dtype=np.int32)
+    node_row[knots.codline] = lattice.bands
     rows = np.arange(lattice.bands)
     ahead = np.maximum(rows - 1, 0)
     owner = np.where(lattice.columns[ahead] == lattice.knots[:-1], ahead, rows)
     row, knot = lattice.rings(rows)
-    azimuth = _azimuth(lattice, owner[row], knot, row)
-    half_knot = np.where(knots.across[row], 0.5 * knot_m[owner[row]], 0.0)
-    half_angle = np.arcsin(np.clip(half_knot / np.maximum(shape.radius[row], half_knot + 1e-300), 0.0, 1.0))
-    turn = np.minimum(half_angle, 0.4 * np.pi / (lattice.knots[row] * lattice.order))
-    for side, sign in ((LEFT, -1.0), (RIGHT, 1.0)):
-        node = knots.ring(side, row, knot, lattice.knots[row]).node
-        positions[node] = shape.placed(row, azimuth + sign * turn)
-        node_row[node] = row
-    positions[knots.codline] = (shape.x[-1], 0.0, 0.0)
-    node_row[knots.codline] = lattice.bands
-
+    left, right = (knots.ring(side, row, knot, lattice.knots[row]).node for side in (LEFT, RIGHT))
+    node_row[left] = node_row[right] = row
     band, column = lattice.places(np.flatnonzero(knots.along[1:]))
-    row = band + 1
-    azimuth = _azimuth(lattice, band, column, row)
-    # knots that share a node of the ring lie beside each other, ahead of it
-    shares = (row < lattice.bands) & (lattice.knots[row] < lattice.columns[band])
-    band_shared, row_shared = band[shares], row[shares]
-    laced = lattice.laced(row_shared, column[shares], lattice.columns[band_shared])
-    middle = _azimuth(lattice, owner[row_shared], laced, row_shared)
-    reach = 0.5 * knot_m[band_shared] / shape.radius[row_shared]
-    azimuth[shares] = middle + np.clip(azimuth[shares] - middle, -reach, reach)
-    positions[knots.fore(LEFT, row, column).node] = shape.placed(row, azimuth, knot_share[band])
-    return positions, node_row
+    aft = band + 1
+    shares = (aft < lattice.bands) & (lattice.knots[aft] < lattice.columns[band])
+    laced = lattice.laced(aft[shares], column[shares], lattice.columns[band[shares]])
+
+    def turns(counted: Counts, row: Counts) -> Floats:
+        return np.asarray((2 * counted + lattice.shift[row]) * np.pi)
+
+    return Places(
+        node_row=node_row,
+        row=row,
+        owner=owner[row],
+        turns=turns(knot, row),
+        left=left,
+        right=right,
+        across=knots.across[row] if knots.across.any() else None,
+        band=band,
+        ahead_turns=turns(column, aft),
+        ahead=knots.fore(LEFT, aft, column).node,
+        shares=shares,
+        laced_owner=owner[aft[shares]],
+        laced_turns=turns(laced, aft[shares]),
+    )
 
 
-def _azimuth(lattice: Lattice, band: Counts, column: Counts, row: Counts) -> Floats:
-    """Azimuth of a knot counted in the columns of a band, in a row at either end of it, rad."""
-    return lattice.phase[band] + (2 * column + lattice.shift[row]) * np.pi / (lattice.columns[band] * lattice.order)
+def placed_knots(lattice: Lattice, places: Places, shape: RowShape) -> Floats:
+    """Start position of every node, (n, 3)."""
+    positions = np.empty((len(places.node_row), 3))
+    positions[-1] = shape.x[-1], 0.0, 0.0
+    knot_m = lattice.merged * lattice.of_bands(lambda section: section.knot_m)
+
+    row, owner = places.row, places.owner
+    azimuth = _azimuth(lattice, owner, places.turns)
+    if places.across is None:
+        positions[places.left] = shape.placed(row, azimuth)
+    else:
+        half_knot = np.where(places.across, 0.5 * knot_m[owner], 0.0)
+        half_angle = np.arcsin(np.clip(half_knot / np.maximum(shape.radius[row], half_knot + 1e-300), 0.0, 1.0))
+        turn = np.minimum(half_angle, 0.4 * np.pi / (lattice.knots[row] * lattice.order))
+        positions[places.left] = shape.placed(row, azimuth - turn)
+        positions[places.right] = shape.placed(row, azimuth + turn)
+    if len(places.band) == 0:
+        return positions
+
+    # a knot keeps its length, however far the rows have closed up
+    knot_share = np.minimum(knot_m / np.hypot(np.diff(shape.x), np.diff(shape.radius)), 0.9)
+    band, shares = places.band, places.shares
+    azimuth = _azimuth(lattice, band, places.ahead_turns)
+    if len(places.laced_turns):
+        # knots that share a node of the ring lie beside each other, ahead of it
+        middle = _azimuth(lattice, places.laced_owner, places.laced_turns)
+        reach = 0.5 * knot_m[band[shares]] / shape.radius[band[shares] + 1]
+        azimuth[shares] = middle + np.clip(azimuth[shares] - middle, -reach, reach)
+    positions[places.ahead] = shape.placed(band + 1, azimuth, knot_share[band])
+    return positions
+
+
+def _azimuth(lattice: Lattice, band: Counts, turns: Floats) -> Floats:
+    """Azimuth of knots counted in the columns of a band, so many half columns, times pi, from its first, rad."""
+    return lattice.phase[band] + turns / (lattice.columns[band] * lattice.order)

@@ -4,9 +4,10 @@ Where two sections are joined the knots of the ring with more are taken up evenl
 section tapers those of its panels' edges are gathered at the seams (``netting.taper``).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +23,10 @@ Counts = NDArray[np.int64]
 class Lattice:
     """Counts that all index arithmetic rests on."""
 
-    sections: list[Netting]
-    """Section of each band."""
+    sections: tuple[Netting, ...]
+    """From the entry."""
+    number: Counts
+    """Number of each band's section among them, (bands,)."""
     columns: Counts
     """Modelled (merged) meshes round of each band, (bands,)."""
     abreast: int
@@ -37,27 +40,31 @@ class Lattice:
     @property
     def bands(self) -> int:
         """Bands between the rows."""
-        return len(self.sections)
+        return len(self.columns)
 
-    @cached_property
-    def distinct(self) -> list[Netting]:
-        """Every section once, from the entry."""
-        return list(dict(zip(map(id, self.sections), self.sections, strict=True)).values())
+    @property
+    def counted(self) -> Hashable:
+        """All that what counts and kinds of netting decide depends on: equal where all of that is."""
+        kinds = tuple((section.mesh, section.knot_m > 0.0) for section in self.sections)
+        seams = () if self.seams is None else (self.seams.tobytes(), self.gathered.tobytes())
+        return kinds, self.number.tobytes(), self.columns.tobytes(), seams, self.abreast, self.order == 1
 
-    @cached_property
-    def number(self) -> Counts:
-        """Number of each band's section among them, (bands,)."""
-        number = {id(section): i for i, section in enumerate(self.distinct)}
-        return np.array(list(map(number.__getitem__, map(id, self.sections))))
+    def beside(self, like: "Lattice") -> None:
+        """Take over what another of the same counts and kinds (``counted``) has found that these alone decide."""
+        self.__dict__.update((name, like.__dict__[name]) for name in _BY_COUNTS if name in like.__dict__)
+
+    def section(self, band: int | np.integer) -> Netting:
+        """Section of a band."""
+        return self.sections[self.number[band]]
 
     def of_bands(self, value: Callable[[Netting], object]) -> NDArray:
         """A value of every band's section, (bands,)."""
-        return np.array([value(section) for section in self.distinct])[self.number]
+        return np.array([value(section) for section in self.sections])[self.number]
 
     @cached_property
     def merged(self) -> Floats:
         """Real rows that every band stands for, (bands,)."""
-        return rows_merged(self.distinct, self.bands, self.globalisation)
+        return rows_merged(self.sections, self.bands, self.globalisation)
 
     @cached_property
     def stretched_m(self) -> Floats:
@@ -88,14 +95,19 @@ class Lattice:
         """
         if self.seams is not None:
             return -np.pi * self._beside_seam / (self.columns * self.order)
-        turn = np.zeros(self.bands)
+        return np.cumsum(2.0 * np.pi / self.order * self._lag)
+
+    @cached_property
+    def _lag(self) -> Floats:
+        """Share of a sector by which each band is turned against the one ahead, (bands,)."""
+        lag = np.zeros(self.bands)
         for band in np.flatnonzero(np.diff(self.columns)) + 1:
             ahead, aft = self.columns[band - 1 : band + 1]
             wide, narrow = max(ahead, aft), min(ahead, aft)
             knot = np.arange(wide)
-            lag = 2.0 * np.pi / self.order * np.mean(knot / wide - knot * narrow // wide / narrow)
-            turn[band] = lag if ahead > aft else -lag
-        return np.cumsum(turn)
+            mean = np.mean(knot / wide - knot * narrow // wide / narrow)
+            lag[band] = mean if ahead > aft else -mean
+        return lag
 
     @cached_property
     def gathered(self) -> NDArray[np.bool_]:
@@ -106,10 +118,11 @@ class Lattice:
         gathered = np.zeros(self.bands + 1, dtype=bool)
         if self.seams is None:
             return gathered
-        for row in range(1, self.bands):
-            ahead, aft = self.sections[row - 1 : row + 1]
+        gathered[1:-1] = True
+        for row in np.flatnonzero(np.diff(self.number)) + 1:
+            ahead, aft = self.section(row - 1), self.section(row)
             counts = round(ahead.open_meshes[1] / self.globalisation), round(aft.open_meshes[0] / self.globalisation)
-            gathered[row] = ahead is aft or counts[0] == counts[1]
+            gathered[row] = counts[0] == counts[1]
         return gathered
 
     @cached_property
@@ -212,3 +225,9 @@ class Lattice:
         image = np.zeros_like(column) if self.order == 1 else column // columns
         inside, wide = column % columns, np.maximum(columns // self.abreast, 1)
         return inside % wide * self.abreast + inside // wide, image
+
+
+_BY_COUNTS: Final = (
+    "staggered", "knots", "shift", "gathered", "ring_seams", "after_seam", "_lag", "_upward", "_beside_seam",
+)  # fmt: skip
+"""What counts and kinds alone decide of a lattice."""

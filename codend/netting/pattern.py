@@ -6,9 +6,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from codend.net.last_made import LastMade
 from codend.netting.knots import LEFT, RIGHT, Knots
-from codend.netting.parts import Layout, Parts
+from codend.netting.parts import Parts
 from codend.netting.patterns.rhombs import add_rhombs
 from codend.netting.patterns.squares import add_squares
 
@@ -17,23 +16,6 @@ PATTERNS: Final[dict[str, Callable[[Parts, Knots, NDArray[np.bool_]], None]]] = 
     "squares": add_squares,
 }
 """Functions that write bars, facets, meshes and corners of the bands for which the last argument, (bands,), is true."""
-
-
-MOST_KNOTS: Final = 10_000
-"""Of nets whose layout is kept for others of the same counts: it takes about a kilobyte a knot."""
-_layouts: LastMade[Layout] = LastMade(4)
-
-
-def layout_of(knots: Knots) -> Layout:
-    """Bars, facets, meshes and corners of all sections; plans that differ in their sizes alone have the same."""
-    pattern = knots.lattice.of_bands(lambda section: section.kind.pattern)
-    if knots.codline > MOST_KNOTS:
-        return parts_of(knots).joined()
-    lattice = knots.lattice
-    joined = (lattice.columns, lattice.phase, lattice.after_seam, lattice.gathered, lattice.ring_seams)
-    arrays = [np.asarray(array).tobytes() for array in (*joined, lattice.staggered, knots.along, knots.across)]
-    key = (lattice.abreast, lattice.order == 1, lattice.seams is None, *pattern, *arrays)
-    return _layouts.of(key, lambda: parts_of(knots).joined())
 
 
 def parts_of(knots: Knots) -> Parts:

@@ -22,6 +22,8 @@ def columns_along(fore: int, aft: int, rows: int, staggered: bool) -> Counts:
     """
     if aft > fore:
         return columns_along(aft, fore, rows, staggered)[::-1]
+    if aft == fore:
+        return np.full(rows, fore, dtype=np.int64)
     lost = np.searchsorted(rows_of_loss(rows, fore - aft, staggered), np.arange(rows), side="right")
     return np.asarray(fore - lost, dtype=np.int64)
 

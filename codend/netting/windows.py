@@ -141,7 +141,7 @@ def nearest_only(pairs: list[tuple[int, int]], one: int, other: int) -> list[tup
 def let_in(knots: Knots, opening: Opening, netting: Netting, wide: int, deep: int, first: int) -> LetIn:
     """Sew a piece of so many meshes across and along into an opening; its own nodes are numbered from ``first``."""
     lattice = knots.lattice
-    host = lattice.sections[opening.fore]
+    host = lattice.section(opening.fore)
     rows = netting.rows_per_mesh * deep
     host_deep = (opening.aft - opening.fore) // host.rows_per_mesh
     ends = {"fore": shared_knots(opening.across, wide)}
@@ -345,11 +345,11 @@ def cut_out(parts: Parts, knots: Knots, opening: Opening, azimuth: Floats, node_
     for index, facets in enumerate(parts.facets):
         within = (facets[:, 6] >= opening.fore) & (facets[:, 6] < opening.aft)
         # those on a seam are written anew
-        edge = half + (0.25 if lattice.sections[opening.fore].kind.staggered else -0.25)
+        edge = half + (0.25 if lattice.section(opening.fore).kind.staggered else -0.25)
         parts.facets[index] = facets[~(within & (off(facets[:, :3]) < edge))]
     for index, meshes in enumerate(parts.meshes):
         nodes, row = meshes[:, [0, 1, 2, 3, 4, 5, 6, 7]], meshes[:, 16]
-        staggered = lattice.sections[opening.fore].kind.staggered
+        staggered = lattice.section(opening.fore).kind.staggered
         ahead = row >= opening.fore
         within = ahead & (row <= opening.aft if staggered else row < opening.aft)
         edge = half + (0.25 if staggered else -0.25)

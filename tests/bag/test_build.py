@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from codend.bag.bag import all_round
-from codend.bag.build import build_bag, rows_of
+from codend.bag.build import build_bag
 from codend.mechanics.weight import wet_weight
 from codend.net.net import bar_vectors, facet_corners, split_bars
 from tests.plans import make_plan
@@ -121,7 +121,7 @@ def test_sections_follow_one_another():
     second = plan.netting[0].model_copy(update={"bar_mm": 20.0, "meshes_long": 3})
     joined = plan.model_copy(update={"netting": (plan.netting[0], second)})
     bag = build_bag(joined, sectors=1)
-    assert len(rows_of(joined)) == bag.bands == 22
+    assert len(joined.sections_of_bands()) == bag.bands == 22
     assert np.unique(bag.net.bar_length[bag.bar_band >= 16]) == pytest.approx([0.020])
     assert np.unique(bag.net.bar_length[bag.bar_band < 16]) == pytest.approx([0.040])
 

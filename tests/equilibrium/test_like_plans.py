@@ -8,7 +8,7 @@ from codend.equilibrium.bag_model import model_of
 from codend.equilibrium.solve import solve as find
 from codend.equilibrium.stability import tangent_of
 from codend.net.last_made import LastMade
-from codend.netting import pattern
+from codend.netting import frame
 from codend.solvers import newton
 from codend.solvers.harmonics import harmonics_of, negative_pivots
 from tests.plans import make_plan
@@ -21,8 +21,8 @@ def solved(model):
 
 
 def nothing_kept(monkeypatch) -> None:
-    for module, name in ((pattern, "_layouts"), (bag_model, "_prepared"), (bag_model, "_rings")):
-        monkeypatch.setattr(module, name, LastMade(1))
+    for module, name in ((frame, "_frames"), (bag_model, "_prepared"), (bag_model, "_rings")):
+        monkeypatch.setattr(module, name, LastMade(3000))
     bag_model._bag_of.cache_clear()
 
 
@@ -47,7 +47,7 @@ def test_a_net_after_another_of_its_joints_is_that_net_to_the_last_bit(mesh, net
 
 def _last(made):
     key = next(reversed(made._made))
-    return key, lambda: None
+    return key, 0, lambda: None
 
 
 @pytest.mark.parametrize(("mesh", "netting"), KINDS)
