@@ -56,7 +56,7 @@ class _Joints(NamedTuple):
     tube: Tube
 
 
-_made: LastMade[_Joints] = LastMade(16)
+_made: LastMade[_Joints] = LastMade(40_000)
 """By the arrays themselves: nets of plans that differ in their sizes alone have the same."""
 
 
@@ -74,7 +74,7 @@ def tube_of(net: Net) -> Tube:
         is_one, rim, image, reach = _rim(*bars, *facets, whole, len(net.positions), apex)
         return _Joints(bars, facets, reach, Tube(apex, rim, image) if is_one else NO_TUBE)
 
-    found = _made.of((*map(id, (*bars, *facets)), whole.tobytes(), apex), made)
+    found = _made.of((*map(id, (*bars, *facets)), whole.tobytes(), apex), len(net.positions), made)
     # images that are farther apart might be the same
     return found.tube if 2 * found.reach < net.order else NO_TUBE
 

@@ -37,7 +37,7 @@ class Frame:
         return replace(self.knots, lattice=lattice)
 
 
-MOST_KNOTS: Final = 40_000
+MOST_KNOTS: Final = 10_000
 """Of all nets together whose frames are kept for others: they take about a kilobyte a knot."""
 _frames: LastMade[Frame] = LastMade(MOST_KNOTS)
 
