@@ -146,7 +146,7 @@ class BandedSystem:
     def beside(self) -> "BandedSystem":
         """Another system of the same numbering, with room of its own."""
         other = copy(self)
-        other.arrays = self.arrays._replace(rows=np.zeros_like(self.arrays.rows))
+        other.arrays = self.arrays._replace(rows=np.zeros(self.arrays.rows.shape))
         return other
 
     @property

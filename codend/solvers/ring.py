@@ -2,6 +2,7 @@
 
 import math
 from copy import copy
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -77,7 +78,6 @@ class Ring:
         self._off_axis = np.flatnonzero((row >= 0) & (column >= 0))
         self._row, self._column, self._image = (part[self._off_axis] for part in (row, column, image))
         self._at_axis = self._entries_at_axis(0), self._entries_at_axis(1)
-        self._axis_weights = [entries.weights(k, self.order) for k, entries in enumerate(self._at_axis)]
         tails = max(len(self.axis_moves(k)) for k in (0, 1)) * len(self.on_axis)
         rows = np.concatenate([self._row, *(entries.row for entries in self._at_axis)])
         columns = np.concatenate([self._column, *(entries.column for entries in self._at_axis)])
@@ -88,7 +88,6 @@ class Ring:
         width, reach = int(self.depth.max()) + 1, int(np.abs(image).max())
         self.even, self.odd = np.zeros((2, reach + 1, self.size, width))
         """C and S of ``mechanics.harmonics``."""
-        self._turns = self._turns_of(self.order)
         row, column, image = self._row, self._column, self._image
         off = np.abs(row - column)
         self._tails = self._tail_of(0), self._tail_of(1)
@@ -114,16 +113,22 @@ class Ring:
         order = structure.order
         other.order = int(order) if order.is_integer() else order
         if other.order != self.order:
-            other._axis_weights = [entries.weights(k, other.order) for k, entries in enumerate(self._at_axis)]
-            other._turns = self._turns_of(other.order)
+            for of_order in ("_axis_weights", "_turns"):
+                other.__dict__.pop(of_order, None)
         other.state, other.step = empty_state(structure, bands), empty_step(structure, self.pattern)
-        other.even, other.odd = np.zeros_like(self.even), np.zeros_like(self.odd)
+        other.even, other.odd = np.zeros((2, *self.even.shape))
         other._as_mirrored = None if self._as_mirrored is None else self._as_mirrored.beside(other.order)
         return other
 
-    def _turns_of(self, order: float) -> Floats:
+    @cached_property
+    def _axis_weights(self) -> list[Complex]:
+        """Weights of the entries at the axis in harmonics 0 and 1."""
+        return [entries.weights(k, self.order) for k, entries in enumerate(self._at_axis)]
+
+    @cached_property
+    def _turns(self) -> Floats:
         """Cosine and sine of m phi in harmonics 0 .. n / 2 of a ring of n sectors, (2, reach + 1, harmonics)."""
-        angle = np.arange(len(self.even))[:, None] * (2.0 * np.pi / order * np.arange(int(order // 2) + 1))
+        angle = np.arange(len(self.even))[:, None] * (2.0 * np.pi / self.order * np.arange(int(self.order // 2) + 1))
         return np.stack([np.cos(angle), np.sin(angle)])
 
     def linearise(self, problem: Problem, solution: Solution) -> int:
