@@ -12,8 +12,7 @@ from codend.cli.streams import say
 ShownProgress = Callable[[int, int, str], None]
 """Told how many parts are done, of how many, and what is being done."""
 
-SECONDS_BETWEEN_LINES = 10.0
-
+SECONDS_BETWEEN_LINES, SECONDS_BETWEEN_DRAWINGS = 10.0, 0.1
 
 WIDTH = 80
 """Columns of letters that a table keeps within, unless one of its own columns is wider."""
@@ -85,13 +84,19 @@ def shown_progress() -> Iterator[ShownProgress]:
 
     left = (TaskProgressColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("left"))
     columns = (BarColumn(bar_width=20), *left, TextColumn("{task.description}", markup=False))
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("starting", total=None)
+    # drawn as it is told, by no thread of its own: workers are copies of processes without any
+    with Progress(*columns, console=Console(stderr=True), transient=True, auto_refresh=False) as bar:
+        task, drawn = bar.add_task("starting", total=None), monotonic()
+        bar.refresh()
 
         def report(done: int, total: int, doing: str) -> None:
+            nonlocal drawn
             if bar.tasks[0].total not in (None, total):
                 bar.reset(task, total=total)
             bar.update(task, completed=done, total=total, description=doing)
+            if monotonic() - drawn > SECONDS_BETWEEN_DRAWINGS:
+                bar.refresh()
+                drawn = monotonic()
 
         yield report
 

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import tomllib
 from pathlib import Path
 
@@ -553,7 +554,10 @@ def test_progress_in_a_terminal_is_a_bar_that_is_gone_in_the_end(monkeypatch):
     terminal = Terminal()
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(sys, "stderr", terminal)
+    threads = threading.active_count()
     with console.shown_progress() as progress:
+        # workers are copied from no process with other threads
+        assert threading.active_count() == threads
         progress(1, 2, "case 2: solving [1/2]")
     assert "1/2" in terminal.getvalue()
     assert "solving [1/2]" in terminal.getvalue()
