@@ -148,7 +148,7 @@ def estimate(
 ) -> Errors:
     """Error estimates of one solved case, from the tangent at its equilibrium.
 
-    The solver's part is the distance to an answer that Newton's method finds from the result at a far smaller residual;
+    The solver's part is the distance to an answer of a hundredth of its residual that Newton's method finds from it;
     where it finds none, ``UNSETTLED`` times the distance to where it went.
     With measures of the meridian method beside the solution of a sector, that distance is the membrane's error.
     ``unseen_weight_n`` is the wet weight of net and straps that the model leaves out; that of the catch is found here.

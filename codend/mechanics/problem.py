@@ -32,7 +32,7 @@ class Problem:
     rings: Rings
     """Rings of knots in the order in which the net was built, wherever it starts."""
     tube: Tube
-    """The one that its facets make, if they do."""
+    """The one that its facets make, ``tube.NO_TUBE`` where they make none."""
     surface: Surface | None = None
     """What nothing may pass through; None where contact is left out."""
     body: Body | None = None

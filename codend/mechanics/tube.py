@@ -26,8 +26,8 @@ TILT = 1.0 / 3.0
 """Of the cone, radius over length: with ``LEAST`` bags may widen by up to 65 degrees from their entry on, and turn back
 by 12 where they are drawn in to the codline, which catches press flat."""
 LEAST = 0.1
-"""Least part of a unit normal along the cone's own. With it and ``SLIVER`` netting that shares no knot is apart by tens
-of times ``piercing.ON_EDGE``."""
+"""Least sum of a unit normal's part outward and ``TILT`` of its part aft. With it and ``SLIVER`` netting that shares no
+knot is apart by tens of times ``piercing.ON_EDGE``."""
 SLIVER = 1e-3
 """Twice a facet's area over the square of its longest side, from which it has a width."""
 
@@ -57,7 +57,7 @@ class _Joints(NamedTuple):
 
 
 _made: LastMade[_Joints] = LastMade(40_000)
-"""By the arrays themselves: nets of plans that differ in their sizes alone have the same."""
+"""Of so many nodes together, by the arrays themselves: nets of plans that differ in their sizes alone have the same."""
 
 
 def tube_of(net: Net) -> Tube:

@@ -16,6 +16,7 @@ from codend.mechanics.points import points_of
 from codend.mechanics.problem import Problem, no_catch
 from codend.mechanics.rings import rings_of
 from codend.mechanics.structure import structure_of
+from codend.mechanics.tube import tube_of
 from codend.net.net import BAR_ARRAYS, Floats, Net
 from codend.solvers.mirror import Mirror, mirror_of
 from codend.solvers.outcome import Solution
@@ -184,7 +185,8 @@ def _with(problem: Problem, loading: Loading) -> Problem:
     """The problem of its net, whatever that is now, under loads."""
     loading = loading._replace(points=points_of(problem.net))
     rings = rings_of(problem.net.positions, loading.catch.node_row, problem.net.order)
-    return replace(problem, structure=structure_of(problem.net), loading=loading, rings=rings)
+    structure, tube = structure_of(problem.net), tube_of(problem.net)
+    return replace(problem, structure=structure, loading=loading, rings=rings, tube=tube)
 
 
 def _once_cut(net: Net, on_plane: Flags) -> Floats:

@@ -156,7 +156,7 @@ class Ring:
         step, front = self.step, None
         if fronted:
             front = step.right[1], step.gradient[0]
-        is_mirrored = real is not None and real.gather(step.blocks, self.state.position, front)
+        is_mirrored = real is not None and real.gather(step.blocks, self.state.position, self.state.density, front)
         self.mirrored = real if is_mirrored else None
         if self.mirrored is not None:
             self.finite = True

@@ -25,6 +25,10 @@ class Images(NamedTuple):
     """The node that each node is the image of, itself on the plane or on the axis, (n,)."""
     middle: Ints
     """Azimuth of the plane halfway between a node and its image, in halves of a sector, (n,)."""
+    bar: Places
+    """The joint that each bar is of, one of those it may share its ends with, (m,)."""
+    joint: Places
+    """The mirror image of each joint, (j,)."""
 
 
 class Joined(NamedTuple):
@@ -54,7 +58,7 @@ def images_of(structure: Structure, on_axis: Ints) -> Images | None:
 
     Where every node is in the mean of its neighbours, but for those at the ends, its azimuth and its way along the axis
     follow from the bars alone, and have all the symmetries that these have (Tutte 1963, Proc. London Math. Soc. 13,
-    743-767). Whether all else has this one is for the tangent to tell.
+    743-767). Whether all else has this one is for the tangent and the bars' pull to tell.
     """
     nodes = len(structure.free)
     off_axis = np.ones(nodes, dtype=bool)
@@ -74,8 +78,9 @@ def images_of(structure: Structure, on_axis: Ints) -> Images | None:
         return None
     for other in first:
         found = _reflected(azimuth - 0.5 * (azimuth[first[0]] + azimuth[other]), row, own)
-        if found is not None and _keeps_bars(structure, off_axis, found):
-            return found
+        joints = None if found is None else _joints(structure, off_axis, *found)
+        if found is not None and joints is not None:
+            return Images(*found, *joints)
     return None
 
 
@@ -110,8 +115,8 @@ def _in_the_mean(structure: Structure, off_axis: NDArray[np.bool_]) -> tuple[Flo
     return (found[0], found[1]) if np.isfinite(found).all() else None
 
 
-def _reflected(azimuth: Floats, row: Places, own: Places) -> Images | None:
-    """The images of nodes under a change of their azimuths' sign, row by row; None where some have none."""
+def _reflected(azimuth: Floats, row: Places, own: Places) -> tuple[Ints, Ints] | None:
+    """Nodes' images under a change of their azimuths' sign, row by row, and middles; None where some have none."""
     here, there = ((sign * azimuth[own] + 0.5 * SAME) % 1.0 for sign in (1.0, -1.0))
     nodes, others = own[np.lexsort((here, row[own]))], own[np.lexsort((there, row[own]))]
     middle = azimuth[nodes] + azimuth[others]
@@ -120,17 +125,28 @@ def _reflected(azimuth: Floats, row: Places, own: Places) -> Images | None:
     node[nodes], halves[nodes] = others, whole
     if np.abs(middle - whole).max() > SAME or not np.array_equal(node[node], np.arange(len(node))):
         return None
-    return Images(node, halves)
+    return node, halves
 
 
-def _keeps_bars(structure: Structure, off_axis: NDArray[np.bool_], images: Images) -> bool:
-    """Whether bars between nodes off the axis lie in the images of such bars."""
-    joins = off_axis[structure.first] & off_axis[structure.second]
-    one, other, image = (part[joins].astype(np.int64) for part in (structure.first, structure.second, structure.image))
-    apart = 2 * image + images.middle[other] - images.middle[one]
-    bars = {*zip(one.tolist(), other.tolist(), apart.tolist(), strict=True)}
-    ends = zip(images.node[one].tolist(), images.node[other].tolist(), (-apart).tolist(), strict=True)
-    return all((i, j, d) in bars or (j, i, -d) in bars for i, j, d in ends)
+def _joints(
+    structure: Structure, off_axis: NDArray[np.bool_], image: Ints, middle: Ints
+) -> tuple[Places, Places] | None:
+    """The joint that each bar is of, and the image of each joint; None where some are no images of any."""
+    nodes = len(off_axis)
+    one, other, sectors = (part.astype(np.int64) for part in (structure.first, structure.second, structure.image))
+    # a node on the axis is in all sectors
+    apart = np.where(off_axis[one] & off_axis[other], 2 * sectors + middle[other] - middle[one], 0)
+    reach = int(np.abs(apart).max(initial=0))
+
+    def key(i: Places, j: Places, between: Places) -> Places:
+        turned = (i > j) | ((i == j) & (between < 0))
+        i, j, between = np.where(turned, j, i), np.where(turned, i, j), np.where(turned, -between, between)
+        return np.asarray((i * nodes + j) * (2 * reach + 1) + between + reach)
+
+    keys, bar, joint = np.unique(key(one, other, apart), return_index=True, return_inverse=True)
+    asked = key(image[one[bar]].astype(np.int64), image[other[bar]].astype(np.int64), -apart[bar])
+    found = np.minimum(np.searchsorted(keys, asked), len(keys) - 1)
+    return (joint, found) if np.array_equal(keys[found], asked) else None
 
 
 def joined_of(pattern: Pattern, moves: NDArray[np.bool_], on_axis: NDArray[np.bool_], images: Images) -> Joined | None:

@@ -83,7 +83,8 @@ def catch_of(plan: Plan, solved: SolvedMeshes, most_rows: float) -> Catch:
     """A solved case with the meshes up to ``most_rows`` + 1 rows ahead of the front.
 
     A net that is the same all round has one mesh a row, the mean of it, another all its meshes; every row of a
-    globalised net stands for as many real ones.
+    globalised net stands for as many real ones, whose openings and tensions go linearly from that of one merged row to
+    that of the next; radii are those of the merged row.
     """
     merged, meshes = solved.merged, solved.meshes
     number = {name: i for i, name in enumerate((*plan.section_names, *plan.window_names))}
