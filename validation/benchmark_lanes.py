@@ -2,7 +2,7 @@
 
 Times the parts of a catch in a series on one core, and beside them a band LU with its solution for eight sectors at
 once, each with its own numbers, as a part that was written for lanes. What the whole would gain if every part gained as
-much is printed beside the goal of 5000 cases a second over two cores. About a third of a study's processor time is
+much is printed beside the goal of 5000 cases a second over two cores. About half of a study's processor time is
 spent between kernels (their own was taken call by call), which only cases handed on by eight throughout would share.
 """
 
